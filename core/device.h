@@ -1,0 +1,143 @@
+// How a device drives a body: what it sends each step, and the target that becomes of it.
+// Impedance and non-haptic devices are PoseDevice (with and without feedback).
+#pragma once
+
+#include "core/fault.h"
+#include "core/scene.h"
+#include "core/target.h"
+
+namespace godobject {
+
+/// What drives one body during one step: the target at both ends, and how far the ramp is.
+struct Drive {
+  Target from, to;       // target at the start and the end of the step, quaternions of one sign
+  Real s = 0;            // ramp: 0 released, 1 fully engaged
+  Wrench F_WB;           // force and torque applied by the hand (admittance)
+  bool live = true;      // false: no valid sample; the target rests and nothing is shown to the hand
+  bool fresh = false;    // first step of an engagement: no history may be used
+};
+
+struct RampParams {
+  Real rise = 0.5;       // s from engaging to full coupling; 0: at once
+};
+
+struct RampState {
+  Real s = 0;            // ramp of the last step
+  bool engaged = false;
+};
+
+/// The ramp: 0 in the first engaged step, so that engaging moves nothing; then rising linearly to 1.
+inline void advance_ramp(const RampParams& par, bool engage, Real h, RampState& x, Drive& drive,
+                         Limited& limited) noexcept {
+  drive.fresh = engage && !x.engaged;
+  if (!engage) {
+    x.s = 0;
+  } else if (par.rise <= h) {
+    x.s = 1;
+  } else {
+    x.s = drive.fresh ? 0 : std::min(Real(1), x.s + h / par.rise);
+    if (x.s < 1) limited |= Limited::ramp;
+  }
+  x.engaged = engage;
+  drive.s = x.s;
+}
+
+/// A quaternion and its negative are one attitude: takes the one nearer to `reference`.
+inline Quat same_sign(const Quat& q, const Quat& reference) noexcept {
+  return q.dot(reference) < 0 ? Quat(-q.w(), -q.x(), -q.y(), -q.z()) : q;
+}
+
+/// Gives an absolute pose: impedance devices, trackers.
+struct PoseDevice {
+  using Params = RampParams;
+  struct State {
+    Target last;              // newest valid sample
+    RampState ramp;
+  };
+  struct Input {
+    Pose X_WD;
+    Twist V_WD;
+    bool valid = true;        // false: no sample this step; the target rests at the last one
+    bool engaged = true;      // false: the device drives nothing
+  };
+
+  static Drive drive(const Params& par, const Input& in, const RigidBodyState&, Real h, State& x,
+                     Limited& limited) noexcept {
+    Drive d;
+    advance_ramp(par, in.engaged, h, x.ramp, d, limited);
+    d.from = x.last;
+    d.to = {.X_WD = {.p = in.X_WD.p, .q = renormalized(in.X_WD.q)}, .V_WD = in.V_WD};
+    if (!in.valid) {
+      d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
+      d.live = false;
+      limited |= Limited::held;
+    }
+    if (d.fresh) d.from = d.to;
+    d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
+    x.last = d.to;
+    return d;
+  }
+};
+
+/// Gives increments of pose, through a clutch: a mouse, or an arm whose workspace is too small.
+struct RelativeDevice {
+  using Params = RampParams;
+  struct State {
+    Target last;              // target built up so far
+    RampState ramp;
+  };
+  struct Input {
+    Vec3 dp_W = Vec3::Zero();       // shift since the last sample, m
+    Vec3 dphi_W = Vec3::Zero();     // turn since the last sample, rad, |dphi| <= pi
+    bool clutch = true;             // false: the device moves, the target does not
+    bool valid = true;
+    bool engaged = true;
+  };
+
+  static Drive drive(const Params& par, const Input& in, const RigidBodyState& body, Real h, State& x,
+                     Limited& limited) noexcept {
+    Drive d;
+    advance_ramp(par, in.engaged, h, x.ramp, d, limited);
+    d.from = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
+    d.to.X_WD = d.from.X_WD;
+    if (in.clutch && in.valid) {
+      d.to.X_WD = {.p = d.from.X_WD.p + in.dp_W, .q = renormalized(exp_so3(in.dphi_W) * d.from.X_WD.q)};
+      d.to.V_WD = {.w = in.dphi_W / h, .v = in.dp_W / h};
+    }
+    d.live = in.valid;
+    if (!d.live) limited |= Limited::held;
+    x.last = d.to;
+    return d;
+  }
+};
+
+/// Gives forces and takes poses. Its spring (if any) is tied to where the body was when engaged.
+struct AdmittanceDevice {
+  using Params = RampParams;
+  struct State {
+    Target last;              // rests
+    RampState ramp;
+  };
+  struct Input {
+    Wrench F_WB;              // of the hand on the body, about its centre of mass
+    bool valid = true;
+    bool engaged = true;
+  };
+
+  static Drive drive(const Params& par, const Input& in, const RigidBodyState& body, Real h, State& x,
+                     Limited& limited) noexcept {
+    Drive d;
+    advance_ramp(par, in.engaged, h, x.ramp, d, limited);
+    if (d.fresh) x.last = {.X_WD = body.X_WB, .V_WD = {}};
+    d.from = d.to = x.last;
+    if (in.valid) {
+      d.F_WB = {.tau = d.s * in.F_WB.tau, .f = d.s * in.F_WB.f};
+    } else {
+      d.live = false;
+      limited |= Limited::held;
+    }
+    return d;
+  }
+};
+
+}  // namespace godobject

@@ -1,0 +1,36 @@
+// What a step reports: faults (something was lost) and limits (something was bounded on purpose).
+#pragma once
+
+#include <cstdint>
+
+namespace godobject {
+
+/// Bits; docs/faults.md has a paragraph for each.
+enum class Fault : std::uint32_t {
+  none = 0,
+  input_not_finite = 1u << 0,   // NaN or infinity in an input: the step was not taken
+  input_not_unit = 1u << 1,     // a target quaternion off unit length by more than 1e-6: the step was not taken
+  state_not_finite = 1u << 2,   // the step's result was not finite: it was not committed
+};
+
+/// Bits: which bound is active in this step.
+enum class Limited : std::uint32_t {
+  none = 0,
+  force = 1u << 0,        // feedback force at its limit
+  torque = 1u << 1,       // feedback torque at its limit
+  force_rate = 1u << 2,   // feedback force changes as fast as allowed
+  torque_rate = 1u << 3,  // feedback torque changes as fast as allowed
+  ramp = 1u << 4,         // coupling and feedback still rising after engaging
+  held = 1u << 5,         // no valid sample: the target rests where it was last seen
+};
+
+constexpr Fault operator|(Fault a, Fault b) noexcept { return Fault(std::uint32_t(a) | std::uint32_t(b)); }
+constexpr Fault& operator|=(Fault& a, Fault b) noexcept { return a = a | b; }
+constexpr bool any(Fault a) noexcept { return a != Fault::none; }
+constexpr bool has(Fault a, Fault b) noexcept { return (std::uint32_t(a) & std::uint32_t(b)) != 0; }
+
+constexpr Limited operator|(Limited a, Limited b) noexcept { return Limited(std::uint32_t(a) | std::uint32_t(b)); }
+constexpr Limited& operator|=(Limited& a, Limited b) noexcept { return a = a | b; }
+constexpr bool has(Limited a, Limited b) noexcept { return (std::uint32_t(a) & std::uint32_t(b)) != 0; }
+
+}  // namespace godobject

@@ -1,0 +1,53 @@
+// What the hand feels: equation (8) with its own gains, bounded in size and in rate.
+#pragma once
+
+#include "core/coupling.h"
+#include "core/device.h"
+
+namespace godobject {
+
+struct FeedbackParams {
+  SpringParams gains;              // g_d, k_d, g_dr, k_dr of (8)
+  Real max_force = 10;             // N
+  Real max_torque = 0.5;           // N m
+  Real max_force_rate = 500;       // N/s
+  Real max_torque_rate = 25;       // N m/s
+};
+
+/// a, shortened to the length `bound`; sets `bit` if it was longer.
+inline Vec3 bounded(const Vec3& a, Real bound, Limited bit, Limited& limited) noexcept {
+  const Real length_sq = a.squaredNorm();
+  if (length_sq <= bound * bound) return a;
+  limited |= bit;
+  return a * (bound / std::sqrt(length_sq));
+}
+
+struct LimitedFeedback {
+  using Params = FeedbackParams;
+  struct State {
+    Wrench F_D;                    // shown in the last step
+  };
+  struct Output {
+    Wrench F_D;                    // on the device at the target's origin, world axes
+  };
+
+  /// (8)  F = g_d (v - v_D) + k_d (x - x_D),  T = g_dr (w - w_D) - k_dr alpha u
+  static Wrench wrench(const SpringParams& gains, const RigidBodyState& x, const Target& target,
+                       const Vec3& phi_B) noexcept {
+    const Quat& q = x.X_WB.q;
+    return {.tau = gains.g_r * (to_world(q, x.w_B) - target.V_WD.w) - gains.k_r * to_world(q, phi_B),
+            .f = gains.g * (x.v_W - target.V_WD.v) + gains.k * (x.X_WB.p - target.X_WD.p)};
+  }
+
+  /// Moves the shown wrench towards `wanted` within the limits.
+  static void show(const Params& par, const Wrench& wanted, Real h, State& x, Output& out,
+                   Limited& limited) noexcept {
+    const Vec3 f = bounded(wanted.f, par.max_force, Limited::force, limited);
+    const Vec3 tau = bounded(wanted.tau, par.max_torque, Limited::torque, limited);
+    x.F_D.f += bounded(f - x.F_D.f, h * par.max_force_rate, Limited::force_rate, limited);
+    x.F_D.tau += bounded(tau - x.F_D.tau, h * par.max_torque_rate, Limited::torque_rate, limited);
+    out.F_D = x.F_D;
+  }
+};
+
+}  // namespace godobject

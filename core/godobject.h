@@ -1,0 +1,9 @@
+// Everything the author of a scene includes.
+#pragma once
+
+#include "core/energy.h"
+#include "core/hash.h"
+#include "core/integrator_implicit_euler.h"
+#include "core/integrator_tr_bdf2.h"
+#include "core/setup.h"
+#include "core/step.h"

@@ -1,0 +1,56 @@
+// A hash of the whole state, field by field (padding has no say): equal hashes after equal runs are how
+// determinism is tested.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "core/device.h"
+#include "core/feedback.h"
+#include "core/integrator_tr_bdf2.h"
+
+namespace godobject {
+
+/// FNV-1a over 64-bit words.
+class Hash {
+ public:
+  void add(std::uint64_t word) noexcept { value_ = (value_ ^ word) * 0x100000001b3u; }
+  void add(Real a) noexcept { add(std::bit_cast<std::uint64_t>(a)); }
+  void add(const Vec3& a) noexcept { for (const Real c : {a.x(), a.y(), a.z()}) add(c); }
+  void add(const Quat& q) noexcept { for (const Real c : {q.w(), q.x(), q.y(), q.z()}) add(c); }
+  void add(const Pose& X) noexcept { add(X.p); add(X.q); }
+  void add(const Twist& V) noexcept { add(V.w); add(V.v); }
+  void add(const Wrench& F) noexcept { add(F.tau); add(F.f); }
+  void add(const Target& t) noexcept { add(t.X_WD); add(t.V_WD); }
+  void add(const RigidBodyState& x) noexcept { add(x.X_WB); add(x.v_W); add(x.w_B); }
+  void add(const TrBdf2::State& x) noexcept { add(x.a_W); add(x.alpha_B); add(std::uint64_t{x.known}); }
+  void add(const RampState& x) noexcept { add(x.s); add(std::uint64_t{x.engaged}); }
+  void add(const DampedSpring::State& x) noexcept { add(x.phi_B); }
+  void add(const LimitedFeedback::State& x) noexcept { add(x.F_D); }
+  void add(const PoseDevice::State& x) noexcept { add(x.last); add(x.ramp); }
+  void add(const RelativeDevice::State& x) noexcept { add(x.last); add(x.ramp); }
+  void add(const AdmittanceDevice::State& x) noexcept { add(x.last); add(x.ramp); }
+  void add(const Empty&) noexcept {}
+
+  std::uint64_t value() const noexcept { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+template <Scene S>
+std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
+  Hash hash;
+  hash.add(x.tick);
+  for (std::size_t i = 0; i < par.num_bodies; ++i) {
+    const BodyState<S>& body = x.bodies[i];
+    hash.add(body.x);
+    hash.add(body.memory);
+    hash.add(body.device);
+    hash.add(body.coupling);
+    hash.add(body.feedback);
+  }
+  return hash.value();
+}
+
+}  // namespace godobject

@@ -1,0 +1,69 @@
+// One linearly implicit Euler stage of a rigid body on its spring: the kernel of every integrator.
+//
+// A stage starts from a base (pose X^, velocities v^, w^) and finds the velocities v+, w+ with which
+// the body moves for a time h, forces taken at the far end and linearised once:
+//
+//   (10)  m (v+ - v^)   = h ( F_W + g (v_D - v+) + k (p_D - p^ - h v+) )
+//   (11)  I (w+ - w^)   = h ( T_B + g_r (w_D - w+) + k_r (phi - h J w+) - w x I w )
+//
+// Both are linear in the unknown. However long the step, however stiff the spring, a stage never adds
+// energy while the target rests: docs/theory/stage.md has the proof, tests/core/test_stability.cc the sweep.
+#pragma once
+
+#include <algorithm>
+
+#include "core/coupling.h"
+#include "core/rigid_body.h"
+
+namespace godobject {
+
+/// How a body moves during a stage.
+struct StageVelocity {
+  Vec3 v_W = Vec3::Zero();
+  Vec3 w_B = Vec3::Zero();
+};
+
+/// x with A x = b, by cofactors: 3 x 3, regular, one division.
+inline Vec3 solve3(const Mat3& A, const Vec3& b) noexcept {
+  const Vec3 a0 = A.row(0), a1 = A.row(1), a2 = A.row(2);
+  const Vec3 c0 = a1.cross(a2), c1 = a2.cross(a0), c2 = a0.cross(a1);
+  return (b.x() * c0 + b.y() * c1 + b.z() * c2) * (1 / a0.dot(c0));
+}
+
+/// Translation: (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
+inline Vec3 implicit_translation(Real m, const SpringParams& spring, const Vec3& v_W, const Vec3& e_W,
+                                 const Vec3& v_D, const Vec3& F_W, Real h) noexcept {
+  const Real hk = h * spring.k;
+  const Real M = m + h * (spring.g + hk);
+  return (m * v_W + h * (F_W + spring.g * v_D) + hk * e_W) * (1 / M);
+}
+
+/// Rotation, everything in body axes. With L = I w^ the terms of (11), linearised in w+:
+///   gyroscopic    w x I w    ->  w+ x L                    (never does work on w+)
+///                                + rho w^ x (I w+ - L)     (makes it Newton's: second order)
+///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + (1 - s) [u]x^2
+///   damping       R+^T w_D   ->  w_D + h w_D x w+
+/// rho = 1 unless a step turns the body so far that the Newton term could do work; s >= 1/2 likewise.
+inline Vec3 implicit_rotation(const RigidBodyParams& body, const SpringParams& spring, const Vec3& w_B,
+                              const RotationError& error, const Vec3& w_D_B, const Vec3& T_B, Real h) noexcept {
+  const Vec3 L = body.I_B * w_B;
+  const Real hk = h * spring.k_r;
+  const Real c = h * (spring.g_r + hk);
+
+  // rho h |w| sqrt(I_max / I_min) <= 1/2
+  const Real swing_sq = 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm();
+  const Real rho = swing_sq <= 1 ? Real(1) : 1 / swing_sq;
+  const Vec3 hw = rho * h * w_B;
+
+  // (1 - s) [u]x^2 = (1 - s)/alpha^2 (phi phi^T - alpha^2 1)
+  const Real alpha_sq = error.phi_B.squaredNorm();
+  const Real shrink = h * hk * std::min(1 - error.s, Real(0.5)) / std::max(alpha_sq, Real(1e-12));
+
+  Mat3 A = body.I_B + skew(hw) * body.I_B + skew(-h * (L + Real(0.5) * hk * error.phi_B + h * spring.g_r * w_D_B));
+  A.diagonal().array() += c - shrink * alpha_sq;
+  A += shrink * error.phi_B * error.phi_B.transpose();
+  const Vec3 b = L + hw.cross(L) + h * (T_B + spring.g_r * w_D_B) + hk * error.phi_B;
+  return solve3(A, b);
+}
+
+}  // namespace godobject

@@ -1,0 +1,108 @@
+// TR-BDF2: second order, L-stable, two implicit Euler stages a step (docs/theory/tr_bdf2.md).
+//
+//   (12)  stage 1, trapezoidal rule to c h:   base = y_n + d h K_0,            move d h to y_1
+//   (13)  stage 2, BDF2 to h:                 base = y_n + b h (K_0 + K_1),    move d h to y_n+1
+//
+// d = 1 - 1/sqrt 2, c = 2 d, b = sqrt 2 / 4; K = (velocity, acceleration) at the start and after stage 1.
+// K_0 is what stage 2 of the step before ended with. Where a step turns a body so far that going on in a
+// straight line means nothing (or in the first step, without a K_0), the same two stages are implicit
+// Euler steps of c h and (1 - c) h, which cannot gain energy.
+#pragma once
+
+#include "core/stage.h"
+
+namespace godobject {
+
+struct TrBdf2 {
+  static constexpr const char* name = "tr-bdf2";
+  static constexpr int order = 2;
+  struct State {
+    Vec3 a_W = Vec3::Zero();      // K_0: acceleration, m/s^2
+    Vec3 alpha_B = Vec3::Zero();  // K_0: angular acceleration in body axes, rad/s^2
+    bool known = false;           // false before the first step and when the force has jumped
+  };
+
+  static constexpr Real d = 0.29289321881345248;
+  static constexpr Real c = 2 * d;
+  static constexpr Real b = 0.35355339059327376;
+
+  /// One step of all bodies in w.next through the targets of w.drives.
+  template <Scene S>
+  static void advance(const Params<S>& par, Scratch<S>& w) noexcept {
+    const Real h = par.h;
+
+    // (12)
+    const bool smooth = start_is_smooth(par, w);
+    const Real h_1 = smooth ? d * h : c * h;
+    for (std::size_t i = 0; i < par.num_bodies; ++i) {
+      const BodyState<S>& y = w.next.bodies[i];
+      const Real dh = smooth ? d * h : 0;
+      w.bases[i] = extrapolated(y.x, y.x.v_W, y.x.w_B, y.memory.a_W, y.memory.alpha_B, dh);
+      if constexpr (uses<typename S::Device>)
+        w.targets[i] = interpolated(w.drives[i].from, w.drives[i].to, c, h);
+    }
+    solve_stage(par, h_1, w);
+
+    // (13)
+    const bool still_smooth = smooth && turns_are_small(par, w);
+    const Real h_2 = still_smooth ? d * h : (1 - c) * h;
+    for (std::size_t i = 0; i < par.num_bodies; ++i) {
+      const BodyState<S>& y = w.next.bodies[i];
+      const StageVelocity& V_1 = w.velocities[i];
+      if (still_smooth) {
+        const Vec3 a_1 = (V_1.v_W - w.bases[i].v_W) * (1 / h_1);
+        const Vec3 alpha_1 = (V_1.w_B - w.bases[i].w_B) * (1 / h_1);
+        w.bases[i] = extrapolated(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.memory.a_W + a_1,
+                                  y.memory.alpha_B + alpha_1, b * h);
+      } else {
+        w.bases[i] = moved(w.bases[i], V_1, h_1);
+      }
+      if constexpr (uses<typename S::Device>) w.targets[i] = w.drives[i].to;
+    }
+    solve_stage(par, h_2, w);
+
+    for (std::size_t i = 0; i < par.num_bodies; ++i) {
+      BodyState<S>& y = w.next.bodies[i];
+      const StageVelocity& V_2 = w.velocities[i];
+      y.memory = {.a_W = (V_2.v_W - w.bases[i].v_W) * (1 / h_2),
+                  .alpha_B = (V_2.w_B - w.bases[i].w_B) * (1 / h_2),
+                  .known = true};
+      y.x = moved(w.bases[i], V_2, h_2);
+    }
+  }
+
+ private:
+  /// y + t K.
+  static RigidBodyState extrapolated(const RigidBodyState& y, const Vec3& v_W, const Vec3& w_B, const Vec3& a_W,
+                                     const Vec3& alpha_B, Real t) noexcept {
+    return {.X_WB = moved(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
+  }
+
+  /// h |w| sqrt(I_max / I_min) <= 1/2: the gyroscopic term is resolved.
+  static bool turn_is_small(const RigidBodyParams& body, const Vec3& w_B, Real h) noexcept {
+    return 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm() <= 1;
+  }
+
+  template <Scene S>
+  static bool start_is_smooth(const Params<S>& par, const Scratch<S>& w) noexcept {
+    bool smooth = true;
+    for (std::size_t i = 0; i < par.num_bodies; ++i) {
+      const BodyState<S>& y = w.next.bodies[i];
+      const Real h_sq = par.h * par.h;
+      smooth = smooth && y.memory.known && turn_is_small(par.bodies[i].body, y.x.w_B, par.h) &&
+               4 * h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= 1;
+      if constexpr (uses<typename S::Device>) smooth = smooth && !w.drives[i].fresh;
+    }
+    return smooth;
+  }
+
+  template <Scene S>
+  static bool turns_are_small(const Params<S>& par, const Scratch<S>& w) noexcept {
+    bool small = true;
+    for (std::size_t i = 0; i < par.num_bodies; ++i)
+      small = small && turn_is_small(par.bodies[i].body, w.velocities[i].w_B, par.h);
+    return small;
+  }
+};
+
+}  // namespace godobject

@@ -1,0 +1,107 @@
+// A scene is a type that lists its parts. What it does not list has no storage and no code.
+//
+//   struct Peg {
+//     static constexpr int max_bodies = 1;
+//     using Integrator = TrBdf2;         // or ImplicitEuler
+//     using Device = PoseDevice;         // or RelativeDevice, AdmittanceDevice; None: free bodies
+//     using Coupling = DampedSpring;     // or None
+//     using Feedback = LimitedFeedback;  // or None: not haptic
+//   };
+//   static_assert(Scene<Peg>);
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <type_traits>
+
+#include "core/fault.h"
+#include "core/rigid_body.h"
+
+namespace godobject {
+
+struct Empty {};
+
+/// An unused slot.
+struct None {
+  using Params = Empty;
+  using State = Empty;
+  using Input = Empty;
+  using Output = Empty;
+};
+
+template <class Part>
+inline constexpr bool uses = !std::is_same_v<Part, None>;
+
+template <class P>
+concept Part = requires {
+  typename P::Params;
+  typename P::State;
+};
+
+// One named rule per line: the compiler prints the name of the rule a scene breaks.
+template <class S> concept HasBodies = (S::max_bodies > 0);
+template <class S> concept HasIntegrator = requires { typename S::Integrator::State; };
+template <class S> concept DeviceIsAPart = Part<typename S::Device>;
+template <class S> concept CouplingIsAPart = Part<typename S::Coupling>;
+template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
+template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
+template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
+template <class S> concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && CouplingIsAPart<S> &&
+                                   FeedbackIsAPart<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+
+/// Constant while running.
+template <class S>
+struct BodyParams {
+  RigidBodyParams body;
+  [[no_unique_address]] typename S::Coupling::Params coupling;
+  [[no_unique_address]] typename S::Feedback::Params feedback;
+  [[no_unique_address]] typename S::Device::Params device;
+};
+
+template <class S>
+struct Params {
+  Real h = 1e-3;                  // time step, s, > 0
+  std::size_t num_bodies = 1;     // 1..S::max_bodies
+  Vec3 gravity_W = Vec3::Zero();  // m/s^2
+  std::array<BodyParams<S>, S::max_bodies> bodies;
+};
+
+/// All that carries over from step to step: hash it, log it, restore it.
+template <class S>
+struct BodyState {
+  RigidBodyState x;
+  [[no_unique_address]] typename S::Integrator::State memory;
+  [[no_unique_address]] typename S::Device::State device;
+  [[no_unique_address]] typename S::Coupling::State coupling;
+  [[no_unique_address]] typename S::Feedback::State feedback;
+};
+
+template <class S>
+struct State {
+  std::array<BodyState<S>, S::max_bodies> bodies;
+  std::uint64_t tick = 0;         // steps taken
+};
+
+/// From the devices, once per step: the sample at the END of the step.
+template <class S>
+struct Input {
+  std::array<typename S::Device::Input, S::max_bodies> devices;
+};
+
+/// To the devices and to whoever watches.
+template <class S>
+struct BodyOutput {
+  Pose X_WB;
+  Twist V_WB;
+  [[no_unique_address]] typename S::Feedback::Output feedback;
+};
+
+template <class S>
+struct Output {
+  std::array<BodyOutput<S>, S::max_bodies> bodies;
+  Fault fault = Fault::none;
+  Limited limited = Limited::none;
+};
+
+}  // namespace godobject

@@ -1,0 +1,81 @@
+// Before the first step: derived constants, checks of the parameters, the first state.
+#pragma once
+
+#include <Eigen/Eigenvalues>
+
+#include "core/device.h"
+#include "core/feedback.h"
+
+namespace godobject {
+
+/// The first rule a parameter set breaks.
+enum class Invalid : std::uint8_t {
+  nothing,
+  step_not_positive,
+  too_many_bodies,             // more than the scene's max_bodies, or none
+  mass_not_positive,
+  inertia_not_positive,        // not symmetric, or an eigenvalue not above zero
+  gain_negative,               // a stiffness, damping, limit or ramp below zero or not finite
+};
+
+/// Principal moments of inertia, ascending.
+inline Vec3 principal_moments(const Mat3& I_B) noexcept {
+  return Eigen::SelfAdjointEigenSolver<Mat3>(I_B, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+/// Fills in what is derived from mass and inertia.
+inline RigidBodyParams rigid_body(Real m, const Mat3& I_B) noexcept {
+  const Vec3 moments = principal_moments(I_B);
+  return {.m = m, .I_B = I_B, .anisotropy = std::sqrt(moments.z() / moments.x())};
+}
+
+inline bool is_gain(Real a) noexcept { return a >= 0 && a - a == 0; }
+inline bool is_valid(const Empty&) noexcept { return true; }
+inline bool is_valid(const RampParams& par) noexcept { return is_gain(par.rise); }
+inline bool is_valid(const SpringParams& par) noexcept {
+  return is_gain(par.k) && is_gain(par.g) && is_gain(par.k_r) && is_gain(par.g_r);
+}
+inline bool is_valid(const FeedbackParams& par) noexcept {
+  return is_valid(par.gains) && is_gain(par.max_force) && is_gain(par.max_torque) && is_gain(par.max_force_rate) &&
+         is_gain(par.max_torque_rate);
+}
+
+template <Scene S>
+Invalid validate(const Params<S>& par) noexcept {
+  if (!(par.h > 0 && par.h - par.h == 0)) return Invalid::step_not_positive;
+  if (par.num_bodies < 1 || par.num_bodies > S::max_bodies) return Invalid::too_many_bodies;
+  for (std::size_t i = 0; i < par.num_bodies; ++i) {
+    const BodyParams<S>& b = par.bodies[i];
+    const Mat3& I = b.body.I_B;
+    if (!(b.body.m > 0 && b.body.m - b.body.m == 0)) return Invalid::mass_not_positive;
+    if (!((I - I.transpose()).norm() <= Real(1e-9) * I.norm() && principal_moments(I).x() > 0))
+      return Invalid::inertia_not_positive;
+    if (!is_valid(b.coupling) || !is_valid(b.feedback) || !is_valid(b.device)) return Invalid::gain_negative;
+  }
+  return Invalid::nothing;
+}
+
+/// The state before the first step: bodies where they are put, at rest or moving, devices released.
+struct Start {
+  Pose X_WB;
+  Twist V_WB;
+};
+
+template <Scene S>
+void place(State<S>& x, std::size_t i, const Start& start) noexcept {
+  RigidBodyState& body = x.bodies[i].x;
+  body.X_WB = {.p = start.X_WB.p, .q = start.X_WB.q.normalized()};
+  body.v_W = start.V_WB.v;
+  body.w_B = to_body(body.X_WB.q, start.V_WB.w);
+}
+
+/// Starts body i engaged, with the device's sample at the start of the first step: no ramp, no step missing.
+template <Scene S>
+void engage_at(State<S>& x, std::size_t i, const Target& sample) noexcept {
+  auto& device = x.bodies[i].device;
+  device.last = sample;
+  device.last.X_WD.q = sample.X_WD.q.normalized();
+  device.ramp = {.s = 1, .engaged = true};
+}
+
+}  // namespace godobject

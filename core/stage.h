@@ -1,0 +1,54 @@
+// One stage of an integrator: from the bases of all bodies to the velocities they move with.
+#pragma once
+
+#include "core/device.h"
+#include "core/implicit_stage.h"
+
+namespace godobject {
+
+/// Worthless between steps.
+template <class S>
+struct Scratch {
+  State<S> next;                                        // the state being built; committed if finite
+  std::array<Drive, S::max_bodies> drives;              // from the devices
+  std::array<Target, S::max_bodies> targets;            // at the end of the stage
+  std::array<RigidBodyState, S::max_bodies> bases;      // where the stage starts
+  std::array<StageVelocity, S::max_bodies> velocities;  // what the stage solves for
+};
+
+/// Solves (10) and (11) for every body over a time h from w.bases to w.targets.
+template <Scene S>
+void solve_stage(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
+  for (std::size_t i = 0; i < par.num_bodies; ++i) {
+    const RigidBodyParams& body = par.bodies[i].body;
+    const RigidBodyState& base = w.bases[i];
+    Wrench F = {.tau = Vec3::Zero(), .f = body.m * par.gravity_W};
+    if constexpr (uses<typename S::Device>) {
+      F.f += w.drives[i].F_WB.f;
+      F.tau = to_body(base.X_WB.q, w.drives[i].F_WB.tau);
+    }
+
+    SpringParams spring;
+    Vec3 e_W = Vec3::Zero(), v_D = Vec3::Zero(), w_D_B = Vec3::Zero();
+    RotationError error;
+    if constexpr (uses<typename S::Coupling>) {
+      const Target& target = w.targets[i];
+      spring = ramped(par.bodies[i].coupling, w.drives[i].s);
+      e_W = target.X_WD.p - base.X_WB.p;
+      v_D = target.V_WD.v;
+      w_D_B = to_body(base.X_WB.q, target.V_WD.w);
+      error = rotation_error(base.X_WB.q, target.X_WD.q, w.next.bodies[i].coupling.phi_B);
+      w.next.bodies[i].coupling.phi_B = error.phi_B;
+    }
+
+    w.velocities[i].v_W = implicit_translation(body.m, spring, base.v_W, e_W, v_D, F.f, h);
+    w.velocities[i].w_B = implicit_rotation(body, spring, base.w_B, error, w_D_B, F.tau, h);
+  }
+}
+
+/// The bodies at the end of a stage.
+inline RigidBodyState moved(const RigidBodyState& base, const StageVelocity& V, Real h) noexcept {
+  return {.X_WB = moved(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
+}
+
+}  // namespace godobject

@@ -1,0 +1,83 @@
+// The time step. Equation numbers are those of docs/step.md.
+#pragma once
+
+#include "core/feedback.h"
+#include "core/stage.h"
+
+namespace godobject {
+
+inline bool is_finite(Real sum) noexcept { return sum - sum == 0; }  // NaN and infinity are not
+
+inline Real sum(const Pose& X) noexcept { return X.p.sum() + X.q.coeffs().sum(); }
+inline Real sum(const Twist& V) noexcept { return V.w.sum() + V.v.sum(); }
+inline Real sum(const Wrench& F) noexcept { return F.tau.sum() + F.f.sum(); }
+
+inline Fault check(const PoseDevice::Input& in) noexcept {
+  if (!in.valid) return Fault::none;
+  if (!is_finite(sum(in.X_WD) + sum(in.V_WD))) return Fault::input_not_finite;
+  return std::abs(in.X_WD.q.squaredNorm() - 1) <= Real(2e-6) ? Fault::none : Fault::input_not_unit;
+}
+inline Fault check(const RelativeDevice::Input& in) noexcept {
+  return !in.valid || is_finite(in.dp_W.sum() + in.dphi_W.sum()) ? Fault::none : Fault::input_not_finite;
+}
+inline Fault check(const AdmittanceDevice::Input& in) noexcept {
+  return !in.valid || is_finite(sum(in.F_WB)) ? Fault::none : Fault::input_not_finite;
+}
+
+template <class S>
+bool is_finite(const Params<S>& par, const State<S>& x) noexcept {
+  Real all = 0;
+  for (std::size_t i = 0; i < par.num_bodies; ++i)
+    all += sum(x.bodies[i].x.X_WB) + x.bodies[i].x.v_W.sum() + x.bodies[i].x.w_B.sum();
+  return is_finite(all);
+}
+
+/// (8) at the end of the step, scaled by the ramp.
+template <class S>
+Wrench feedback(const BodyParams<S>& par, const Drive& drive, const BodyState<S>& body) noexcept {
+  const RotationError error = rotation_error(body.x.X_WB.q, drive.to.X_WD.q, body.coupling.phi_B);
+  return S::Feedback::wrench(ramped(par.feedback.gains, drive.s), body.x, drive.to, error.phi_B);
+}
+
+/// One time step of length par.h: from state x and the devices' samples at the end of the step to the new
+/// state and what the devices are to show. A step whose input or result is not finite is not taken: x
+/// keeps all but the shown wrench, which goes to zero within its rate limit.
+template <Scene S>
+void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w, Output<S>& out) noexcept {
+  out.fault = Fault::none;
+  out.limited = Limited::none;
+  w.next = x;
+
+  // (1) the devices: target, ramp, applied force
+  if constexpr (uses<typename S::Device>) {
+    for (std::size_t i = 0; i < par.num_bodies; ++i) out.fault |= check(in.devices[i]);
+    if (!any(out.fault))
+      for (std::size_t i = 0; i < par.num_bodies; ++i)
+        w.drives[i] = S::Device::drive(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
+                                       w.next.bodies[i].device, out.limited);
+  }
+
+  // (2)-(7) coupling, motion
+  if (!any(out.fault)) {
+    S::Integrator::advance(par, w);
+    if (!is_finite(par, w.next)) out.fault |= Fault::state_not_finite;
+  }
+  if (!any(out.fault)) {
+    x = w.next;
+    x.tick += 1;
+  }
+
+  // (8) feedback
+  for (std::size_t i = 0; i < par.num_bodies; ++i) {
+    BodyState<S>& body = x.bodies[i];
+    if constexpr (uses<typename S::Feedback>) {
+      Wrench wanted;
+      if (!any(out.fault) && w.drives[i].live) wanted = feedback(par.bodies[i], w.drives[i], body);
+      S::Feedback::show(par.bodies[i].feedback, wanted, par.h, body.feedback, out.bodies[i].feedback, out.limited);
+    }
+    out.bodies[i].X_WB = body.x.X_WB;
+    out.bodies[i].V_WB = {.w = to_world(body.x.X_WB.q, body.x.w_B), .v = body.x.v_W};
+  }
+}
+
+}  // namespace godobject

@@ -1,0 +1,40 @@
+// One CAN frame, classic or FD, as every bus backend carries it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace godobject {
+
+using Nanoseconds = std::int64_t;  // since an arbitrary origin of the clock in use; never wall time
+
+struct CanFrame {
+  std::uint32_t id = 0;         // 11 bits, or 29 when extended
+  bool extended = false;
+  bool remote = false;          // classic only
+  bool fd = false;
+  bool bit_rate_switch = false; // FD only
+  std::uint8_t size = 0;        // bytes of data: 0..8 classic, 0..64 FD
+  std::array<std::uint8_t, 64> data{};
+
+  constexpr std::span<const std::uint8_t> bytes() const noexcept { return {data.data(), size}; }
+};
+
+/// Whether a frame can be put on a wire: identifier in range, a size its format has, flags that go together.
+constexpr bool is_valid(const CanFrame& frame) noexcept {
+  if (frame.id > (frame.extended ? 0x1FFF'FFFFu : 0x7FFu)) return false;
+  if (!frame.fd) return frame.size <= 8 && !frame.bit_rate_switch;
+  if (frame.remote) return false;
+  switch (frame.size) {
+    case 12: case 16: case 20: case 24: case 32: case 48: case 64: return true;
+    default: return frame.size <= 8;
+  }
+}
+
+struct ReceivedFrame {
+  CanFrame frame;
+  Nanoseconds t_ns = 0;  // end of the frame on the wire, in the bus's clock
+};
+
+}  // namespace godobject

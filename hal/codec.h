@@ -1,0 +1,92 @@
+// Integers to and from the little-endian bytes of a message, and numbers to integers without overflow.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+namespace godobject {
+
+/// What a parse function says about a frame. The output is written on `ok` only.
+enum class ParseResult : std::uint8_t {
+  ok,
+  other_message,  // identifier or kind of frame does not match: try another parser
+  too_short,
+  too_long,
+  bad_value,  // a field holds a value the protocol does not define
+};
+
+/// Writes integers one after the other, little-endian.
+class ByteWriter {
+ public:
+  explicit constexpr ByteWriter(std::span<std::uint8_t> bytes) noexcept : bytes_(bytes) {}
+
+  /// Nothing is written, now and from here on, when the value does not fit.
+  template <std::integral T>
+  constexpr ByteWriter& put(T value) noexcept {
+    ok_ = ok_ && bytes_.size() - size_ >= sizeof(T);
+    if (!ok_) return *this;
+    auto rest = static_cast<std::uint64_t>(static_cast<std::make_unsigned_t<T>>(value));
+    for (std::size_t i = 0; i < sizeof(T); ++i, rest >>= 8) {
+      bytes_[size_++] = static_cast<std::uint8_t>(rest & 0xFFu);
+    }
+    return *this;
+  }
+
+  constexpr bool ok() const noexcept { return ok_; }
+  constexpr std::size_t size() const noexcept { return size_; }
+
+ private:
+  std::span<std::uint8_t> bytes_;
+  std::size_t size_ = 0;
+  bool ok_ = true;
+};
+
+/// Reads integers one after the other, little-endian.
+class ByteReader {
+ public:
+  explicit constexpr ByteReader(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}
+
+  /// `value` stays as it was, now and from here on, when the bytes end before it.
+  template <std::integral T>
+  constexpr ByteReader& get(T& value) noexcept {
+    ok_ = ok_ && bytes_.size() - position_ >= sizeof(T);
+    if (!ok_) return *this;
+    std::uint64_t raw = 0;
+    for (std::size_t i = sizeof(T); i-- > 0;) raw = (raw << 8) | bytes_[position_ + i];
+    position_ += sizeof(T);
+    value = static_cast<T>(static_cast<std::make_unsigned_t<T>>(raw));
+    return *this;
+  }
+
+  constexpr bool ok() const noexcept { return ok_; }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+  std::size_t position_ = 0;
+  bool ok_ = true;
+};
+
+/// x rounded to the nearest integer (halves away from zero), held within [low, high]. NaN gives 0, which must
+/// lie in the range: on the wire it is the value that asks for no motion.
+template <std::integral T>
+T saturate_to(double x, T low = std::numeric_limits<T>::min(),
+              T high = std::numeric_limits<T>::max()) noexcept {
+  if (std::isnan(x)) return 0;
+  const double rounded = std::round(x);
+  if (rounded <= static_cast<double>(low)) return low;
+  if (rounded >= static_cast<double>(high)) return high;
+  return static_cast<T>(rounded);
+}
+
+/// Compares the size of a frame with the only one its message has.
+[[nodiscard]] constexpr ParseResult check_size(std::size_t size, std::size_t expected) noexcept {
+  if (size < expected) return ParseResult::too_short;
+  return size > expected ? ParseResult::too_long : ParseResult::ok;
+}
+
+}  // namespace godobject

@@ -1,0 +1,210 @@
+#include "hal/rig.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <sstream>
+
+#include "hal/can_timing.h"
+
+namespace godobject {
+
+namespace {
+
+constexpr int max_refused_in_a_row = 3;
+
+Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds); }
+
+// The nodes take their samples when SYNC is received: at the end of the frame, before the intermission.
+Nanoseconds sync_duration(const BusParams& bus) noexcept {
+  FrameBits bits = exact_bits(canopen::make_sync());
+  bits.nominal_rate -= intermission_bits;
+  return duration_ns(bits, {.nominal = bus.bit_rate, .data = bus.bit_rate});
+}
+
+}  // namespace
+
+Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), chain_(params.chain) {
+  assert(validate(params).empty() && buses.size() == params.buses.size());
+  for (std::size_t i = 0; i < buses.size(); ++i) {
+    buses_.push_back({.bus = buses[i], .sync_duration_ns = sync_duration(params.buses[i])});
+  }
+  const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
+  for (const EncoderParams& encoder : params.encoders) {
+    const std::size_t node = add_node(encoder.bus, encoder.node_id, NodeKind::encoder, encoders_.size());
+    encoders_.push_back({.encoder = Encoder(encoder.calibration, encoder.max_speed, stale_after_ns), .node = node});
+  }
+  for (const DriveParams& drive : params.drives) {
+    const std::size_t node = add_node(drive.bus, drive.node_id, NodeKind::drive, drives_.size());
+    drives_.push_back({.drive = Drive(drive, params.cycle_s, stale_after_ns),
+                       .node = node,
+                       .joint = joint_named(drive.joint),
+                       .every_nth_sync = drive.status_every_nth_sync});
+  }
+  // an encoder on the joint goes before the drive's own position
+  for (DriveOnBus& drive : drives_) sensors_[static_cast<std::size_t>(drive.joint)] = &drive.drive.position();
+  for (std::size_t i = 0; i < encoders_.size(); ++i) {
+    sensors_[static_cast<std::size_t>(joint_named(params.encoders[i].joint))] = &encoders_[i].encoder;
+  }
+  configuration_ = chain_.at(JointVector::Zero(static_cast<Eigen::Index>(num_joints())));
+}
+
+std::size_t Rig::add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device) {
+  nodes_.push_back({.bus = bus, .id = id, .kind = kind, .device = device});
+  buses_[bus].node_of_id[id] = static_cast<std::uint8_t>(nodes_.size());
+  return nodes_.size() - 1;
+}
+
+Eigen::Index Rig::joint_named(const std::string& name) const {
+  const auto& joints = params_.chain.joints;
+  return std::ranges::find(joints, name, &ChainJoint::name) - joints.begin();
+}
+
+void Rig::start(Nanoseconds now) noexcept {
+  if (state_ != RigState::off) return;
+  state_ = RigState::booting;
+  boot_started_ns_ = now;
+  heartbeat_due_ns_ = now;
+}
+
+bool Rig::arm() noexcept {
+  if (state_ != RigState::ready) return false;
+  state_ = RigState::armed;
+  return true;
+}
+
+void Rig::disarm() noexcept {
+  if (state_ == RigState::armed) state_ = RigState::ready;
+}
+
+void Rig::clear_faults(Nanoseconds now) noexcept {
+  if (state_ != RigState::fault) return;
+  fault_log_.clear();
+  for (Bus& bus : buses_) bus.refused_in_a_row = 0;
+  state_ = RigState::booting;
+  boot_started_ns_ = now;
+}
+
+void Rig::stop() noexcept {
+  if (state_ == RigState::off) return;
+  for (DriveOnBus& drive : drives_) {
+    const DriveCommand command = drive.drive.plan(0, cia402::disable_voltage);
+    if (send(nodes_[drive.node].bus, command.frame)) drive.drive.sent(command);
+  }
+  for (const RigNode& node : nodes_) {
+    send(node.bus, canopen::make_nmt(canopen::NmtCommand::enter_pre_operational, node.id));
+  }
+  state_ = RigState::off;
+}
+
+void Rig::sync(Nanoseconds now) noexcept {
+  if (state_ == RigState::off) return;
+  if (running() && !complete()) ++counters_.incomplete_syncs;
+  for (std::size_t i = 0; i < buses_.size(); ++i) send(i, canopen::make_sync());
+  ++counters_.syncs;
+  previous_sync_ns_ = sync_ns_;
+  sync_ns_ = now;
+  if (now >= heartbeat_due_ns_) {
+    heartbeat_due_ns_ = now + to_ns(params_.heartbeat_period_s);
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+      send(i, canopen::make_heartbeat(params_.host_node_id, canopen::NmtState::operational));
+    }
+  }
+}
+
+bool Rig::complete() const noexcept {
+  const auto encoder_answered = [this](const EncoderOnBus& e) { return e.answered_sync == counters_.syncs; };
+  // a drive may leave out every_nth_sync - 1 of them, in a phase of its own
+  const auto drive_answered = [this](const DriveOnBus& d) {
+    return counters_.syncs - d.answered_sync < d.every_nth_sync;
+  };
+  return std::ranges::all_of(encoders_, encoder_answered) && std::ranges::all_of(drives_, drive_answered);
+}
+
+DeviceSample Rig::read(Nanoseconds now) noexcept {
+  supervise(now);
+  const auto n = static_cast<Eigen::Index>(num_joints());
+  DeviceSample out;
+  out.q.resize(n);
+  out.q_dot.resize(n);
+  out.valid = true;
+  out.t_ns = now;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const JointSample joint = sensors_[static_cast<std::size_t>(i)]->sample(now);
+    out.q(i) = joint.q;
+    out.q_dot(i) = joint.q_dot;
+    out.valid = out.valid && joint.valid;
+    out.t_ns = std::min(out.t_ns, joint.t_ns);
+  }
+  configuration_ = chain_.at(out.q);
+  out.X_WH = configuration_.X_WH;
+  out.V_WH = configuration_.twist(out.q_dot);
+  out.age = now - out.t_ns;
+  out.faults = faults();
+  return out;
+}
+
+CommandReport Rig::command(const Wrench& F_hand_W, Nanoseconds now) noexcept {
+  CommandReport report;
+  if (state_ == RigState::off) return report;
+  JointVector tau = configuration_.joint_torques(F_hand_W);
+  if (!tau.allFinite()) raise(RigFault::command_not_finite, 0);
+  if (state_ != RigState::armed) tau.setZero();
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    DriveOnBus& drive = drives_[i];
+    const DriveCommand planned = drive.drive.plan(tau(drive.joint), controlword_for(drive.drive));
+    const bool sent = send(nodes_[drive.node].bus, planned.frame);
+    if (sent) drive.drive.sent(planned);
+    const auto bit = [i](bool on) { return (on ? 1u : 0u) << i; };
+    report.torque_limited |= bit(planned.torque_limited);
+    report.rate_limited |= bit(planned.rate_limited);
+    report.drive_limited |= bit(drive.drive.feedback(now).internal_limit);
+    report.not_sent |= bit(!sent);
+  }
+  return report;
+}
+
+std::uint16_t Rig::controlword_for(const Drive& drive) const noexcept {
+  return state_ == RigState::enabling ? drive.enabling_controlword() : drive.holding_controlword();
+}
+
+DriveFeedback Rig::drive_feedback(std::size_t index, Nanoseconds now) const noexcept {
+  return drives_[index].drive.feedback(now);
+}
+
+bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
+  Bus& to = buses_[bus];
+  if (to.bus->try_send(frame) == SendResult::queued) {
+    to.refused_in_a_row = 0;
+    return true;
+  }
+  ++to.refused_in_a_row;
+  if (to.refused_in_a_row >= max_refused_in_a_row) raise(RigFault::send_refused, bus);
+  return false;
+}
+
+void Rig::raise(RigFault fault, std::size_t bus, std::uint8_t node_id, std::uint16_t emcy_code) noexcept {
+  if (state_ == RigState::off) return;
+  fault_log_.raise(fault, bus, node_id, emcy_code);
+  state_ = RigState::fault;
+}
+
+std::string Rig::fault_text() const {
+  std::ostringstream out;
+  for (const RigFaultText& text : rig_fault_texts()) {
+    if (!any(faults() & text.fault)) continue;
+    const RigFaultRecord& record = fault_log_.record(text.fault);
+    out << text.name << " (" << params_.buses[record.bus].name;
+    if (record.node_id != 0) {
+      const RigNode& node = nodes_[buses_[record.bus].node_of_id[record.node_id] - std::size_t{1}];
+      out << " node " << int{record.node_id} << ", "
+          << (node.kind == NodeKind::encoder ? "encoder of " + params_.encoders[node.device].joint
+                                             : "drive of " + params_.drives[node.device].joint);
+    }
+    if (text.fault == RigFault::emergency) out << ", code 0x" << std::hex << record.emcy_code << std::dec;
+    out << "): " << text.meaning << "; " << text.remedy << ".\n";
+  }
+  return out.str();
+}
+
+}  // namespace godobject

@@ -1,0 +1,172 @@
+// A device on its buses: boots the nodes, reads the handle's pose from the joint sensors, sends joint
+// torques to the drives. One object per device; the caller owns the buses and the clock.
+//
+// Every cycle, in this order: sync(now); receive(now) until complete() or the caller's deadline;
+// read(now); command(F, now). Nothing here waits, allocates after construction, throws or reads a clock.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/can_bus.h"
+#include "hal/drive.h"
+#include "hal/encoder.h"
+#include "hal/kinematic_chain.h"
+#include "hal/rig_fault.h"
+#include "hal/rig_node.h"
+#include "hal/rig_validate.h"
+
+namespace godobject {
+
+enum class RigState : std::uint8_t {
+  off,       // nothing is sent
+  booting,   // waiting for every node to be operational and every sensor to have spoken
+  enabling,  // drives on their way to Operation Enabled, target torque 0
+  ready,     // all of it works; torque 0
+  armed,     // torque follows command()
+  fault,     // a fault bit is set; torque runs down to 0 and stays there
+};
+
+/// The handle as the joint sensors have it.
+struct DeviceSample {
+  Pose X_WH;
+  Twist V_WH;            // zero for joints whose sample is stale
+  JointVector q, q_dot;  // one number per joint of the chain
+  bool valid = false;    // every joint's sample is good; otherwise the last good values are held
+  Nanoseconds t_ns = 0;  // of the oldest joint sample
+  Nanoseconds age = 0;   // of the oldest joint sample, at the time of read()
+  RigFault faults = RigFault::none;
+};
+
+/// What became of a commanded wrench; bit i stands for RigParams::drives[i].
+struct CommandReport {
+  std::uint32_t torque_limited = 0;  // raise torque_max_Nm to allow more
+  std::uint32_t rate_limited = 0;    // raise torque_rate_Nm_per_s to allow more
+  std::uint32_t drive_limited = 0;   // the drive reports an internal limit
+  std::uint32_t not_sent = 0;        // the bus refused the frame; the drive keeps its last target
+};
+
+struct RigCounters {
+  std::uint64_t syncs = 0;
+  std::uint64_t incomplete_syncs = 0;  // not every expected answer had come before the next SYNC
+  std::uint64_t frames = 0;
+  std::uint64_t malformed = 0;         // wrong size or an undefined value
+  std::uint64_t foreign = 0;           // from no node of this rig
+};
+
+class Rig {
+ public:
+  /// params: validate(params) is empty. buses: one per params.buses, open, outliving the rig.
+  /// Allocates; nothing later does.
+  Rig(const RigParams& params, std::span<CanBus* const> buses);
+  Rig(Rig&&) noexcept = default;
+  Rig& operator=(Rig&&) noexcept = default;
+
+  /// off -> booting: NMT start to all nodes.
+  void start(Nanoseconds now) noexcept;
+  /// ready -> armed: from here command() reaches the motors. False in any other state.
+  [[nodiscard]] bool arm() noexcept;
+  /// armed -> ready: torque runs down to 0 at the slew limit.
+  void disarm() noexcept;
+  /// fault -> booting: sticky bits cleared; the way to armed is walked again, with an explicit arm().
+  void clear_faults(Nanoseconds now) noexcept;
+  /// any -> off: drives disabled, nodes pre-operational.
+  void stop() noexcept;
+
+  /// SYNC on every bus: the first frame of the cycle. Positions are measured when it ends.
+  void sync(Nanoseconds now) noexcept;
+  /// Decodes what has arrived so far.
+  void receive(Nanoseconds now) noexcept;
+  /// Every answer expected to the last SYNC has arrived.
+  bool complete() const noexcept;
+  /// Supervises (state changes and faults happen here, once the answers are in: a host that woke late is
+  /// no fault of the device), then gives the handle.
+  DeviceSample read(Nanoseconds now) noexcept;
+  /// F_hand_W: wrench of the device on the hand, world axes, about the handle origin. tau = J^T F at the
+  /// pose of the last read(), one RPDO1 to every drive. Zero unless armed. Call it in every cycle and
+  /// state: it also carries the controlwords.
+  CommandReport command(const Wrench& F_hand_W, Nanoseconds now) noexcept;
+
+  RigState state() const noexcept { return state_; }
+  bool ready() const noexcept { return state_ == RigState::ready || state_ == RigState::armed; }
+  RigFault faults() const noexcept { return fault_log_.faults(); }
+  const RigFaultLog& fault_log() const noexcept { return fault_log_; }
+  /// The set faults in words, one line each: name, bus, node, meaning, remedy. Not for the loop: allocates.
+  std::string fault_text() const;
+  const RigCounters& counters() const noexcept { return counters_; }
+
+  std::size_t num_joints() const noexcept { return chain_.num_joints(); }
+  std::size_t num_encoders() const noexcept { return encoders_.size(); }
+  std::size_t num_drives() const noexcept { return drives_.size(); }
+  const Encoder& encoder(std::size_t index) const noexcept { return encoders_[index].encoder; }
+  /// The drive's position and torque as it reports them.
+  DriveFeedback drive_feedback(std::size_t index, Nanoseconds now) const noexcept;
+  double commanded_torque_Nm(std::size_t drive) const noexcept { return drives_[drive].drive.commanded_torque_Nm(); }
+
+ private:
+  struct Bus {
+    CanBus* bus = nullptr;
+    Nanoseconds sync_duration_ns = 0;
+    int refused_in_a_row = 0;
+    std::array<std::uint8_t, canopen::max_node_id + 1> node_of_id{};  // index into nodes_ plus 1; 0: none
+  };
+  struct EncoderOnBus {
+    Encoder encoder;
+    std::size_t node;
+    std::uint64_t answered_sync = 0;
+  };
+  struct DriveOnBus {
+    Drive drive;
+    std::size_t node;
+    Eigen::Index joint;
+    std::uint64_t every_nth_sync;
+    std::uint64_t answered_sync = 0;
+  };
+
+  std::size_t add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device);
+  Eigen::Index joint_named(const std::string& name) const;
+
+  bool send(std::size_t bus, const CanFrame& frame) noexcept;
+  void raise(RigFault fault, std::size_t bus, std::uint8_t node_id = 0, std::uint16_t emcy_code = 0) noexcept;
+  void raise(RigFault fault, const RigNode& node) noexcept { raise(fault, node.bus, node.id); }
+
+  // rig_receive.cc
+  void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
+  void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
+  void on_emergency(RigNode& node, const CanFrame& frame) noexcept;
+  void on_position(RigNode& node, const ReceivedFrame& received) noexcept;
+
+  // rig_supervise.cc
+  void supervise(Nanoseconds now) noexcept;
+  void check_buses() noexcept;
+  void check_nodes(Nanoseconds now) noexcept;
+  void check_samples(Nanoseconds now) noexcept;
+  void check_drives() noexcept;
+  void boot(Nanoseconds now) noexcept;
+  void wait_for_drives(Nanoseconds now) noexcept;
+  bool booted(const RigNode& node, Nanoseconds now) const noexcept;
+  bool silent(const RigNode& node, Nanoseconds now) const noexcept;
+  bool running() const noexcept { return state_ >= RigState::enabling && state_ <= RigState::armed; }
+
+  std::uint16_t controlword_for(const Drive& drive) const noexcept;
+
+  RigParams params_;
+  KinematicChain chain_;
+  std::vector<Bus> buses_;
+  std::vector<RigNode> nodes_;
+  std::vector<EncoderOnBus> encoders_;
+  std::vector<DriveOnBus> drives_;
+  std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, else its drive's
+
+  RigState state_ = RigState::off;
+  Nanoseconds boot_started_ns_ = 0;
+  Nanoseconds sync_ns_ = 0, previous_sync_ns_ = 0;
+  Nanoseconds heartbeat_due_ns_ = 0;
+  ChainConfiguration configuration_;  // of the last read()
+  RigFaultLog fault_log_;
+  RigCounters counters_;
+};
+
+}  // namespace godobject

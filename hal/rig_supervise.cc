@@ -1,0 +1,103 @@
+// Rig: the way from off to ready, and what takes it to fault.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "hal/rig.h"
+
+namespace godobject {
+
+namespace {
+
+constexpr Nanoseconds nmt_retry_ns = 250'000'000;
+
+bool is_enabled(const Drive& drive) noexcept { return drive.state() == cia402::DriveState::operation_enabled; }
+
+}  // namespace
+
+void Rig::supervise(Nanoseconds now) noexcept {
+  if (state_ == RigState::off) return;
+  check_buses();
+  if (running()) {
+    check_nodes(now);
+    check_samples(now);
+  }
+  if (ready()) check_drives();
+  if (state_ == RigState::booting) boot(now);
+  if (state_ == RigState::enabling) wait_for_drives(now);
+}
+
+void Rig::check_buses() noexcept {
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    const BusState state = buses_[i].bus->state();
+    const bool gone = state == BusState::closed || state == BusState::bus_off || state == BusState::down;
+    if (gone) raise(RigFault::bus_down, i);
+  }
+}
+
+void Rig::check_nodes(Nanoseconds now) noexcept {
+  for (const RigNode& node : nodes_) {
+    if (silent(node, now)) raise(RigFault::heartbeat_lost, node);
+  }
+}
+
+void Rig::check_samples(Nanoseconds now) noexcept {
+  for (const EncoderOnBus& encoder : encoders_) {
+    if (encoder.encoder.stale(now)) raise(RigFault::sample_stale, nodes_[encoder.node]);
+    if (!encoder.encoder.trusted()) raise(RigFault::sample_implausible, nodes_[encoder.node]);
+  }
+  for (const DriveOnBus& drive : drives_) {
+    if (drive.drive.silent(now)) raise(RigFault::drive_silent, nodes_[drive.node]);
+    const Encoder& position = drive.drive.position();
+    const bool is_sensor = sensors_[static_cast<std::size_t>(drive.joint)] == &position;
+    if (!is_sensor) continue;
+    if (position.stale(now)) raise(RigFault::sample_stale, nodes_[drive.node]);
+    if (!position.trusted()) raise(RigFault::sample_implausible, nodes_[drive.node]);
+  }
+}
+
+void Rig::check_drives() noexcept {
+  for (const DriveOnBus& drive : drives_) {
+    if (!is_enabled(drive.drive)) raise(RigFault::drive_not_enabled, nodes_[drive.node]);
+  }
+}
+
+// NMT start to every node that is not operational, at most one frame per bus and cycle.
+void Rig::boot(Nanoseconds now) noexcept {
+  std::array<bool, max_buses> start_sent{};
+  for (RigNode& node : nodes_) {
+    const bool due = !node.start_sent || now - node.start_sent_ns >= nmt_retry_ns;
+    if ((node.operational() && !silent(node, now)) || !due || start_sent[node.bus]) continue;
+    node.start_sent = send(node.bus, canopen::make_nmt(canopen::NmtCommand::start, node.id));
+    node.start_sent_ns = now;
+    start_sent[node.bus] = true;
+  }
+  const auto missing = std::ranges::find_if(nodes_, [&](const RigNode& node) { return !booted(node, now); });
+  if (missing == nodes_.end()) {
+    state_ = RigState::enabling;
+  } else if (static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s) {
+    raise(RigFault::boot_timeout, *missing);
+  }
+}
+
+void Rig::wait_for_drives(Nanoseconds now) noexcept {
+  const auto waiting = std::ranges::find_if(drives_, [](const DriveOnBus& d) { return !is_enabled(d.drive); });
+  if (waiting == drives_.end()) {
+    state_ = RigState::ready;
+  } else if (static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s) {
+    raise(RigFault::boot_timeout, nodes_[waiting->node]);
+  }
+}
+
+bool Rig::booted(const RigNode& node, Nanoseconds now) const noexcept {
+  if (!node.operational() || silent(node, now)) return false;
+  if (node.kind == NodeKind::drive) return !drives_[node.device].drive.silent(now);
+  const Encoder& encoder = encoders_[node.device].encoder;
+  return !encoder.stale(now) && encoder.trusted();
+}
+
+bool Rig::silent(const RigNode& node, Nanoseconds now) const noexcept {
+  return !node.heard || static_cast<double>(now - node.heartbeat_ns) > 1e9 * params_.heartbeat_timeout_s;
+}
+
+}  // namespace godobject

@@ -1,0 +1,141 @@
+#include "hal/rig_validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "hal/canopen.h"
+#include "hal/kinematic_chain.h"
+
+namespace godobject {
+
+namespace {
+
+class Checker {
+ public:
+  explicit Checker(const RigParams& rig) : rig_(rig) {}
+
+  std::vector<std::string> run() {
+    check_timing();
+    check_chain();
+    for (const EncoderParams& encoder : rig_.encoders) check_encoder(encoder);
+    for (const DriveParams& drive : rig_.drives) check_drive(drive);
+    for (const ChainJoint& joint : rig_.chain.joints) check_sensors_of(joint);
+    return std::move(errors_);
+  }
+
+ private:
+  template <class... Parts>
+  void require(bool holds, const Parts&... parts) {
+    if (holds) return;
+    std::ostringstream text;
+    (text << ... << parts);
+    errors_.push_back(text.str());
+  }
+
+  void require_positive(double value, const std::string& where, const char* key) {
+    require(std::isfinite(value) && value > 0, where, key, " is ", value, ", must be > 0");
+  }
+
+  void check_timing() {
+    require_positive(rig_.cycle_s, "", "cycle_s");
+    require(rig_.stale_after_s >= rig_.cycle_s, "stale_after_s is ", rig_.stale_after_s,
+            ", must be at least cycle_s (", rig_.cycle_s, ")");
+    require_positive(rig_.boot_timeout_s, "", "boot_timeout_s");
+    require_positive(rig_.heartbeat_timeout_s, "", "heartbeat_timeout_s");
+    require_positive(rig_.heartbeat_period_s, "", "heartbeat_period_s");
+    require(rig_.host_node_id >= 1 && rig_.host_node_id <= canopen::max_node_id, "host_node_id is ",
+            int{rig_.host_node_id}, ", must be 1..127");
+    require(!rig_.buses.empty() && rig_.buses.size() <= max_buses, "the rig has ", rig_.buses.size(),
+            " buses, must be 1..", max_buses);
+    for (const BusParams& bus : rig_.buses) require_positive(bus.bit_rate, "bus '" + bus.name + "': ", "bit_rate");
+  }
+
+  void check_chain() {
+    const auto& joints = rig_.chain.joints;
+    require(!joints.empty() && joints.size() <= max_joints, "the chain has ", joints.size(), " joints, must be 1..",
+            max_joints);
+    check_pose(rig_.chain.X_WB, "chain: base pose");
+    check_pose(rig_.chain.X_LH, "chain: handle pose");
+    for (const ChainJoint& joint : joints) {
+      const std::string where = "joint '" + joint.name + "': ";
+      require(std::abs(joint.axis_J.norm() - 1) < 1e-9, where, "axis must have unit length");
+      check_pose(joint.X_PJ, where + "pose");
+      const auto same_name = [&](const ChainJoint& other) { return other.name == joint.name; };
+      require(!joint.name.empty() && std::ranges::count_if(joints, same_name) == 1, where,
+              "name must be given, and only once");
+    }
+  }
+
+  void check_pose(const Pose& X, const std::string& what) {
+    require(X.p.allFinite() && std::abs(X.q.norm() - 1) < 1e-9, what, " must be finite, with a unit quaternion");
+  }
+
+  void check_encoder(const EncoderParams& encoder) {
+    const std::string where = "encoder of joint '" + encoder.joint + "': ";
+    check_device(encoder.joint, encoder.bus, encoder.node_id, where);
+    check_calibration(encoder.calibration, encoder.max_speed, where);
+  }
+
+  void check_drive(const DriveParams& drive) {
+    const std::string where = "drive of joint '" + drive.joint + "': ";
+    check_device(drive.joint, drive.bus, drive.node_id, where);
+    check_calibration(drive.calibration, drive.max_speed, where);
+    require_positive(drive.torque_rated_Nm, where, "torque_rated_Nm");
+    require(drive.torque_max_Nm > 0 && drive.torque_max_Nm <= 32.767 * drive.torque_rated_Nm, where,
+            "torque_max_Nm is ", drive.torque_max_Nm, ", must be > 0 and at most 32.767 torque_rated_Nm");
+    require_positive(drive.torque_rate_Nm_per_s, where, "torque_rate_Nm_per_s");
+    require_positive(drive.joint_per_motor_rad, where, "joint_per_motor_rad");
+    require(drive.sign == 1 || drive.sign == -1, where, "sign is ", drive.sign, ", must be 1 or -1");
+    require(drive.status_every_nth_sync >= 1 && drive.status_every_nth_sync <= 240, where,
+            "status_every_nth_sync is ", int{drive.status_every_nth_sync}, ", must be 1..240");
+  }
+
+  void check_device(const std::string& joint, std::size_t bus, std::uint8_t node_id, const std::string& where) {
+    const auto has_name = [&](const ChainJoint& other) { return other.name == joint; };
+    require(std::ranges::any_of(rig_.chain.joints, has_name), where, "the chain has no such joint");
+    require(bus < rig_.buses.size(), where, "bus index is ", bus, ", the rig has ", rig_.buses.size(), " buses");
+    require(node_id >= 1 && node_id <= canopen::max_node_id, where, "node_id is ", int{node_id},
+            ", must be 1..127");
+    require(node_id != rig_.host_node_id, where, "node_id ", int{node_id}, " is the host's own");
+    require(std::ranges::find(nodes_, std::pair(bus, node_id)) == nodes_.end(), where, "node_id ", int{node_id},
+            " is taken by another device on the same bus");
+    nodes_.emplace_back(bus, node_id);
+  }
+
+  void check_calibration(const Calibration& calibration, double max_speed, const std::string& where) {
+    require_positive(calibration.counts_per_unit, where, "counts_per_unit");
+    require(calibration.sign == 1 || calibration.sign == -1, where, "sign is ", calibration.sign,
+            ", must be 1 or -1");
+    constexpr std::uint64_t counts_of_32_bits = std::uint64_t{1} << 32;
+    require(calibration.modulus_counts <= counts_of_32_bits && calibration.modulus_counts != 1, where,
+            "modulus_counts is ", calibration.modulus_counts, ", must be 2..2^32, or 0 for none");
+    require_positive(max_speed, where, "max_speed");
+    // a travel of half the modulus cannot be told from a turn the other way
+    const std::uint64_t modulus = calibration.modulus_counts == 0 ? counts_of_32_bits : calibration.modulus_counts;
+    const double reach_counts = max_speed * calibration.counts_per_unit * rig_.stale_after_s;
+    require(2 * reach_counts < static_cast<double>(modulus), where,
+            "at max_speed the joint travels half of modulus_counts within stale_after_s: lower one of them");
+  }
+
+  void check_sensors_of(const ChainJoint& joint) {
+    const auto on_joint = [&](const auto& device) { return device.joint == joint.name; };
+    const auto encoders = std::ranges::count_if(rig_.encoders, on_joint);
+    const auto drives = std::ranges::count_if(rig_.drives, on_joint);
+    const std::string where = "joint '" + joint.name + "': ";
+    require(encoders + drives > 0, where, "nothing measures it: give it an encoder or a drive");
+    require(encoders <= 1, where, "has ", encoders, " encoders, at most one is allowed");
+    require(drives <= 1, where, "has ", drives, " drives, at most one is allowed");
+  }
+
+  const RigParams& rig_;
+  std::vector<std::string> errors_;
+  std::vector<std::pair<std::size_t, std::uint8_t>> nodes_;  // bus, node id
+};
+
+}  // namespace
+
+std::vector<std::string> validate(const RigParams& rig) { return Checker(rig).run(); }
+
+}  // namespace godobject

@@ -1,0 +1,102 @@
+#include "sim/csv.h"
+
+#include <algorithm>
+#include <charconv>
+
+namespace godobject {
+
+inline constexpr std::size_t max_reported = 20;
+
+std::optional<std::size_t> CsvTable::find(std::string_view column) const {
+  const auto found = std::ranges::find(columns_, column);
+  if (found == columns_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - columns_.begin());
+}
+
+/// One pass over the text, line by line.
+class CsvParser {
+ public:
+  explicit CsvParser(const std::string& file) : log_(file) {}
+
+  CsvResult parse(std::string_view text) {
+    while (!text.empty() && num_errors_ < max_reported) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      ++line_;
+      parse_line(text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    if (table_.columns_.empty()) error(1, "there is no header line");
+    if (!log_.ok()) return {std::nullopt, log_.errors()};
+    return {std::move(table_), {}};
+  }
+
+ private:
+  void parse_line(std::string_view line) {
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.empty()) return;
+    if (table_.columns_.empty()) {
+      for_each_cell(line, [&](std::string_view cell, std::uint32_t column) { add_column(cell, column); });
+      return;
+    }
+    std::size_t num_cells = 0;
+    for_each_cell(line, [&](std::string_view cell, std::uint32_t column) {
+      ++num_cells;
+      add_value(cell, column);
+    });
+    if (num_cells != table_.columns_.size()) {
+      error(1, "has " + std::to_string(num_cells) + " values, the header " + std::to_string(table_.columns_.size()));
+    }
+  }
+
+  template <class F>
+  static void for_each_cell(std::string_view line, F use) {
+    std::size_t begin = 0;
+    while (begin <= line.size()) {
+      const std::size_t end = std::min(line.find(',', begin), line.size());
+      use(trimmed(line.substr(begin, end - begin)), static_cast<std::uint32_t>(begin + 1));
+      begin = end + 1;
+    }
+  }
+
+  static std::string_view trimmed(std::string_view cell) {
+    while (cell.starts_with(' ')) cell.remove_prefix(1);
+    while (cell.ends_with(' ')) cell.remove_suffix(1);
+    return cell;
+  }
+
+  void add_column(std::string_view name, std::uint32_t column) {
+    if (name.empty()) error(column, "a column has no name");
+    if (table_.find(name)) error(column, "column '" + std::string(name) + "' is there twice");
+    table_.columns_.emplace_back(name);
+  }
+
+  void add_value(std::string_view cell, std::uint32_t column) {
+    double x = 0;
+    const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
+    if (status != std::errc{} || end != cell.data() + cell.size()) {
+      error(column, "'" + std::string(cell) + "' is not a number");
+    }
+    table_.values_.push_back(x);
+    table_.places_.push_back({line_, column});
+  }
+
+  void error(std::uint32_t column, const std::string& what) {
+    ++num_errors_;
+    log_.error({std::max(line_, 1u), column}, what);
+  }
+
+  Diagnostics log_;
+  CsvTable table_;
+  std::uint32_t line_ = 0;
+  std::size_t num_errors_ = 0;
+};
+
+CsvResult parse_csv(std::string_view text, const std::string& file) { return CsvParser(file).parse(text); }
+
+CsvResult read_csv(const std::string& path) {
+  const std::optional<std::string> text = read_text(path);
+  if (!text) return {std::nullopt, {format_diagnostic(path, {}, "cannot be read: is the path right?")}};
+  return parse_csv(*text, path);
+}
+
+}  // namespace godobject

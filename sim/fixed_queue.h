@@ -1,0 +1,37 @@
+// First in, first out, in place.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace godobject {
+
+template <class T, std::size_t N>
+class FixedQueue {
+ public:
+  /// False, and nothing stored, when full.
+  [[nodiscard]] bool push(const T& value) noexcept {
+    if (size_ == N) return false;
+    items_[(first_ + size_) % N] = value;
+    ++size_;
+    return true;
+  }
+
+  /// The oldest. Only when not empty, as pop().
+  const T& front() const noexcept { return items_[first_]; }
+  void pop() noexcept {
+    first_ = (first_ + 1) % N;
+    --size_;
+  }
+
+  bool empty() const noexcept { return size_ == 0; }
+  std::size_t size() const noexcept { return size_; }
+  void clear() noexcept { size_ = 0; }
+
+ private:
+  std::array<T, N> items_{};
+  std::size_t first_ = 0;
+  std::size_t size_ = 0;
+};
+
+}  // namespace godobject

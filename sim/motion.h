@@ -1,0 +1,80 @@
+// What the hand does: the target of every driven body, or the wrench on it, as a function of time.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/kinematic_chain.h"
+#include "sim/csv.h"
+#include "sim/curve.h"
+#include "sim/scene.h"
+
+namespace godobject {
+
+/// Target of a body: pose and its exact time derivative.
+struct MotionSample {
+  Pose X_WD;
+  Twist V_WD;
+};
+
+/// Joint coordinates of the device's chain and their rates.
+struct JointSample {
+  JointVector q;
+  JointVector q_dot;
+};
+
+struct MotionResult;
+
+/// Bodies are counted as driven_bodies() of the scene lists them. Evaluation does not allocate.
+class Motion {
+ public:
+  /// The scene's own [motion] for the first driven body; other bodies rest at their start, and so does
+  /// the first where the scene has no [motion].
+  explicit Motion(const SceneConfig& scene);
+
+  /// From a table with columns t (s, strictly increasing) and, for every driven body,
+  ///   <body>.x, y, z, qw, qx, qy, qz   (m; unit quaternion), or
+  ///   <body>.fx, fy, fz, tx, ty, tz    (N, N m; admittance devices), or
+  ///   <joint> for every joint of the device's chain (rad or m).
+  /// Between samples: sim/curve.h. Before the first and after the last: the end's pose at rest, its wrench.
+  static MotionResult read(const std::string& path, const SceneConfig& scene);
+  /// As read for a text; file is what messages call it.
+  static MotionResult parse(std::string_view csv, const std::string& file, const SceneConfig& scene);
+
+  std::size_t num_bodies() const noexcept { return starts_.size(); }
+  MotionSample target(std::size_t body, double t) const noexcept;
+  /// The hand's wrench on an admittance device's body, world axes about the body's origin.
+  Wrench wrench(std::size_t body, double t) const noexcept;
+  /// True for a table of joint coordinates; then joints() has them and target(0, t) is the handle's pose.
+  bool has_joints() const noexcept { return !joints_.empty(); }
+  JointSample joints(double t) const noexcept;
+  /// Last sample's time, where the motion is a table.
+  std::optional<double> end() const noexcept;
+
+ private:
+  friend class MotionReader;
+  struct PoseCurve {
+    VectorCurve<Vec3> p;
+    RotationCurve q;
+  };
+  struct WrenchCurve {
+    VectorCurve<Vec3> f, tau;
+  };
+
+  std::vector<Pose> starts_;             // per driven body
+  std::optional<MotionConfig> built_in_; // for body 0
+  std::optional<KinematicChain> chain_;
+  std::optional<TimeGrid> grid_;         // of a table, which fills one of:
+  std::vector<PoseCurve> poses_;
+  std::vector<WrenchCurve> wrenches_;
+  std::vector<VectorCurve<double>> joints_;
+};
+
+struct MotionResult {
+  std::optional<Motion> motion;     // absent where there are errors
+  std::vector<std::string> errors;  // "file:line:column: what"
+  std::vector<std::string> notes;   // columns that were not used
+};
+
+}  // namespace godobject

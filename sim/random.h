@@ -1,0 +1,31 @@
+// A small random generator whose numbers are the same on every machine and library.
+#pragma once
+
+#include <cstdint>
+
+namespace godobject {
+
+/// SplitMix64 (Steele, Lea, Flood 2014). Any seed is good.
+class Random {
+ public:
+  explicit constexpr Random(std::uint64_t seed) noexcept : state_(seed) {}
+
+  constexpr std::uint64_t next() noexcept {
+    state_ += 0x9E3779B97F4A7C15u;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+  }
+
+  /// Uniform in [0, 1).
+  constexpr double uniform() noexcept { return static_cast<double>(next() >> 11) * 0x1p-53; }
+
+  /// True with this probability; draws nothing for 0, so that a fault that is off does not shift the others.
+  constexpr bool chance(double probability) noexcept { return probability > 0 && uniform() < probability; }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace godobject

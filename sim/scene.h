@@ -1,0 +1,121 @@
+// A scene as its file describes it: plain values, SI, validated. sim/scene_toml.cc fills it,
+// sim/engine.cc turns it into a compiled composition of the core.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "hal/rig_params.h"
+
+namespace godobject {
+
+/// (2): F = g e_t' + k e_t, T = g_r e_w + k_r alpha u. Damping given as a ratio is already resolved:
+/// g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
+struct CouplingConfig {
+  double stiffness = 0;             // k, N/m, >= 0
+  double damping = 0;               // g, N s/m, >= 0
+  double rotational_stiffness = 0;  // k_r, N m/rad, >= 0
+  double rotational_damping = 0;    // g_r, N m s/rad, >= 0
+};
+
+/// (8): the same form seen from the device, with its own gains; all zero: no haptics.
+using FeedbackConfig = CouplingConfig;
+
+/// Bounds of the wrench shown to the hand, and the ramp on engage.
+struct LimitConfig {
+  double force = 10;          // N
+  double torque = 0.5;        // N m
+  double force_rate = 500;    // N/s
+  double torque_rate = 25;    // N m/s
+  double ramp = 0.5;          // s from engage to full coupling and feedback; 0: at once
+};
+
+/// Names of DeviceKind in scene files, in its order.
+inline constexpr std::array device_kind_names{"impedance", "non-haptic", "admittance", "relative"};
+
+/// Names of the integrators a scene file or --integrator may ask for.
+inline constexpr std::array integrator_names{"implicit-euler", "sdirk2"};
+
+enum class DeviceKind : std::uint8_t {
+  impedance,   // pose in, force out
+  non_haptic,  // pose in, nothing out
+  admittance,  // force in, pose out
+  relative,    // increments in through a clutch
+};
+
+/// The simulated rig behind the bus: what the hand and the mechanics of the device do.
+struct PlantConfig {
+  double inertia = 1e-3;           // per joint, kg m^2 or kg at the joint
+  double damping = 1e-2;           // per joint, N m s/rad or N s/m
+  double friction = 1e-3;          // Coulomb, per joint, N m or N
+  double hand_stiffness = 20;      // per joint, N m/rad or N/m; the user's arm
+  double hand_damping = 0.5;       // per joint, N m s/rad or N s/m
+};
+
+struct DeviceConfig {
+  std::string name;
+  DeviceKind kind = DeviceKind::impedance;
+  LimitConfig limits;
+  std::optional<RigParams> rig;    // absent: the scene can only run with --bus direct
+  PlantConfig plant;
+};
+
+struct BodyConfig {
+  std::string name;
+  double mass = 1;                          // kg, > 0
+  Mat3 inertia = Mat3::Identity();          // kg m^2 about the centre of mass, body axes, positive definite
+  Pose X_WB;                                // at t = 0
+  Twist V_WB;                               // at t = 0
+  std::optional<CouplingConfig> coupling;   // absent: free
+  std::optional<FeedbackConfig> feedback;   // absent or zero: no haptics
+};
+
+/// A built-in motion of the target, used where no --motion file is given.
+/// p(t) = p_0 + A sin(2 pi f t + phase) per axis; q(t) = q_0 qz(.) qy(.) qx(.) with the same form per angle.
+struct MotionConfig {
+  Vec3 amplitude = Vec3::Zero(), frequency_hz = Vec3::Zero(), phase = Vec3::Zero();              // m, Hz, rad
+  Vec3 angle_amplitude = Vec3::Zero(), angle_frequency_hz = Vec3::Zero(), angle_phase = Vec3::Zero();  // rad (z, y, x)
+  Pose X_WD;                                // centre of the motion
+  // Admittance devices, which take the hand's wrench instead of a pose, world axes about the body's origin:
+  // f(t) = F sin(2 pi f t + phase), tau(t) = T sin(2 pi f t + phase) per axis (x, y, z).
+  Vec3 force_amplitude = Vec3::Zero(), torque_amplitude = Vec3::Zero();  // N, N m
+};
+
+/// Faults the simulated wire makes by chance; all zero by default.
+struct WireConfig {
+  std::uint64_t seed = 1;
+  double loss_probability = 0;        // per frame
+  double corruption_probability = 0;  // per frame
+  double delay_s = 0;                 // added to every frame
+};
+
+struct SceneConfig {
+  std::string name;
+  std::string about;
+  double step = 1e-3;                 // h, s
+  double duration = 10;               // s
+  std::string integrator = "implicit-euler";
+  Vec3 gravity = Vec3::Zero();        // m/s^2
+  std::vector<BodyConfig> bodies;
+  std::optional<DeviceConfig> device; // drives the first coupled body
+  std::optional<MotionConfig> motion;
+  WireConfig wire;
+};
+
+/// Indices of the bodies that have a target: the coupled ones; without any, the first body where an
+/// admittance device pushes it. The device drives the first of them.
+inline std::vector<std::size_t> driven_bodies(const SceneConfig& scene) {
+  std::vector<std::size_t> driven;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].coupling) driven.push_back(i);
+  }
+  const bool pushed = scene.device && scene.device->kind == DeviceKind::admittance;
+  if (driven.empty() && pushed && !scene.bodies.empty()) driven.push_back(0);
+  return driven;
+}
+
+}  // namespace godobject

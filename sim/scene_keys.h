@@ -1,0 +1,161 @@
+// Every key of a scene file, once: name, unit, range, meaning and the member it stands for; those below
+// [device] are in sim/device_keys.h. See sim/visit.h for what walks it.
+#pragma once
+
+#include <cmath>
+#include <set>
+
+#include <Eigen/Eigenvalues>
+
+#include "sim/device_keys.h"
+#include "sim/scene.h"
+#include "sim/visit.h"
+
+namespace godobject {
+
+inline constexpr double default_damping_ratio = 1.4;                       // the paper: 1.4 <= g / sqrt(m k) <= 2
+inline constexpr double min_advised_ratio = 1.4, max_advised_ratio = 2.0;
+inline constexpr double max_advised_step = 2e-3;                           // s
+
+/// What a damping ratio of one means on this body: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
+struct Massiveness {
+  double mass = 1;       // kg
+  double inertia = 1;    // largest principal moment, kg m^2
+};
+
+inline double critical(double mass, double stiffness) { return std::sqrt(mass * stiffness); }
+
+template <class V>
+void advise_ratio(V& v, std::string_view key, double damping, double critical_damping) {
+  const double ratio = critical_damping > 0 ? damping / critical_damping : default_damping_ratio;
+  constexpr double rounding = 1e-6;
+  v.advise(ratio >= min_advised_ratio - rounding && ratio <= max_advised_ratio + rounding, key,
+           "damping ratio " + shortest(ratio) + " is outside the advised range " +
+               to_string(Range{min_advised_ratio, max_advised_ratio}));
+}
+
+/// The four gains; a gain that is not given is what it is on entry, or `ratio` where that is stated.
+template <class V>
+void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, CouplingConfig& c) {
+  const auto fallback = [&](double unit, double gain) { return ratio ? *ratio * unit : gain; };
+  const bool required = ratio.has_value();
+  v.value(Key{"stiffness", "N/m", "k of (2)", {0, 1e13}, required}, c.stiffness);
+  const double g_unit = critical(body.mass, c.stiffness);
+  v.either(Key{"damping", "N s/m", "g of (2); or give `damping_ratio`", not_negative},
+           Key{"damping_ratio", "", "g / sqrt(m k); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}}, g_unit,
+           fallback(g_unit, c.damping), c.damping);
+  v.value(Key{"rotational_stiffness", "N m/rad", "k_r of (2)", {0, 1e13}, required}, c.rotational_stiffness);
+  const double g_r_unit = critical(body.inertia, c.rotational_stiffness);
+  v.either(Key{"rotational_damping", "N m s/rad", "g_r of (2); or give `rotational_damping_ratio`", not_negative},
+           Key{"rotational_damping_ratio", "", "g_r / sqrt(I_max k_r); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}}, g_r_unit,
+           fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
+}
+
+template <class V>
+void visit_coupling(V& v, const Massiveness& body, CouplingConfig& c) {
+  visit_gains(v, body, default_damping_ratio, c);
+  advise_ratio(v, "damping", c.damping, critical(body.mass, c.stiffness));
+  advise_ratio(v, "rotational_damping", c.rotational_damping, critical(body.inertia, c.rotational_stiffness));
+}
+
+template <class V>
+void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& coupling, FeedbackConfig& f) {
+  double scale = 0;
+  v.shorthand(Key{"scale", "", "every gain not given here is this times the coupling's", {0, 1e3}}, scale);
+  if (scale > 0) {
+    f = {scale * coupling.stiffness, scale * coupling.damping, scale * coupling.rotational_stiffness,
+         scale * coupling.rotational_damping};
+  }
+  visit_gains(v, body, std::nullopt, f);
+}
+
+template <class V>
+void visit_body(V& v, BodyConfig& b) {
+  visit_name(v, "name of the body: columns of traces and motions start with it", b.name);
+  v.value(Key{"mass", "kg", "mass", {1e-12, 1e9}, true}, b.mass);
+  v.inertia(Key{"inertia", "kg m^2", "about the centre of mass in body axes", any_number, true}, b.inertia);
+  visit_pose(v, "position", "orientation_wxyz", "the centre of mass at t = 0", b.X_WB);
+  v.value(Key{"velocity", "m/s", "of the centre of mass at t = 0, world axes"}, b.V_WB.v);
+  v.value(Key{"angular_velocity", "rad/s", "at t = 0, world axes"}, b.V_WB.w);
+  const double I_max = b.inertia.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+  const Massiveness body{b.mass, I_max};
+  optional_table(v, TableKey{"coupling", "Spring and damper (2) that pull the body to its target; without it the body is free."},
+                 b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
+  optional_table(v, TableKey{"feedback", "The wrench (8) shown to the hand; without it there is no haptic feedback. Same keys as the coupling's, and `scale`."},
+                 b.feedback, [&](auto& t, FeedbackConfig& f) {
+                   t.check(b.coupling.has_value(), "", "feedback needs a coupling: add [body.coupling]");
+                   visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
+                 });
+}
+
+template <class V>
+void visit_header(V& v, SceneConfig& s) {
+  visit_name(v, "short name of the scene", s.name);
+  v.value(Key{"about", "", "one line on what the scene shows"}, s.about);
+  v.value(Key{"step", "s", "h, the fixed step and the period of the loop", {1e-6, 0.1}}, s.step);
+  v.advise(s.step <= max_advised_step, "step", "is above 2 ms: a hand feels the delay, and feedback gains must be low");
+  v.value(Key{"duration", "s", "how long a run lasts unless --duration says otherwise", {.min = 0, .max = 1e6, .min_open = true}}, s.duration);
+  choose(v, Key{"integrator", "", "time-stepping scheme"}, {integrator_names.begin(), integrator_names.end()}, s.integrator);
+  v.value(Key{"gravity", "m/s^2", "world axes"}, s.gravity);
+}
+
+template <class V>
+void visit_motion(V& v, MotionConfig& m) {
+  v.value(Key{"amplitude", "m", "A of p(t) = p_0 + A sin(2 pi f t + phase), per axis x, y, z"}, m.amplitude);
+  v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
+  v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
+  v.value(Key{"angle_amplitude", "rad", "the same form for three angles about z, y, x: q(t) = q_0 qz qy qx"}, m.angle_amplitude);
+  v.value(Key{"angle_frequency_hz", "Hz", "", {0, 1e3}}, m.angle_frequency_hz);
+  v.value(Key{"angle_phase", "rad", ""}, m.angle_phase);
+  visit_pose(v, "position", "orientation_wxyz", "the target at the centre of the motion: p_0, q_0", m.X_WD);
+  v.value(Key{"force_amplitude", "N", "admittance devices: the hand's force F sin(2 pi f t + phase), f and phase as for p"}, m.force_amplitude);
+  v.value(Key{"torque_amplitude", "N m", "admittance devices: the hand's torque in the same form"}, m.torque_amplitude);
+}
+
+template <class V>
+void visit_wire(V& v, WireConfig& w) {
+  v.value(Key{"seed", "", "of the faults made by chance", {0, 9007199254740992.0}}, w.seed);
+  v.value(Key{"loss_probability", "", "that a frame is lost", probability}, w.loss_probability);
+  v.value(Key{"corruption_probability", "", "that a frame is corrupted on the wire and sent again", probability}, w.corruption_probability);
+  v.value(Key{"delay", "s", "added to every frame", {0, 1}}, w.delay_s);
+}
+
+/// Rules between tables.
+template <class V>
+void check_scene(V& v, const SceneConfig& s) {
+  const auto coupled = [](const BodyConfig& b) { return b.coupling.has_value(); };
+  const auto with_feedback = [](const BodyConfig& b) { return b.feedback.has_value(); };
+  if (!s.device) return;
+  const bool feedback = std::ranges::any_of(s.bodies, with_feedback);
+  v.check(s.device->kind == DeviceKind::admittance || std::ranges::any_of(s.bodies, coupled), "device",
+          "drives no body: add [body.coupling] to the body it holds");
+  v.check(s.device->kind != DeviceKind::non_haptic || !feedback, "device",
+          "of kind \"non-haptic\" shows nothing: remove [body.feedback], or use kind \"impedance\"");
+  v.advise(!feedback || !s.device->rig || !s.device->rig->drives.empty(), "device",
+           "has no [[device.drive]]: the feedback is computed but cannot be shown");
+}
+
+template <class V>
+void visit_scene(V& v, SceneConfig& s) {
+  plain_table(v, TableKey{"scene", "The scene as a whole.", true}, [&](auto& t) { visit_header(t, s); });
+  std::set<std::string> names;
+  v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true}, s.bodies, [&](auto& t, BodyConfig& b) {
+    visit_body(t, b);
+    t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
+  });
+  std::vector<BusParams> buses = s.device && s.device->rig ? s.device->rig->buses : std::vector<BusParams>{};
+  std::set<std::string> bus_names;
+  v.tables(TableKey{"bus", "A CAN bus."}, buses, [&](auto& t, BusParams& b) {
+    visit_name(t, "name of the bus", b.name);
+    t.check(bus_names.insert(b.name).second, "name", "is the name of an earlier bus");
+    t.value(Key{"bit_rate", "bit/s", "of the arbitration phase", {1e4, 1e6}}, b.bit_rate);
+  });
+  optional_table(v, TableKey{"device", "The device that drives the first coupled body, and the rig it is made of."},
+                 s.device, [&](auto& t, DeviceConfig& d) { visit_device(t, s.step, buses, d); });
+  optional_table(v, TableKey{"motion", "Built-in motion of the target, used where no --motion file is given."},
+                 s.motion, [](auto& t, MotionConfig& m) { visit_motion(t, m); });
+  plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."}, [&](auto& t) { visit_wire(t, s.wire); });
+  check_scene(v, s);
+}
+
+}  // namespace godobject

@@ -1,0 +1,70 @@
+#include "sim/sim_can_bus.h"
+
+namespace godobject {
+
+SimCanPort::SimCanPort(SimCanWire& wire) noexcept : wire_(wire), index_(wire.attach(*this)) {}
+
+SimCanPort::~SimCanPort() {
+  close();
+  if (index_ < SimCanWire::max_nodes) wire_.detach(index_);
+}
+
+bool SimCanPort::open() noexcept {
+  open_ = index_ < SimCanWire::max_nodes;
+  return open_;
+}
+
+void SimCanPort::close() noexcept {
+  if (!open_) return;
+  open_ = false;
+  wire_.drop_out(index_);
+  transmit_queue_.clear();
+  receive_queue_.clear();
+  errors_.reset();
+  t_restart_ns_.reset();
+  recovery_.reset();
+}
+
+SendResult SimCanPort::try_send(const CanFrame& frame) noexcept {
+  const auto answer = [&] {
+    if (!is_valid(frame)) return SendResult::invalid;
+    if (!open_) return SendResult::down;
+    if (errors_.is_bus_off()) return SendResult::off;
+    return transmit_queue_.push(frame) ? SendResult::queued : SendResult::full;
+  };
+  const SendResult result = answer();
+  if (result != SendResult::queued) ++counters_.send_refused;
+  return result;
+}
+
+bool SimCanPort::try_receive(ReceivedFrame& out) noexcept {
+  if (receive_queue_.empty() || receive_queue_.front().t_readable_ns > wire_.now()) return false;
+  out = receive_queue_.front().received;
+  receive_queue_.pop();
+  ++counters_.received;
+  return true;
+}
+
+BusState SimCanPort::state() const noexcept { return open_ ? errors_.state() : BusState::closed; }
+
+BusCounters SimCanPort::counters() const noexcept {
+  BusCounters counters = counters_;
+  counters.transmit_error_counter = errors_.transmit_errors();
+  counters.receive_error_counter = errors_.receive_errors();
+  return counters;
+}
+
+bool SimCanPort::restart() noexcept {
+  if (!open_ || !errors_.is_bus_off()) return false;
+  if (!recovery_) wire_.start_recovery(*this);
+  return true;
+}
+
+void SimCanPort::set_connected(bool connected) noexcept {
+  if (connected == connected_ || index_ == SimCanWire::max_nodes) return;
+  wire_.drop_out(index_);
+  connected_ = connected;
+  wire_.join(index_, connected ? SimCanWire::shared_segment : SimCanWire::stub_segment(index_));
+}
+
+}  // namespace godobject

@@ -1,0 +1,94 @@
+// Reads one TOML table strictly: every key must be known, of the right type and in range. A visitor of
+// sim/scene_keys.h. Problems go to Diagnostics with their place; the member keeps its value then.
+#pragma once
+
+#include <concepts>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "core/types.h"
+#include "sim/diagnostics.h"
+#include "sim/key.h"
+
+namespace godobject {
+
+class TomlReader {
+ public:
+  /// title: how messages call the table, e.g. "[body.coupling]". The table and log outlive the reader.
+  TomlReader(const toml::table& table, std::string path, std::string title, Diagnostics& log);
+
+  void value(const Key& key, double& x);
+  void value(const Key& key, std::string& x);
+  void value(const Key& key, Vec3& x);
+  template <std::integral T>
+  void value(const Key& key, T& x) {
+    if (const std::optional<std::int64_t> n = integer(key)) x = static_cast<T>(*n);
+  }
+  void shorthand(const Key& key, double& x) { value(key, x); }
+  /// Either of two spellings of one number; with neither the fallback, or an error where key is required.
+  void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback, double& x);
+
+  /// Length 1 within 1e-6, then normalised.
+  void unit_vector(const Key& key, Vec3& x);
+  void attitude(const Key& key, Quat& q);
+  /// Three principal moments, or 3x3: symmetric, positive definite, triangle inequality.
+  void inertia(const Key& key, Mat3& I);
+  /// index of the string in names.
+  void one_of(const Key& key, const std::vector<std::string>& names, std::size_t& index);
+
+  template <class F>
+  void table(const TableKey& key, bool& present, F visit) {
+    const toml::node* node = subtable(key);
+    present = node != nullptr;
+    if (!present) return;
+    TomlReader sub(*node->as_table(), path_of(key), "[" + path_of(key) + "]", log_);
+    visit(sub);
+    sub.finish();
+  }
+  template <class T, class F>
+  void tables(const TableKey& key, std::vector<T>& items, F visit) {
+    items.clear();
+    for (const toml::table* element : subtables(key)) {
+      TomlReader sub(*element, path_of(key), "[[" + path_of(key) + "]]", log_);
+      visit(sub, items.emplace_back());
+      sub.finish();
+    }
+  }
+
+  bool has(std::string_view name) const { return table_.contains(name); }
+  /// A rule that spans keys: `what` completes a sentence about the key, or stands alone for name "".
+  void check(bool ok, std::string_view name, const std::string& what);
+  void advise(bool ok, std::string_view name, const std::string& what);
+
+  /// Reports every key that nothing has asked for, with the nearest known one.
+  void finish();
+
+ private:
+  /// The node, or nullptr with an error where a required key is missing.
+  const toml::node* find(const Key& key);
+  std::optional<double> number(const Key& key, const toml::node& node);
+  std::optional<std::int64_t> integer(const Key& key);
+  /// Exactly n numbers in range; empty after an error.
+  std::vector<double> numbers(const Key& key, const toml::node& node, std::size_t n);
+  std::optional<Mat3> matrix(const Key& key, const toml::node& node);
+  const toml::node* subtable(const TableKey& key);
+  std::vector<const toml::table*> subtables(const TableKey& key);
+
+  std::string path_of(const TableKey& key) const;
+  std::string said(std::string_view name, const std::string& what) const;
+  TextPosition place_of(std::string_view name) const;
+  void error(const toml::node& node, const std::string& what);
+
+  const toml::table& table_;
+  std::string path_, title_;
+  Diagnostics& log_;
+  std::vector<std::string> known_;
+};
+
+/// The candidate with the least edit distance (insert, delete, replace, swap neighbours); empty for none.
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
+
+}  // namespace godobject

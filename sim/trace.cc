@@ -1,0 +1,81 @@
+#include "sim/trace.h"
+
+#include <array>
+#include <charconv>
+
+namespace godobject {
+
+inline constexpr std::size_t buffer_size = 1 << 16;  // bytes
+
+std::vector<std::string> trace_columns(const SceneConfig& scene) {
+  std::vector<std::string> columns{"t"};
+  for (const BodyConfig& body : scene.bodies) {
+    for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"}) {
+      columns.push_back(body.name + "." + name);
+    }
+  }
+  for (const std::size_t body : driven_bodies(scene)) {
+    for (const char* which : {".coupling.", ".feedback."}) {
+      for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"}) {
+        columns.push_back(scene.bodies[body].name + which + name);
+      }
+    }
+  }
+  columns.insert(columns.end(), {"penetration", "fault"});
+  return columns;
+}
+
+TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene) : file_(path, std::ios::binary) {
+  buffer_.reserve(2 * buffer_size);
+  for (const std::string& column : trace_columns(scene)) buffer_ += column + ",";
+  buffer_.back() = '\n';
+}
+
+void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceWrenches> wrenches,
+                      double penetration, std::uint32_t fault) {
+  number(t);
+  for (const TraceBody& body : bodies) {
+    vector(body.X_WB.p);
+    number(body.X_WB.q.w());
+    vector(body.X_WB.q.vec());
+    vector(body.V_WB.v);
+    vector(body.V_WB.w);
+  }
+  for (const TraceWrenches& F : wrenches) {
+    wrench(F.coupling);
+    wrench(F.feedback);
+  }
+  number(penetration);
+  number(fault);
+  buffer_.back() = '\n';
+  if (buffer_.size() > buffer_size) flush();
+}
+
+bool TraceWriter::close() {
+  flush();
+  file_.close();
+  return !file_.fail();
+}
+
+void TraceWriter::number(double x) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
+  buffer_.append(text.data(), end);
+  buffer_ += ',';
+}
+
+void TraceWriter::vector(const Vec3& a) {
+  for (int i = 0; i < 3; ++i) number(a[i]);
+}
+
+void TraceWriter::wrench(const Wrench& F) {
+  vector(F.f);
+  vector(F.tau);
+}
+
+void TraceWriter::flush() {
+  file_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  buffer_.clear();
+}
+
+}  // namespace godobject

@@ -1,0 +1,53 @@
+// The trace of a run as CSV: t, per body <body>.x y z qw qx qy qz vx vy vz wx wy wz, per driven body
+// <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, then penetration and fault.
+// World frame, SI; every number reads back as the same double.
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "sim/scene.h"
+
+namespace godobject {
+
+struct TraceBody {
+  Pose X_WB;
+  Twist V_WB;
+};
+
+/// Of a driven body, in the order of driven_bodies().
+struct TraceWrenches {
+  Wrench coupling;  // on the body, about its origin
+  Wrench feedback;  // on the hand, about the target's origin
+};
+
+/// Writes rows into a buffer and the buffer to the file when it is full. Not for the real-time thread.
+class TraceWriter {
+ public:
+  TraceWriter(const std::string& path, const SceneConfig& scene);
+
+  /// bodies, wrenches: as many as the scene has bodies and driven bodies. penetration: m.
+  /// fault: the bits as an unsigned number.
+  void row(double t, std::span<const TraceBody> bodies, std::span<const TraceWrenches> wrenches, double penetration,
+           std::uint32_t fault);
+  /// Writes what is left. False when anything did not reach the file.
+  [[nodiscard]] bool close();
+
+ private:
+  void number(double x);
+  void vector(const Vec3& a);
+  void wrench(const Wrench& F);
+  void flush();
+
+  std::ofstream file_;
+  std::string buffer_;
+};
+
+/// The header line's columns.
+std::vector<std::string> trace_columns(const SceneConfig& scene);
+
+}  // namespace godobject

@@ -1,0 +1,74 @@
+// What the key lists of sim/scene_keys.h and sim/device_keys.h have in common. A visitor V walks them:
+// sim/toml_reader.h fills a SceneConfig from a file, sim/toml_writer.h prints one, sim/key_reference.h
+// writes the reference of the format. V offers
+//   value, unit_vector, attitude, inertia, one_of   a key and its member
+//   either       two spellings of one number: value, or other * unit_of_other; else the fallback
+//   shorthand    a number that only sets other members' defaults, never written back
+//   table, tables, has, check, advise               structure, and rules beyond a single range
+// Within a table, values come before sub-tables: so TOML wants it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "sim/key.h"
+
+namespace godobject {
+
+template <class V, class T, class F>
+void optional_table(V& v, const TableKey& key, std::optional<T>& value, F visit) {
+  bool present = value.has_value();
+  T inner = value.value_or(T{});
+  v.table(key, present, [&](auto& t) { visit(t, inner); });
+  if (present) value = inner;
+}
+
+template <class V, class F>
+void plain_table(V& v, const TableKey& key, F visit) {
+  bool present = true;
+  v.table(key, present, visit);
+}
+
+template <class V>
+void choose(V& v, const Key& key, const std::vector<std::string>& names, std::string& value) {
+  std::size_t index = static_cast<std::size_t>(std::ranges::find(names, value) - names.begin());
+  v.one_of(key, names, index);
+  if (index < names.size()) value = names[index];
+}
+
+template <class V, class Enum, std::size_t N>
+void choose(V& v, const Key& key, const std::array<const char*, N>& names, Enum& value) {
+  std::size_t index = static_cast<std::size_t>(value);
+  v.one_of(key, {names.begin(), names.end()}, index);
+  value = static_cast<Enum>(index);
+}
+
+/// Names become columns of CSV files and words of messages, so they stay plain.
+template <class V>
+void visit_name(V& v, std::string_view meaning, std::string& name) {
+  v.value(Key{.name = "name", .unit = "", .meaning = meaning, .required = true}, name);
+  const bool plain = !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-';
+  });
+  v.check(plain, "name", "must be one or more letters, digits, '_' or '-'");
+}
+
+template <class V>
+void visit_pose(V& v, std::string_view position, std::string_view orientation, std::string_view of, Pose& X) {
+  const std::string p_meaning = "position of " + std::string(of), q_meaning = "attitude of " + std::string(of);
+  v.value(Key{position, "m", p_meaning}, X.p);
+  v.attitude(Key{orientation, "", q_meaning}, X.q);
+}
+
+template <class V>
+void visit_sign(V& v, const Key& key, int& sign) {
+  v.value(key, sign);
+  v.check(sign != 0, key.name, "must be 1 or -1");
+}
+
+}  // namespace godobject

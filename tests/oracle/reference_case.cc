@@ -1,0 +1,125 @@
+#include "tests/oracle/reference_case.h"
+
+#include <array>
+#include <fstream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/oracle/csv_table.h"
+
+namespace godobject::oracle {
+
+namespace {
+
+using nlohmann::json;
+
+Vector3d vector3(const json& numbers) {
+  const auto values = numbers.get<std::array<double, 3>>();
+  return {values[0], values[1], values[2]};
+}
+
+Quaterniond quaternion_wxyz(const json& numbers) {
+  const auto values = numbers.get<std::array<double, 4>>();
+  return Quaterniond(values[0], values[1], values[2], values[3])
+      .normalized();  // the files round to 12 digits
+}
+
+Body body_from(const json& description) {
+  Body body;
+  body.name = description.at("name").get<std::string>();
+  body.m = description.at("mass").get<double>();
+  body.I_B = vector3(description.at("inertia")).asDiagonal();
+  body.start.p = vector3(description.at("position"));
+  body.start.q = quaternion_wxyz(description.at("orientation_wxyz"));
+  body.start.v = vector3(description.at("velocity"));
+  body.start.w = vector3(description.at("angular_velocity"));
+  return body;
+}
+
+Coupling coupling_from(const json& description) {
+  Coupling coupling;
+  coupling.k_t = description.at("stiffness").get<double>();
+  coupling.g_t = description.at("damping").get<double>();
+  coupling.k_r = description.at("rotational_stiffness").get<double>();
+  coupling.g_r = description.at("rotational_damping").get<double>();
+  return coupling;
+}
+
+std::vector<Vector3d> vectors(const CsvTable& table, const std::string& x, const std::string& y,
+                              const std::string& z) {
+  const std::vector<double> xs = table.column(x), ys = table.column(y), zs = table.column(z);
+  std::vector<Vector3d> result;
+  for (std::size_t i = 0; i < table.num_rows(); ++i) result.emplace_back(xs[i], ys[i], zs[i]);
+  return result;
+}
+
+std::vector<Vector3d> positions(const CsvTable& table, const std::string& body) {
+  return vectors(table, body + ".x", body + ".y", body + ".z");
+}
+
+std::vector<Quaterniond> attitudes(const CsvTable& table, const std::string& body) {
+  const std::vector<double> ws = table.column(body + ".qw");
+  const std::vector<Vector3d> n = vectors(table, body + ".qx", body + ".qy", body + ".qz");
+  std::vector<Quaterniond> result;
+  for (std::size_t i = 0; i < table.num_rows(); ++i) result.emplace_back(ws[i], n[i].x(), n[i].y(), n[i].z());
+  return result;
+}
+
+Solution load_solution(const std::filesystem::path& file, const std::vector<Body>& bodies) {
+  const CsvTable table(file);
+  Solution solution;
+  solution.times = table.column("t");
+  solution.states.resize(table.num_rows());
+  for (const Body& body : bodies) {
+    const std::vector<Vector3d> p = positions(table, body.name);
+    const std::vector<Quaterniond> q = attitudes(table, body.name);
+    const std::vector<Vector3d> v = vectors(table, body.name + ".vx", body.name + ".vy", body.name + ".vz");
+    const std::vector<Vector3d> w = vectors(table, body.name + ".wx", body.name + ".wy", body.name + ".wz");
+    for (std::size_t i = 0; i < table.num_rows(); ++i) solution.states[i].push_back({p[i], q[i], v[i], w[i]});
+  }
+  return solution;
+}
+
+ReferenceCase read_case(const std::filesystem::path& folder) {
+  std::ifstream stream(folder / "case.json");
+  if (!stream) throw std::runtime_error((folder / "case.json").string() + ": cannot be read");
+  const json description = json::parse(stream);
+  for (const char* part : {"joints", "contact"}) {
+    if (description.contains(part)) {
+      throw std::runtime_error(folder.string() + ": the oracle does not solve cases with '" + part + "'");
+    }
+  }
+  ReferenceCase loaded;
+  loaded.about = description.at("about").get<std::string>();
+  loaded.duration = description.at("duration").get<double>();
+  loaded.problem.gravity = vector3(description.at("gravity"));
+  for (const json& body_description : description.at("bodies")) {
+    Body body = body_from(body_description);
+    const json& couplings = description.at("coupling");
+    if (couplings.contains(body.name)) {
+      body.coupling = coupling_from(couplings.at(body.name));
+      body.coupling->target = load_motion(folder / "motion.csv", body.name);
+    }
+    loaded.problem.bodies.push_back(body);
+  }
+  loaded.expected = load_solution(folder / "reference.csv", loaded.problem.bodies);
+  return loaded;
+}
+
+}  // namespace
+
+std::shared_ptr<const Target> load_motion(const std::filesystem::path& file, const std::string& body) {
+  const CsvTable table(file);
+  return std::make_shared<TabulatedTarget>(table.column("t"), positions(table, body), attitudes(table, body));
+}
+
+ReferenceCase load_reference_case(const std::filesystem::path& folder) {
+  try {
+    return read_case(folder);
+  } catch (const json::exception& error) {
+    throw std::runtime_error((folder / "case.json").string() + ": " + error.what());
+  }
+}
+
+}  // namespace godobject::oracle

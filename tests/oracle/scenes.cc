@@ -1,0 +1,67 @@
+#include "tests/oracle/scenes.h"
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "tests/oracle/target.h"
+
+namespace godobject::oracle {
+
+namespace {
+
+struct Signal {
+  double value;
+  double rate;  // 1/s
+};
+
+/// amplitude * sin(2 pi frequency t + phase)
+Signal sine(double t, double amplitude, double frequency_Hz, double phase) {
+  const double omega = 2 * std::numbers::pi * frequency_Hz;
+  return {amplitude * std::sin(omega * t + phase), amplitude * omega * std::cos(omega * t + phase)};
+}
+
+}  // namespace
+
+RigidState scene_s1_target(double t) {
+  const Signal x = sine(t, 0.10, 0.5, 0);
+  const Signal y = sine(t, 0.08, 0.7, 0.5);
+  const Signal z = sine(t, 0.06, 1.1, 1.1);
+  const Signal yaw = sine(t, 1.0, 0.4, 0.7);
+  const Signal pitch = sine(t, 0.6, 0.9, 0.3);
+  const Signal roll = sine(t, 0.8, 0.6, 0);
+  const Quaterniond qz(Eigen::AngleAxisd(yaw.value, Vector3d::UnitZ()));
+  const Quaterniond qy(Eigen::AngleAxisd(pitch.value, Vector3d::UnitY()));
+  const Quaterniond qx(Eigen::AngleAxisd(roll.value, Vector3d::UnitX()));
+
+  RigidState D;
+  D.p = {x.value, y.value, z.value};
+  D.v = {x.rate, y.rate, z.rate};
+  D.q = qz * qy * qx;
+  // Each turn's rate is about its own axis, carried by the turns before it.
+  D.w = yaw.rate * Vector3d::UnitZ() +
+        qz * (pitch.rate * Vector3d::UnitY() + qy * (roll.rate * Vector3d::UnitX()));
+  return D;
+}
+
+Case scene_s1() {
+  Body tool;
+  tool.name = "tool";
+  tool.m = 0.1;
+  tool.I_B = Vector3d(3.4667e-4, 3.4667e-4, 2.6667e-5).asDiagonal();
+  tool.start = scene_s1_target(0);
+
+  Coupling coupling;
+  coupling.k_t = 1000;
+  coupling.g_t = 1.4 * std::sqrt(tool.m * coupling.k_t);
+  coupling.k_r = 1;
+  coupling.g_r = 1.4 * std::sqrt(coupling.k_r * 3.4667e-4);
+  coupling.target = std::make_shared<FunctionTarget>(scene_s1_target);
+  tool.coupling = coupling;
+
+  Case scene;
+  scene.bodies = {tool};
+  return scene;
+}
+
+}  // namespace godobject::oracle

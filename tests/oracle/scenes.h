@@ -1,0 +1,15 @@
+// Scenes with a target in closed form, for tests and studies that need no files.
+#pragma once
+
+#include "tests/oracle/case.h"
+
+namespace godobject::oracle {
+
+/// Target of scene S1: sums of no two equal frequencies in all six degrees of freedom, with exact velocities.
+RigidState scene_s1_target(double t);
+
+/// Scene S1: a slender body of 0.1 kg on a spring of 1 kN/m and 1 N m/rad. It starts with the pose and the
+/// velocity of its target. Rotational modes at 40 1/s and 937 1/s.
+Case scene_s1();
+
+}  // namespace godobject::oracle

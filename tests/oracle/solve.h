@@ -1,0 +1,29 @@
+// The oracle's entry: a case in, its states at given times out.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tests/oracle/case.h"
+
+namespace godobject::oracle {
+
+struct Solution {
+  std::vector<double> times;                    // s
+  std::vector<std::vector<RigidState>> states;  // [time][body]
+};
+
+/// Tight because a tumbling body amplifies the error of its first steps a million times, and cheap at
+/// order 12.
+inline constexpr double default_tolerance = 1e-14;
+
+/// Integrates `problem` from t = 0 and samples it at `times` (ascending, >= 0). `tolerance` bounds the local
+/// error of each number of the state, see ExtrapolationIntegrator. Throws std::invalid_argument for a case
+/// that breaks a rule of case.h, std::runtime_error when the tolerance cannot be met, and what the targets
+/// throw.
+Solution solve(const Case& problem, std::span<const double> times, double tolerance = default_tolerance);
+
+/// 0, step, 2 step, .. up to duration (included when it is a multiple of step up to rounding).
+std::vector<double> uniform_times(double duration, double step);
+
+}  // namespace godobject::oracle
