@@ -8,13 +8,13 @@
 
 namespace godobject {
 
-/// What drives one body during one step: the target at both ends, and how far the ramp is.
-struct Drive {
+/// What pulls one body during one step: the target at both ends, and how far the ramp is.
+struct Pull {
   Target from, to;       // target at the start and the end of the step, quaternions of one sign
   Real s = 0;            // ramp: 0 released, 1 fully engaged
   Wrench F_WB;           // force and torque applied by the hand (admittance)
   bool live = true;      // false: no valid sample; the target rests and nothing is shown to the hand
-  bool fresh = false;    // first step of an engagement: no history may be used
+  bool fresh = false;    // first step after engaging or letting go: no history may be used
 };
 
 struct RampParams {
@@ -27,19 +27,18 @@ struct RampState {
 };
 
 /// The ramp: 0 in the first engaged step, so that engaging moves nothing; then rising linearly to 1.
-inline void advance_ramp(const RampParams& par, bool engage, Real h, RampState& x, Drive& drive,
-                         Limited& limited) noexcept {
-  drive.fresh = engage && !x.engaged;
+inline RampState advanced(const RampParams& par, const RampState& x, bool engage, Real h, Pull& pull,
+                          Limited& limited) noexcept {
+  pull.fresh = engage != x.engaged;
   if (!engage) {
-    x.s = 0;
-  } else if (par.rise <= h) {
-    x.s = 1;
+    pull.s = 0;
+  } else if (x.s == 1 || par.rise <= h) {
+    pull.s = 1;
   } else {
-    x.s = drive.fresh ? 0 : std::min(Real(1), x.s + h / par.rise);
-    if (x.s < 1) limited |= Limited::ramp;
+    pull.s = pull.fresh ? 0 : std::min(Real(1), x.s + h / par.rise);
+    limited |= Limited::ramp;
   }
-  x.engaged = engage;
-  drive.s = x.s;
+  return {.s = pull.s, .engaged = engage};
 }
 
 /// A quaternion and its negative are one attitude: takes the one nearer to `reference`.
@@ -61,10 +60,10 @@ struct PoseDevice {
     bool engaged = true;      // false: the device drives nothing
   };
 
-  static Drive drive(const Params& par, const Input& in, const RigidBodyState&, Real h, State& x,
-                     Limited& limited) noexcept {
-    Drive d;
-    advance_ramp(par, in.engaged, h, x.ramp, d, limited);
+  static Pull pull(const Params& par, const Input& in, const RigidBodyState&, Real h, const State& x,
+                   State& next, Limited& limited) noexcept {
+    Pull d;
+    next.ramp = advanced(par, x.ramp, in.engaged, h, d, limited);
     d.from = x.last;
     d.to = {.X_WD = {.p = in.X_WD.p, .q = renormalized(in.X_WD.q)}, .V_WD = in.V_WD};
     if (!in.valid) {
@@ -74,7 +73,7 @@ struct PoseDevice {
     }
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
-    x.last = d.to;
+    next.last = d.to;
     return d;
   }
 };
@@ -94,10 +93,10 @@ struct RelativeDevice {
     bool engaged = true;
   };
 
-  static Drive drive(const Params& par, const Input& in, const RigidBodyState& body, Real h, State& x,
-                     Limited& limited) noexcept {
-    Drive d;
-    advance_ramp(par, in.engaged, h, x.ramp, d, limited);
+  static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
+                   State& next, Limited& limited) noexcept {
+    Pull d;
+    next.ramp = advanced(par, x.ramp, in.engaged, h, d, limited);
     d.from = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
     d.to.X_WD = d.from.X_WD;
     if (in.clutch && in.valid) {
@@ -106,7 +105,7 @@ struct RelativeDevice {
     }
     d.live = in.valid;
     if (!d.live) limited |= Limited::held;
-    x.last = d.to;
+    next.last = d.to;
     return d;
   }
 };
@@ -124,12 +123,12 @@ struct AdmittanceDevice {
     bool engaged = true;
   };
 
-  static Drive drive(const Params& par, const Input& in, const RigidBodyState& body, Real h, State& x,
-                     Limited& limited) noexcept {
-    Drive d;
-    advance_ramp(par, in.engaged, h, x.ramp, d, limited);
-    if (d.fresh) x.last = {.X_WD = body.X_WB, .V_WD = {}};
-    d.from = d.to = x.last;
+  static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
+                   State& next, Limited& limited) noexcept {
+    Pull d;
+    next.ramp = advanced(par, x.ramp, in.engaged, h, d, limited);
+    next.last = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
+    d.from = d.to = next.last;
     if (in.valid) {
       d.F_WB = {.tau = d.s * in.F_WB.tau, .f = d.s * in.F_WB.f};
     } else {

@@ -14,11 +14,12 @@ struct FeedbackParams {
   Real max_torque_rate = 25;       // N m/s
 };
 
-/// a, shortened to the length `bound`; sets `bit` if it was longer.
+/// a, shortened to the length `bound`; sets `bit` if it was longer. Zero if its length is beyond all numbers.
 inline Vec3 bounded(const Vec3& a, Real bound, Limited bit, Limited& limited) noexcept {
   const Real length_sq = a.squaredNorm();
   if (length_sq <= bound * bound) return a;
   limited |= bit;
+  if (!(length_sq - length_sq == 0)) return Vec3::Zero();
   return a * (bound / std::sqrt(length_sq));
 }
 
@@ -42,6 +43,8 @@ struct LimitedFeedback {
   /// Moves the shown wrench towards `wanted` within the limits.
   static void show(const Params& par, const Wrench& wanted, Real h, State& x, Output& out,
                    Limited& limited) noexcept {
+    const Real shown = x.F_D.f.sum() + x.F_D.tau.sum();
+    if (!(shown - shown == 0)) x.F_D = {};  // a damaged state must not reach the hand
     const Vec3 f = bounded(wanted.f, par.max_force, Limited::force, limited);
     const Vec3 tau = bounded(wanted.tau, par.max_torque, Limited::torque, limited);
     x.F_D.f += bounded(f - x.F_D.f, h * par.max_force_rate, Limited::force_rate, limited);

@@ -23,7 +23,7 @@ class Hash {
   void add(const Wrench& F) noexcept { add(F.tau); add(F.f); }
   void add(const Target& t) noexcept { add(t.X_WD); add(t.V_WD); }
   void add(const RigidBodyState& x) noexcept { add(x.X_WB); add(x.v_W); add(x.w_B); }
-  void add(const TrBdf2::State& x) noexcept { add(x.a_W); add(x.alpha_B); add(std::uint64_t{x.known}); }
+  void add(const TrBdf2::Memory& x) noexcept { add(x.a_W); add(x.alpha_B); add(std::uint64_t{x.known}); }
   void add(const RampState& x) noexcept { add(x.s); add(std::uint64_t{x.engaged}); }
   void add(const DampedSpring::State& x) noexcept { add(x.phi_B); }
   void add(const LimitedFeedback::State& x) noexcept { add(x.F_D); }
@@ -42,7 +42,7 @@ template <Scene S>
 std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
   Hash hash;
   hash.add(x.tick);
-  for (std::size_t i = 0; i < par.num_bodies; ++i) {
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const BodyState<S>& body = x.bodies[i];
     hash.add(body.x);
     hash.add(body.memory);

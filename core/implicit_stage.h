@@ -25,9 +25,9 @@ struct StageVelocity {
 
 /// x with A x = b, by cofactors: 3 x 3, regular, one division.
 inline Vec3 solve3(const Mat3& A, const Vec3& b) noexcept {
-  const Vec3 a0 = A.row(0), a1 = A.row(1), a2 = A.row(2);
+  const Vec3 a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
   const Vec3 c0 = a1.cross(a2), c1 = a2.cross(a0), c2 = a0.cross(a1);
-  return (b.x() * c0 + b.y() * c1 + b.z() * c2) * (1 / a0.dot(c0));
+  return Vec3(c0.dot(b), c1.dot(b), c2.dot(b)) * (1 / a0.dot(c0));
 }
 
 /// Translation: (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
@@ -41,28 +41,29 @@ inline Vec3 implicit_translation(Real m, const SpringParams& spring, const Vec3&
 /// Rotation, everything in body axes. With L = I w^ the terms of (11), linearised in w+:
 ///   gyroscopic    w x I w    ->  w+ x L                    (never does work on w+)
 ///                                + rho w^ x (I w+ - L)     (makes it Newton's: second order)
-///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + (1 - s) [u]x^2
+///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + c [phi]x^2
 ///   damping       R+^T w_D   ->  w_D + h w_D x w+
-/// rho = 1 unless a step turns the body so far that the Newton term could do work; s >= 1/2 likewise.
+/// rho = 1 unless a step turns the body so far that the Newton term could do work.
 inline Vec3 implicit_rotation(const RigidBodyParams& body, const SpringParams& spring, const Vec3& w_B,
                               const RotationError& error, const Vec3& w_D_B, const Vec3& T_B, Real h) noexcept {
+  const Vec3& phi = error.phi_B;
   const Vec3 L = body.I_B * w_B;
   const Real hk = h * spring.k_r;
-  const Real c = h * (spring.g_r + hk);
 
   // rho h |w| sqrt(I_max / I_min) <= 1/2
   const Real swing_sq = 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm();
   const Real rho = swing_sq <= 1 ? Real(1) : 1 / swing_sq;
   const Vec3 hw = rho * h * w_B;
 
-  // (1 - s) [u]x^2 = (1 - s)/alpha^2 (phi phi^T - alpha^2 1)
-  const Real alpha_sq = error.phi_B.squaredNorm();
-  const Real shrink = h * hk * std::min(1 - error.s, Real(0.5)) / std::max(alpha_sq, Real(1e-12));
-
-  Mat3 A = body.I_B + skew(hw) * body.I_B + skew(-h * (L + Real(0.5) * hk * error.phi_B + h * spring.g_r * w_D_B));
-  A.diagonal().array() += c - shrink * alpha_sq;
-  A += shrink * error.phi_B * error.phi_B.transpose();
-  const Vec3 b = L + hw.cross(L) + h * (T_B + spring.g_r * w_D_B) + hk * error.phi_B;
+  // A = I + h (g_r + h k_r) 1 + [hw]x I - [turn]x + h^2 k_r c [phi]x^2,  [phi]x^2 = phi phi^T - |phi|^2 1
+  const Vec3 turn = h * (L + Real(0.5) * hk * phi + h * spring.g_r * w_D_B);
+  const Vec3 bent = (h * hk * error.curvature) * phi;
+  const Real diagonal = h * (spring.g_r + hk) - bent.dot(phi);
+  Mat3 A;
+  for (int j = 0; j < 3; ++j) A.col(j) = body.I_B.col(j) + hw.cross(body.I_B.col(j)) + phi[j] * bent;
+  A += skew(-turn);
+  A.diagonal().array() += diagonal;
+  const Vec3 b = L + hw.cross(L) + h * (T_B + spring.g_r * w_D_B) + hk * phi;
   return solve3(A, b);
 }
 

@@ -8,17 +8,17 @@ namespace godobject {
 struct ImplicitEuler {
   static constexpr const char* name = "implicit-euler";
   static constexpr int order = 1;
-  using State = Empty;
+  using Memory = Empty;
 
-  /// One step of all bodies in w.next, towards the targets at the end of the step.
+  /// One step of all bodies from x to w.next, towards the targets at the end of the step.
   template <Scene S>
-  static void advance(const Params<S>& par, Scratch<S>& w) noexcept {
-    for (std::size_t i = 0; i < par.num_bodies; ++i) {
-      w.bases[i] = w.next.bodies[i].x;
-      if constexpr (uses<typename S::Device>) w.targets[i] = w.drives[i].to;
+  static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      w.bases[i] = x.bodies[i].x;
+      if constexpr (uses<typename S::Device>) w.targets[i] = w.pulls[i].to;
     }
-    solve_stage(par, par.h, w);
-    for (std::size_t i = 0; i < par.num_bodies; ++i) w.next.bodies[i].x = moved(w.bases[i], w.velocities[i], par.h);
+    solve_stage(par, x, par.h, w);
+    for (std::size_t i = 0; i < num_bodies(par); ++i) w.next.bodies[i].x = moved(w.bases[i], w.velocities[i], par.h);
   }
 };
 

@@ -16,7 +16,7 @@ namespace godobject {
 struct TrBdf2 {
   static constexpr const char* name = "tr-bdf2";
   static constexpr int order = 2;
-  struct State {
+  struct Memory {
     Vec3 a_W = Vec3::Zero();      // K_0: acceleration, m/s^2
     Vec3 alpha_B = Vec3::Zero();  // K_0: angular acceleration in body axes, rad/s^2
     bool known = false;           // false before the first step and when the force has jumped
@@ -26,28 +26,28 @@ struct TrBdf2 {
   static constexpr Real c = 2 * d;
   static constexpr Real b = 0.35355339059327376;
 
-  /// One step of all bodies in w.next through the targets of w.drives.
+  /// One step of all bodies from x to w.next through the targets of w.pulls.
   template <Scene S>
-  static void advance(const Params<S>& par, Scratch<S>& w) noexcept {
+  static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     const Real h = par.h;
 
     // (12)
-    const bool smooth = start_is_smooth(par, w);
+    const bool smooth = start_is_smooth(par, x, w);
     const Real h_1 = smooth ? d * h : c * h;
-    for (std::size_t i = 0; i < par.num_bodies; ++i) {
-      const BodyState<S>& y = w.next.bodies[i];
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const BodyState<S>& y = x.bodies[i];
       const Real dh = smooth ? d * h : 0;
       w.bases[i] = extrapolated(y.x, y.x.v_W, y.x.w_B, y.memory.a_W, y.memory.alpha_B, dh);
       if constexpr (uses<typename S::Device>)
-        w.targets[i] = interpolated(w.drives[i].from, w.drives[i].to, c, h);
+        w.targets[i] = interpolated(w.pulls[i].from, w.pulls[i].to, c, h);
     }
-    solve_stage(par, h_1, w);
+    solve_stage(par, x, h_1, w);
 
     // (13)
     const bool still_smooth = smooth && turns_are_small(par, w);
     const Real h_2 = still_smooth ? d * h : (1 - c) * h;
-    for (std::size_t i = 0; i < par.num_bodies; ++i) {
-      const BodyState<S>& y = w.next.bodies[i];
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const BodyState<S>& y = x.bodies[i];
       const StageVelocity& V_1 = w.velocities[i];
       if (still_smooth) {
         const Vec3 a_1 = (V_1.v_W - w.bases[i].v_W) * (1 / h_1);
@@ -57,17 +57,17 @@ struct TrBdf2 {
       } else {
         w.bases[i] = moved(w.bases[i], V_1, h_1);
       }
-      if constexpr (uses<typename S::Device>) w.targets[i] = w.drives[i].to;
+      if constexpr (uses<typename S::Device>) w.targets[i] = w.pulls[i].to;
     }
-    solve_stage(par, h_2, w);
+    solve_stage(par, x, h_2, w);
 
-    for (std::size_t i = 0; i < par.num_bodies; ++i) {
-      BodyState<S>& y = w.next.bodies[i];
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      BodyState<S>& next = w.next.bodies[i];
       const StageVelocity& V_2 = w.velocities[i];
-      y.memory = {.a_W = (V_2.v_W - w.bases[i].v_W) * (1 / h_2),
-                  .alpha_B = (V_2.w_B - w.bases[i].w_B) * (1 / h_2),
-                  .known = true};
-      y.x = moved(w.bases[i], V_2, h_2);
+      next.memory = {.a_W = (V_2.v_W - w.bases[i].v_W) * (1 / h_2),
+                     .alpha_B = (V_2.w_B - w.bases[i].w_B) * (1 / h_2),
+                     .known = true};
+      next.x = moved(w.bases[i], V_2, h_2);
     }
   }
 
@@ -84,14 +84,14 @@ struct TrBdf2 {
   }
 
   template <Scene S>
-  static bool start_is_smooth(const Params<S>& par, const Scratch<S>& w) noexcept {
+  static bool start_is_smooth(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
     bool smooth = true;
-    for (std::size_t i = 0; i < par.num_bodies; ++i) {
-      const BodyState<S>& y = w.next.bodies[i];
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const BodyState<S>& y = x.bodies[i];
       const Real h_sq = par.h * par.h;
       smooth = smooth && y.memory.known && turn_is_small(par.bodies[i].body, y.x.w_B, par.h) &&
                4 * h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= 1;
-      if constexpr (uses<typename S::Device>) smooth = smooth && !w.drives[i].fresh;
+      if constexpr (uses<typename S::Device>) smooth = smooth && !w.pulls[i].fresh;
     }
     return smooth;
   }
@@ -99,7 +99,7 @@ struct TrBdf2 {
   template <Scene S>
   static bool turns_are_small(const Params<S>& par, const Scratch<S>& w) noexcept {
     bool small = true;
-    for (std::size_t i = 0; i < par.num_bodies; ++i)
+    for (std::size_t i = 0; i < num_bodies(par); ++i)
       small = small && turn_is_small(par.bodies[i].body, w.velocities[i].w_B, par.h);
     return small;
   }

@@ -23,7 +23,7 @@ inline Pose moved(const Pose& X_WB, const Vec3& v_W, const Vec3& w_B, Real t) no
   Vec3 turn_B = t * w_B;
   const Real turn_sq = turn_B.squaredNorm();
   if (turn_sq > pi * pi) turn_B *= pi / std::sqrt(turn_sq);
-  return {.p = X_WB.p + t * v_W, .q = renormalized(X_WB.q * exp_so3(turn_B))};
+  return {.p = X_WB.p + t * v_W, .q = X_WB.q * renormalizing(exp_so3(turn_B), X_WB.q)};
 }
 
 }  // namespace godobject

@@ -1,6 +1,8 @@
 // The attitude error alpha u of (2) and its derivative, near the half turn too.
 #pragma once
 
+#include <algorithm>
+
 #include "core/so3.h"
 
 namespace godobject {
@@ -8,8 +10,18 @@ namespace godobject {
 /// Error of a body with attitude q_WB towards a target q_WD, in body axes.
 struct RotationError {
   Vec3 phi_B = Vec3::Zero();  // alpha u, rad: R_WB exp(phi) = R_WD
-  Real s = 1;                 // (alpha/2) cot(alpha/2): how the error transverse to u shrinks per rad
+  Real curvature = 0;         // c of d phi = -(1 - [phi]x / 2 + c [phi]x^2) d xi, 1/rad^2
 };
+
+/// c = (1 - (alpha/2) cot(alpha/2)) / alpha^2 from w = cos(alpha/2), relative error 2e-7; beyond 2.33 rad, where
+/// c alpha^2 passes 1/2, a line below 1/(2 alpha^2): the stiffness a stage assumes stays at least k_r / 2,
+/// and with that it cannot gain energy (docs/theory/stage.md).
+inline Real error_curvature(Real w) noexcept {
+  static constexpr std::array<Real, 6> c{8.33333227436018897e-02, 1.11123359357362377e-02, 3.94568561542213425e-03,
+                                         1.77127598946016864e-03, 2.76911391896794928e-04, 8.25641477324351599e-04};
+  const Real z = 1 - w;
+  return std::min(polynomial(c, z), Real(0.1967) - Real(0.1716) * z);
+}
 
 /// Half-turn hysteresis: |cos(alpha/2)| below this keeps the side of the previous error, so the torque
 /// changes sides only 0.1 rad behind the half turn and a target held there cannot make it chatter.
@@ -21,8 +33,7 @@ inline RotationError rotation_error(const Quat& q_WB, const Quat& q_WD, const Ve
   const Real w = q_BD.w();
   const Real side = std::abs(w) < half_turn_band ? previous_B.dot(q_BD.vec()) : w;
   const Real sign = side < 0 ? Real(-1) : Real(1);
-  const Real f = log_factor(sign * w);
-  return {.phi_B = sign * f * q_BD.vec(), .s = Real(0.5) * f * sign * w};
+  return {.phi_B = (sign * log_factor(sign * w)) * q_BD.vec(), .curvature = error_curvature(sign * w)};
 }
 
 }  // namespace godobject

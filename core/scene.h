@@ -41,7 +41,7 @@ concept Part = requires {
 
 // One named rule per line: the compiler prints the name of the rule a scene breaks.
 template <class S> concept HasBodies = (S::max_bodies > 0);
-template <class S> concept HasIntegrator = requires { typename S::Integrator::State; };
+template <class S> concept HasIntegrator = requires { typename S::Integrator::Memory; };
 template <class S> concept DeviceIsAPart = Part<typename S::Device>;
 template <class S> concept CouplingIsAPart = Part<typename S::Coupling>;
 template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
@@ -67,11 +67,18 @@ struct Params {
   std::array<BodyParams<S>, S::max_bodies> bodies;
 };
 
+/// A scene made for one body has one: its loops vanish.
+template <class S>
+constexpr std::size_t num_bodies(const Params<S>& par) noexcept {
+  if constexpr (S::max_bodies == 1) return 1;
+  return par.num_bodies;
+}
+
 /// All that carries over from step to step: hash it, log it, restore it.
 template <class S>
 struct BodyState {
   RigidBodyState x;
-  [[no_unique_address]] typename S::Integrator::State memory;
+  [[no_unique_address]] typename S::Integrator::Memory memory;
   [[no_unique_address]] typename S::Device::State device;
   [[no_unique_address]] typename S::Coupling::State coupling;
   [[no_unique_address]] typename S::Feedback::State feedback;

@@ -44,7 +44,7 @@ template <Scene S>
 Invalid validate(const Params<S>& par) noexcept {
   if (!(par.h > 0 && par.h - par.h == 0)) return Invalid::step_not_positive;
   if (par.num_bodies < 1 || par.num_bodies > S::max_bodies) return Invalid::too_many_bodies;
-  for (std::size_t i = 0; i < par.num_bodies; ++i) {
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const BodyParams<S>& b = par.bodies[i];
     const Mat3& I = b.body.I_B;
     if (!(b.body.m > 0 && b.body.m - b.body.m == 0)) return Invalid::mass_not_positive;

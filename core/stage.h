@@ -10,22 +10,22 @@ namespace godobject {
 template <class S>
 struct Scratch {
   State<S> next;                                        // the state being built; committed if finite
-  std::array<Drive, S::max_bodies> drives;              // from the devices
+  std::array<Pull, S::max_bodies> pulls;               // from the devices
   std::array<Target, S::max_bodies> targets;            // at the end of the stage
   std::array<RigidBodyState, S::max_bodies> bases;      // where the stage starts
   std::array<StageVelocity, S::max_bodies> velocities;  // what the stage solves for
 };
 
-/// Solves (10) and (11) for every body over a time h from w.bases to w.targets.
+/// Solves (10) and (11) for every body over a time h from w.bases to w.targets; x is the state before the step.
 template <Scene S>
-void solve_stage(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
-  for (std::size_t i = 0; i < par.num_bodies; ++i) {
+void solve_stage(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const RigidBodyParams& body = par.bodies[i].body;
     const RigidBodyState& base = w.bases[i];
     Wrench F = {.tau = Vec3::Zero(), .f = body.m * par.gravity_W};
     if constexpr (uses<typename S::Device>) {
-      F.f += w.drives[i].F_WB.f;
-      F.tau = to_body(base.X_WB.q, w.drives[i].F_WB.tau);
+      F.f += w.pulls[i].F_WB.f;
+      F.tau = to_body(base.X_WB.q, w.pulls[i].F_WB.tau);
     }
 
     SpringParams spring;
@@ -33,11 +33,11 @@ void solve_stage(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
     RotationError error;
     if constexpr (uses<typename S::Coupling>) {
       const Target& target = w.targets[i];
-      spring = ramped(par.bodies[i].coupling, w.drives[i].s);
+      spring = ramped(par.bodies[i].coupling, w.pulls[i].s);
       e_W = target.X_WD.p - base.X_WB.p;
       v_D = target.V_WD.v;
       w_D_B = to_body(base.X_WB.q, target.V_WD.w);
-      error = rotation_error(base.X_WB.q, target.X_WD.q, w.next.bodies[i].coupling.phi_B);
+      error = rotation_error(base.X_WB.q, target.X_WD.q, x.bodies[i].coupling.phi_B);
       w.next.bodies[i].coupling.phi_B = error.phi_B;
     }
 

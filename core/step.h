@@ -27,54 +27,62 @@ inline Fault check(const AdmittanceDevice::Input& in) noexcept {
 template <class S>
 bool is_finite(const Params<S>& par, const State<S>& x) noexcept {
   Real all = 0;
-  for (std::size_t i = 0; i < par.num_bodies; ++i)
+  for (std::size_t i = 0; i < num_bodies(par); ++i)
     all += sum(x.bodies[i].x.X_WB) + x.bodies[i].x.v_W.sum() + x.bodies[i].x.w_B.sum();
   return is_finite(all);
 }
 
 /// (8) at the end of the step, scaled by the ramp.
 template <class S>
-Wrench feedback(const BodyParams<S>& par, const Drive& drive, const BodyState<S>& body) noexcept {
-  const RotationError error = rotation_error(body.x.X_WB.q, drive.to.X_WD.q, body.coupling.phi_B);
-  return S::Feedback::wrench(ramped(par.feedback.gains, drive.s), body.x, drive.to, error.phi_B);
+Wrench feedback(const BodyParams<S>& par, const Pull& pull, const BodyState<S>& body) noexcept {
+  const RotationError error = rotation_error(body.x.X_WB.q, pull.to.X_WD.q, body.coupling.phi_B);
+  return S::Feedback::wrench(ramped(par.feedback.gains, pull.s), body.x, pull.to, error.phi_B);
+}
+
+template <class S>
+void commit(const Params<S>& par, const State<S>& next, State<S>& x) noexcept {
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    x.bodies[i].x = next.bodies[i].x;
+    x.bodies[i].memory = next.bodies[i].memory;
+    x.bodies[i].device = next.bodies[i].device;
+    x.bodies[i].coupling = next.bodies[i].coupling;
+  }
+  x.tick += 1;
 }
 
 /// One time step of length par.h: from state x and the devices' samples at the end of the step to the new
 /// state and what the devices are to show. A step whose input or result is not finite is not taken: x
 /// keeps all but the shown wrench, which goes to zero within its rate limit.
 template <Scene S>
-void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w, Output<S>& out) noexcept {
+[[gnu::flatten]] void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w, Output<S>& out) noexcept {
   out.fault = Fault::none;
   out.limited = Limited::none;
-  w.next = x;
 
   // (1) the devices: target, ramp, applied force
   if constexpr (uses<typename S::Device>) {
-    for (std::size_t i = 0; i < par.num_bodies; ++i) out.fault |= check(in.devices[i]);
+    for (std::size_t i = 0; i < num_bodies(par); ++i) out.fault |= check(in.devices[i]);
     if (!any(out.fault))
-      for (std::size_t i = 0; i < par.num_bodies; ++i)
-        w.drives[i] = S::Device::drive(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
-                                       w.next.bodies[i].device, out.limited);
+      for (std::size_t i = 0; i < num_bodies(par); ++i)
+        w.pulls[i] = S::Device::pull(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
+                                      x.bodies[i].device, w.next.bodies[i].device, out.limited);
   }
 
   // (2)-(7) coupling, motion
   if (!any(out.fault)) {
-    S::Integrator::advance(par, w);
+    S::Integrator::advance(par, x, w);
     if (!is_finite(par, w.next)) out.fault |= Fault::state_not_finite;
   }
-  if (!any(out.fault)) {
-    x = w.next;
-    x.tick += 1;
-  }
+  if (!any(out.fault)) commit(par, w.next, x);
 
   // (8) feedback
-  for (std::size_t i = 0; i < par.num_bodies; ++i) {
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
     BodyState<S>& body = x.bodies[i];
     if constexpr (uses<typename S::Feedback>) {
       Wrench wanted;
-      if (!any(out.fault) && w.drives[i].live) wanted = feedback(par.bodies[i], w.drives[i], body);
+      if (!any(out.fault) && w.pulls[i].live) wanted = feedback(par.bodies[i], w.pulls[i], body);
       S::Feedback::show(par.bodies[i].feedback, wanted, par.h, body.feedback, out.bodies[i].feedback, out.limited);
     }
+    if (any(out.fault)) continue;  // the pose last given stands: x itself may be damaged
     out.bodies[i].X_WB = body.x.X_WB;
     out.bodies[i].V_WB = {.w = to_world(body.x.X_WB.q, body.x.w_B), .v = body.x.v_W};
   }

@@ -97,6 +97,7 @@ constexpr CanFrame make_nmt(NmtCommand command, std::uint8_t node) noexcept {
 [[nodiscard]] constexpr ParseResult parse_nmt(const CanFrame& frame, Nmt& out) noexcept {
   const ParseResult result = check_message(frame, nmt_cob_id, 2);
   if (result != ParseResult::ok) return result;
+  if (frame.data[1] > max_node_id) return ParseResult::bad_value;
   const auto command = static_cast<NmtCommand>(frame.data[0]);
   switch (command) {
     case NmtCommand::start:
@@ -105,7 +106,7 @@ constexpr CanFrame make_nmt(NmtCommand command, std::uint8_t node) noexcept {
     case NmtCommand::reset_node:
     case NmtCommand::reset_communication:
       out = {.command = command, .node = frame.data[1]};
-      return frame.data[1] <= max_node_id ? ParseResult::ok : ParseResult::bad_value;
+      return ParseResult::ok;
   }
   return ParseResult::bad_value;
 }

@@ -17,7 +17,7 @@ enum class JointKind : std::uint8_t { hinge, slider };
 struct ChainJoint {
   std::string name;
   JointKind kind = JointKind::hinge;
-  Pose X_PJ;                         // joint frame in the previous link's frame, at q = 0
+  Pose X_PJ{};                       // joint frame in the previous link's frame, at q = 0
   Vec3 axis_J = Vec3::UnitZ();       // unit
 };
 
@@ -41,7 +41,7 @@ struct EncoderParams {
   std::string joint;                 // name of the chain joint it measures
   std::size_t bus = 0;               // index into the scene's buses
   std::uint8_t node_id = 1;          // 1..127
-  Calibration calibration;
+  Calibration calibration{};
   double max_speed = 50;             // rad/s or m/s: a sample that implies more is not plausible
 };
 
@@ -56,7 +56,7 @@ struct DriveParams {
   double joint_per_motor_rad = 1;    // transmission: rad or m of the joint per rad of the motor
   int sign = 1;                      // of a positive motor torque on the joint
   std::uint8_t status_every_nth_sync = 1;  // transmission type of its TPDO1, 1..240
-  Calibration calibration;           // of its position 6064h, to the joint coordinate
+  Calibration calibration{};         // of its position 6064h, to the joint coordinate
   double max_speed = 50;             // of the joint: a position that implies more is not plausible
 };
 

@@ -44,7 +44,8 @@ class CsvParser {
       add_value(cell, column);
     });
     if (num_cells != table_.columns_.size()) {
-      error(1, "has " + std::to_string(num_cells) + " values, the header " + std::to_string(table_.columns_.size()));
+      error(1, "has " + std::to_string(num_cells) + " values, the header " +
+                   std::to_string(table_.columns_.size()));
     }
   }
 

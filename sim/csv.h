@@ -17,17 +17,19 @@ class CsvTable {
   std::optional<std::size_t> find(std::string_view column) const;
   double at(std::size_t row, std::size_t column) const { return values_[row * columns_.size() + column]; }
   /// Where that number stands in the file.
-  TextPosition place(std::size_t row, std::size_t column) const { return places_[row * columns_.size() + column]; }
+  TextPosition place(std::size_t row, std::size_t column) const {
+    return places_[row * columns_.size() + column];
+  }
 
  private:
   friend class CsvParser;
   std::vector<std::string> columns_;
-  std::vector<double> values_;         // row by row
-  std::vector<TextPosition> places_;   // of each value
+  std::vector<double> values_;  // row by row
+  std::vector<TextPosition> places_;  // of each value
 };
 
 struct CsvResult {
-  std::optional<CsvTable> table;    // absent where there are errors
+  std::optional<CsvTable> table;  // absent where there are errors
   std::vector<std::string> errors;  // "file:line:column: what", the first 20
 };
 

@@ -13,7 +13,8 @@ namespace {
 template <class T>
 Sample<T> hermite(const T& x0, const T& rate0, const T& x1, const T& rate1, double h, double s) noexcept {
   const double r = 1 - s;
-  return {T(x0 * (r * r * (1 + 2 * s)) + rate0 * (h * s * r * r) + x1 * (s * s * (1 + 2 * r)) - rate1 * (h * s * s * r)),
+  return {T(x0 * (r * r * (1 + 2 * s)) + rate0 * (h * s * r * r) + x1 * (s * s * (1 + 2 * r)) -
+            rate1 * (h * s * s * r)),
           T((x1 - x0) * (6 * s * r / h) + rate0 * (r * (1 - 3 * s)) + rate1 * (s * (3 * s - 2)))};
 }
 
@@ -30,7 +31,7 @@ Quat turn_by(const Vec3& phi) noexcept {
   return Quat(std::cos(0.5 * angle), s * phi.x(), s * phi.y(), s * phi.z());
 }
 
-/// J(phi) with w_B = J phi' for q = exp(phi): I - (1 - cos a)/a^2 [phi]x + (a - sin a)/a^3 [phi]x^2, a = |phi|.
+/// J(phi) with w_B = J phi' for q = exp(phi), a = |phi|: I - (1 - cos a)/a^2 [phi]x + (a - sin a)/a^3 [phi]x^2.
 Mat3 tangent(const Vec3& phi) noexcept {
   const double a_sq = phi.squaredNorm(), a = std::sqrt(a_sq);
   const bool small = a < 1e-4;
@@ -99,7 +100,8 @@ Sample<T> VectorCurve<T>::at(const TimeGrid::Place& place) const noexcept {
 template class VectorCurve<double>;
 template class VectorCurve<Vec3>;
 
-RotationCurve::RotationCurve(const TimeGrid& grid, std::vector<Quat> attitudes) : attitudes_(std::move(attitudes)) {
+RotationCurve::RotationCurve(const TimeGrid& grid, std::vector<Quat> attitudes)
+    : attitudes_(std::move(attitudes)) {
   const std::size_t n = attitudes_.size();
   for (std::size_t i = 1; i < n; ++i) {
     if (attitudes_[i].dot(attitudes_[i - 1]) < 0) attitudes_[i].coeffs() *= -1;
@@ -109,7 +111,8 @@ RotationCurve::RotationCurve(const TimeGrid& grid, std::vector<Quat> attitudes) 
   for (std::size_t i = 0; i < n; ++i) {
     const TimeGrid::Stencil stencil = grid.derivative_at(i);
     for (std::size_t j = 0; j < stencil.size; ++j) {
-      w_B[i] += stencil.weights[j] * rotation_vector(attitudes_[i].conjugate() * attitudes_[stencil.begin + j]);
+      w_B[i] +=
+          stencil.weights[j] * rotation_vector(attitudes_[i].conjugate() * attitudes_[stencil.begin + j]);
     }
   }
   for (std::size_t i = 0; i + 1 < n; ++i) {

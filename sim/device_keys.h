@@ -24,8 +24,10 @@ void visit_limits(V& v, LimitConfig& l) {
 template <class V>
 void visit_joint(V& v, ChainJoint& j) {
   visit_name(v, "name of the joint: encoders, drives and motion columns refer to it", j.name);
-  choose(v, Key{"kind", "", "hinge: coordinate in rad about `axis`; slider: in m along it"}, std::array{"hinge", "slider"}, j.kind);
-  visit_pose(v, "position", "orientation_wxyz", "the joint frame in the previous link's frame at coordinate 0", j.X_PJ);
+  choose(v, Key{"kind", "", "hinge: coordinate in rad about `axis`; slider: in m along it"},
+         std::array{"hinge", "slider"}, j.kind);
+  visit_pose(v, "position", "orientation_wxyz",
+             "the joint frame in the previous link's frame at coordinate 0", j.X_PJ);
   v.unit_vector(Key{"axis", "", "unit vector in the joint frame"}, j.axis_J);
 }
 
@@ -37,27 +39,37 @@ struct RigNames {
 
 template <class V>
 void visit_node(V& v, const RigNames& names, std::string& joint, std::size_t& bus, std::uint8_t& node_id) {
-  choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true}, names.joints, joint);
-  v.one_of(Key{.name = "bus", .unit = "", .meaning = "name of the bus it hangs on", .required = true}, names.buses, bus);
+  choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true},
+         names.joints, joint);
+  v.one_of(Key{.name = "bus", .unit = "", .meaning = "name of the bus it hangs on", .required = true},
+           names.buses, bus);
   v.value(Key{"node_id", "", "CANopen node-ID", {1, 127}, true}, node_id);
 }
 
 template <class V>
-void visit_calibration(V& v, std::string_view sign_key, const RigNames& names, const std::string& joint, Calibration& c) {
-  v.either(Key{"counts_per_unit", "1/rad or 1/m", "counts per unit of the joint coordinate; or give `counts_per_turn`", positive, true},
-           Key{"counts_per_turn", "", "counts per full turn of a hinge", positive}, 1 / (2 * std::numbers::pi),
-           std::nullopt, c.counts_per_unit);
+void visit_calibration(V& v, std::string_view sign_key, const RigNames& names, const std::string& joint,
+                       Calibration& c) {
+  v.either(Key{"counts_per_unit", "1/rad or 1/m",
+               "counts per unit of the joint coordinate; or give `counts_per_turn`", positive, true},
+           Key{"counts_per_turn", "", "counts per full turn of a hinge", positive},
+           1 / (2 * std::numbers::pi), std::nullopt, c.counts_per_unit);
   const auto index = static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
   const bool slider = index < names.kinds.size() && names.kinds[index] == JointKind::slider;
-  v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn", "has no meaning on a slider: give counts_per_unit in 1/m");
+  v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
+          "has no meaning on a slider: give counts_per_unit in 1/m");
   visit_sign(v, Key{sign_key, "", "1 or -1: direction in which counts rise", {-1, 1}}, c.sign);
-  v.value(Key{"offset_counts", "", "count that means coordinate 0", {-9007199254740992.0, 9007199254740992.0}}, c.offset_counts);
-  v.value(Key{"modulus_counts", "", "counts wrap at this value; 0: they do not wrap", {0, 4294967296.0}}, c.modulus_counts);
+  v.value(
+      Key{"offset_counts", "", "count that means coordinate 0", {-9007199254740992.0, 9007199254740992.0}},
+      c.offset_counts);
+  v.value(Key{"modulus_counts", "", "counts wrap at this value; 0: they do not wrap", {0, 4294967296.0}},
+          c.modulus_counts);
 }
 
 template <class V>
 void visit_max_speed(V& v, double& max_speed) {
-  v.value(Key{"max_speed", "rad/s or m/s", "of the joint: a sample that implies more is not plausible", positive}, max_speed);
+  v.value(
+      Key{"max_speed", "rad/s or m/s", "of the joint: a sample that implies more is not plausible", positive},
+      max_speed);
 }
 
 template <class V>
@@ -70,14 +82,20 @@ void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
 template <class V>
 void visit_drive(V& v, const RigNames& names, DriveParams& d) {
   visit_node(v, names, d.joint, d.bus, d.node_id);
-  v.value(Key{"torque_rated_Nm", "N m", "object 6076h: targets travel in per mille of it", positive}, d.torque_rated_Nm);
-  v.value(Key{"torque_max_Nm", "N m", "saturation of the command, at the motor shaft", positive}, d.torque_max_Nm);
+  v.value(Key{"torque_rated_Nm", "N m", "object 6076h: targets travel in per mille of it", positive},
+          d.torque_rated_Nm);
+  v.value(Key{"torque_max_Nm", "N m", "saturation of the command, at the motor shaft", positive},
+          d.torque_max_Nm);
   v.check(d.torque_max_Nm <= 32.767 * d.torque_rated_Nm, "torque_max_Nm",
           "is more than 32.767 times torque_rated_Nm, the most that 16 bits of per mille carry");
-  v.value(Key{"torque_rate_Nm_per_s", "N m/s", "slew limit of the command, at the motor shaft", positive}, d.torque_rate_Nm_per_s);
-  v.value(Key{"joint_per_motor_rad", "rad/rad or m/rad", "transmission: joint coordinate per turn of the motor", positive}, d.joint_per_motor_rad);
+  v.value(Key{"torque_rate_Nm_per_s", "N m/s", "slew limit of the command, at the motor shaft", positive},
+          d.torque_rate_Nm_per_s);
+  v.value(Key{"joint_per_motor_rad", "rad/rad or m/rad",
+              "transmission: joint coordinate per rad of the motor", positive},
+          d.joint_per_motor_rad);
   visit_sign(v, Key{"sign", "", "1 or -1: of a positive motor torque on the joint", {-1, 1}}, d.sign);
-  v.value(Key{"status_every_nth_sync", "", "transmission type of its TPDO1", {1, 240}}, d.status_every_nth_sync);
+  v.value(Key{"status_every_nth_sync", "", "transmission type of its TPDO1", {1, 240}},
+          d.status_every_nth_sync);
   visit_calibration(v, "counts_sign", names, d.joint, d.calibration);
   visit_max_speed(v, d.max_speed);
 }
@@ -87,44 +105,53 @@ void visit_plant(V& v, PlantConfig& p) {
   v.value(Key{"inertia", "kg m^2 or kg", "per joint, seen at the joint", positive}, p.inertia);
   v.value(Key{"damping", "N m s/rad or N s/m", "viscous, per joint", not_negative}, p.damping);
   v.value(Key{"friction", "N m or N", "Coulomb, per joint", not_negative}, p.friction);
-  v.value(Key{"hand_stiffness", "N m/rad or N/m", "of the user's arm, per joint", not_negative}, p.hand_stiffness);
-  v.value(Key{"hand_damping", "N m s/rad or N s/m", "of the user's arm, per joint", not_negative}, p.hand_damping);
+  v.value(Key{"hand_stiffness", "N m/rad or N/m", "of the user's arm, per joint", not_negative},
+          p.hand_stiffness);
+  v.value(Key{"hand_damping", "N m s/rad or N s/m", "of the user's arm, per joint", not_negative},
+          p.hand_damping);
 }
 
 template <class V>
 void visit_supervision(V& v, RigParams& rig) {
-  v.value(Key{"stale_after", "s", "a sample older than this is not valid any more; by default three steps", positive}, rig.stale_after_s);
+  v.value(Key{"stale_after", "s", "a sample older than this is not valid any more; by default three steps",
+              positive},
+          rig.stale_after_s);
   v.value(Key{"boot_timeout", "s", "from start to every drive enabled", positive}, rig.boot_timeout_s);
-  v.value(Key{"heartbeat_timeout", "s", "of every node, once it has been heard", positive}, rig.heartbeat_timeout_s);
+  v.value(Key{"heartbeat_timeout", "s", "of every node, once it has been heard", positive},
+          rig.heartbeat_timeout_s);
   v.value(Key{"heartbeat_period", "s", "of the host's own heartbeat", positive}, rig.heartbeat_period_s);
   v.value(Key{"host_node_id", "", "node-ID of the host on every bus", {1, 127}}, rig.host_node_id);
 }
 
 template <class V>
 void visit_chain(V& v, ChainParams& chain, RigNames& names) {
-  v.tables(TableKey{"joint", "One joint of the chain, from the base outwards."}, chain.joints, [&](auto& t, ChainJoint& j) {
-    visit_joint(t, j);
-    t.check(std::ranges::find(names.joints, j.name) == names.joints.end(), "name", "is the name of an earlier joint");
-    names.joints.push_back(j.name);
-    names.kinds.push_back(j.kind);
-  });
+  v.tables(TableKey{"joint", "One joint of the chain, from the base outwards."}, chain.joints,
+           [&](auto& t, ChainJoint& j) {
+             visit_joint(t, j);
+             t.check(std::ranges::find(names.joints, j.name) == names.joints.end(), "name",
+                     "is the name of an earlier joint");
+             names.joints.push_back(j.name);
+             names.kinds.push_back(j.kind);
+           });
 }
 
 template <class V>
 void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
   std::set<std::pair<std::size_t, int>> nodes;
   const auto check_node = [&](auto& t, std::size_t bus, int node_id) {
-    t.check(node_id != rig.host_node_id, "node_id", "is the host's own: see host_node_id in [device.supervision]");
+    t.check(node_id != rig.host_node_id, "node_id",
+            "is the host's own: see host_node_id in [device.supervision]");
     t.check(nodes.emplace(bus, node_id).second, "node_id", "is taken by another node of this bus");
   };
   v.tables(TableKey{"encoder", "A CiA 406 absolute encoder."}, rig.encoders, [&](auto& t, EncoderParams& e) {
     visit_encoder(t, names, e);
     check_node(t, e.bus, e.node_id);
   });
-  v.tables(TableKey{"drive", "A CiA 402 drive in cyclic synchronous torque mode."}, rig.drives, [&](auto& t, DriveParams& d) {
-    visit_drive(t, names, d);
-    check_node(t, d.bus, d.node_id);
-  });
+  v.tables(TableKey{"drive", "A CiA 402 drive in cyclic synchronous torque mode."}, rig.drives,
+           [&](auto& t, DriveParams& d) {
+             visit_drive(t, names, d);
+             check_node(t, d.bus, d.node_id);
+           });
 }
 
 /// Rules between the parts of a rig.
@@ -133,7 +160,8 @@ void check_rig(V& v, const RigParams& rig) {
   const std::size_t num_joints = rig.chain.joints.size();
   v.check(!rig.buses.empty(), "", "joints, encoders and drives need a [[bus]]");
   v.check(num_joints >= 1 && num_joints <= max_joints, "joint",
-          "must be 1 to " + std::to_string(max_joints) + " tables [[device.joint]], not " + std::to_string(num_joints));
+          "must be 1 to " + std::to_string(max_joints) + " tables [[device.joint]], not " +
+              std::to_string(num_joints));
   for (const ChainJoint& joint : rig.chain.joints) {
     const auto on_joint = [&](const auto& node) { return node.joint == joint.name; };
     v.check(std::ranges::any_of(rig.encoders, on_joint) || std::ranges::any_of(rig.drives, on_joint), "",
@@ -147,15 +175,19 @@ bool visit_rig(V& v, bool present, RigParams& rig) {
   bool has_supervision = present, has_chain = present;
   v.table(TableKey{"supervision", "When the host gives up on a node."}, has_supervision,
           [&](auto& t) { visit_supervision(t, rig); });
-  v.table(TableKey{"chain", "Where the chain of joints begins and where the hand holds it."}, has_chain, [&](auto& t) {
-    visit_pose(t, "base_position", "base_orientation_wxyz", "the device's base in the world", rig.chain.X_WB);
-    visit_pose(t, "handle_position", "handle_orientation_wxyz", "the handle in the last link's frame", rig.chain.X_LH);
-  });
+  v.table(TableKey{"chain", "Where the chain of joints begins and where the hand holds it."}, has_chain,
+          [&](auto& t) {
+            visit_pose(t, "base_position", "base_orientation_wxyz", "the device's base in the world",
+                       rig.chain.X_WB);
+            visit_pose(t, "handle_position", "handle_orientation_wxyz", "the handle in the last link's frame",
+                       rig.chain.X_LH);
+          });
   RigNames names;
   for (const BusParams& bus : rig.buses) names.buses.push_back(bus.name);
   visit_chain(v, rig.chain, names);
   visit_nodes(v, names, rig);
-  present = has_supervision || has_chain || !rig.chain.joints.empty() || !rig.encoders.empty() || !rig.drives.empty() || !rig.buses.empty();
+  present = has_supervision || has_chain || !rig.chain.joints.empty() || !rig.encoders.empty() ||
+            !rig.drives.empty() || !rig.buses.empty();
   if (present) check_rig(v, rig);
   return present;
 }

@@ -17,14 +17,17 @@ class KeyReference {
   explicit KeyReference(std::string& out, std::string path = "") : out_(out), path_(std::move(path)) {}
 
   void value(const Key& key, double x) { row(key, "number", shortest(x)); }
-  void value(const Key& key, const std::string& x) { row(key, "string", x.empty() ? "empty" : "`\"" + x + "\"`"); }
+  void value(const Key& key, const std::string& x) {
+    row(key, "string", x.empty() ? "empty" : "`\"" + x + "\"`");
+  }
   void value(const Key& key, const Vec3& x);
   template <std::integral T>
   void value(const Key& key, T x) {
     row(key, "integer", std::to_string(x));
   }
   void shorthand(const Key& key, double) { row(key, "number", "none"); }
-  void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback, double x);
+  void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback,
+              double x);
   void unit_vector(const Key& key, const Vec3& x) { value(key, x); }
   void attitude(const Key& key, const Quat&) { row(key, "unit quaternion [w, x, y, z]", "[1, 0, 0, 0]"); }
   void inertia(const Key& key, const Mat3&) { row(key, "3 principal moments, or 3x3", ""); }

@@ -29,7 +29,8 @@ MotionSample evaluate(const MotionConfig& m, double t) noexcept {
   const Quat q_z = m.X_WD.q * turn(Vec3::UnitZ(), angles.value[0]);
   const Quat q_zy = q_z * turn(Vec3::UnitY(), angles.value[1]);
   const Quat q = q_zy * turn(Vec3::UnitX(), angles.value[2]);
-  const Vec3 w = to_world(m.X_WD.q, Vec3::UnitZ()) * angles.rate[0] + to_world(q_z, Vec3::UnitY()) * angles.rate[1] +
+  const Vec3 w = to_world(m.X_WD.q, Vec3::UnitZ()) * angles.rate[0] +
+                 to_world(q_z, Vec3::UnitY()) * angles.rate[1] +
                  to_world(q_zy, Vec3::UnitX()) * angles.rate[2];
   return {{m.X_WD.p + p.value, q.normalized()}, {w, p.rate}};
 }
@@ -49,7 +50,7 @@ MotionSample Motion::target(std::size_t body, double t) const noexcept {
     return {{p.value, q.q}, {q.w_W, p.rate}};
   }
   if (body == 0 && has_joints()) {
-    const JointSample sample = joints(t);
+    const JointTarget sample = joints(t);
     const ChainConfiguration chain = chain_->at(sample.q);
     return {chain.X_WH, chain.twist(sample.q_dot)};
   }
@@ -68,9 +69,9 @@ Wrench Motion::wrench(std::size_t body, double t) const noexcept {
           sines(m.force_amplitude, m.frequency_hz, m.phase, t).value};
 }
 
-JointSample Motion::joints(double t) const noexcept {
+JointTarget Motion::joints(double t) const noexcept {
   const auto n = static_cast<Eigen::Index>(joints_.size());
-  JointSample sample{JointVector::Zero(n), JointVector::Zero(n)};
+  JointTarget sample{JointVector::Zero(n), JointVector::Zero(n)};
   if (!has_joints()) return sample;
   const TimeGrid::Place place = grid_->locate(t);
   for (std::size_t i = 0; i < joints_.size(); ++i) {

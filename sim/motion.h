@@ -19,7 +19,7 @@ struct MotionSample {
 };
 
 /// Joint coordinates of the device's chain and their rates.
-struct JointSample {
+struct JointTarget {
   JointVector q;
   JointVector q_dot;
 };
@@ -48,7 +48,7 @@ class Motion {
   Wrench wrench(std::size_t body, double t) const noexcept;
   /// True for a table of joint coordinates; then joints() has them and target(0, t) is the handle's pose.
   bool has_joints() const noexcept { return !joints_.empty(); }
-  JointSample joints(double t) const noexcept;
+  JointTarget joints(double t) const noexcept;
   /// Last sample's time, where the motion is a table.
   std::optional<double> end() const noexcept;
 

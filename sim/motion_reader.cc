@@ -1,6 +1,8 @@
 // Motion::read: from the columns of a table to curves, with every complaint placed in the file.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "sim/motion.h"
@@ -31,9 +33,13 @@ class MotionReader {
     std::vector<double> times;
     for (std::size_t row = 0; row < table_.num_rows(); ++row) times.push_back(table_.at(row, 0));
     motion_.grid_.emplace(std::move(times));
-    if (use_joints) fill_joints(joints);
-    else if (admittance) fill_wrenches();
-    else fill_poses();
+    if (use_joints) {
+      fill_joints(joints);
+    } else if (admittance) {
+      fill_wrenches();
+    } else {
+      fill_poses();
+    }
     if (!log_.ok()) return {std::nullopt, log_.errors(), {}};
     return {std::move(motion_), {}, log_.warnings()};
   }
@@ -61,7 +67,8 @@ class MotionReader {
 
   std::vector<std::string> missing(const std::vector<std::string>& columns) const {
     std::vector<std::string> absent;
-    std::ranges::copy_if(columns, std::back_inserter(absent), [&](const std::string& c) { return !table_.find(c); });
+    std::ranges::copy_if(columns, std::back_inserter(absent),
+                         [&](const std::string& c) { return !table_.find(c); });
     return absent;
   }
 
@@ -80,12 +87,14 @@ class MotionReader {
 
   void check_columns(const std::vector<std::string>& used, const std::vector<std::string>& alternative) {
     for (const std::string& column : missing(used)) {
-      const std::string other = alternative.empty() ? "" : "; joint columns '" + alternative.front() + "', ... would do as well";
+      const std::string other =
+          alternative.empty() ? "" : "; joint columns '" + alternative.front() + "', ... would do as well";
       log_.error({1, 1}, "column '" + column + "' is missing" + other);
     }
     const std::set<std::string> needed(used.begin(), used.end());
     for (std::size_t c = 1; c < table_.columns().size(); ++c) {
-      if (!needed.contains(table_.columns()[c])) log_.warning({1, 1}, "column '" + table_.columns()[c] + "' is not used");
+      if (!needed.contains(table_.columns()[c]))
+        log_.warning({1, 1}, "column '" + table_.columns()[c] + "' is not used");
     }
   }
 
@@ -126,7 +135,9 @@ class MotionReader {
       const Quat q(table_.at(row, c[0]), table_.at(row, c[1]), table_.at(row, c[2]), table_.at(row, c[3]));
       if (!(std::abs(q.norm() - 1) <= unit_tolerance)) {
         ++num_errors;
-        log_.error(table_.place(row, c[0]), "'" + body + ".qw' to 'qz' must be a unit quaternion; its norm is " + std::to_string(q.norm()));
+        log_.error(
+            table_.place(row, c[0]),
+            "'" + body + ".qw' to 'qz' must be a unit quaternion; its norm is " + std::to_string(q.norm()));
       }
       values.emplace_back(q.normalized());
     }
@@ -137,12 +148,14 @@ class MotionReader {
     for (const std::string& body : bodies_) {
       std::vector<Quat> q = attitudes(body);
       if (!log_.ok()) return;
-      motion_.poses_.push_back({vectors(body + ".x", body + ".y", body + ".z"), RotationCurve(*motion_.grid_, std::move(q))});
+      motion_.poses_.push_back(
+          {vectors(body + ".x", body + ".y", body + ".z"), RotationCurve(*motion_.grid_, std::move(q))});
     }
   }
   void fill_wrenches() {
     for (const std::string& body : bodies_) {
-      motion_.wrenches_.push_back({vectors(body + ".fx", body + ".fy", body + ".fz"), vectors(body + ".tx", body + ".ty", body + ".tz")});
+      motion_.wrenches_.push_back({vectors(body + ".fx", body + ".fy", body + ".fz"),
+                                   vectors(body + ".tx", body + ".ty", body + ".tz")});
     }
   }
   void fill_joints(const std::vector<std::string>& joints) {

@@ -13,14 +13,14 @@
 
 namespace godobject {
 
-inline constexpr double default_damping_ratio = 1.4;                       // the paper: 1.4 <= g / sqrt(m k) <= 2
+inline constexpr double default_damping_ratio = 1.4;  // the paper: 1.4 <= g / sqrt(m k) <= 2
 inline constexpr double min_advised_ratio = 1.4, max_advised_ratio = 2.0;
-inline constexpr double max_advised_step = 2e-3;                           // s
+inline constexpr double max_advised_step = 2e-3;  // s
 
 /// What a damping ratio of one means on this body: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
 struct Massiveness {
-  double mass = 1;       // kg
-  double inertia = 1;    // largest principal moment, kg m^2
+  double mass = 1;  // kg
+  double inertia = 1;  // largest principal moment, kg m^2
 };
 
 inline double critical(double mass, double stiffness) { return std::sqrt(mass * stiffness); }
@@ -41,14 +41,19 @@ void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, Cou
   const bool required = ratio.has_value();
   v.value(Key{"stiffness", "N/m", "k of (2)", {0, 1e13}, required}, c.stiffness);
   const double g_unit = critical(body.mass, c.stiffness);
-  v.either(Key{"damping", "N s/m", "g of (2); or give `damping_ratio`", not_negative},
-           Key{"damping_ratio", "", "g / sqrt(m k); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}}, g_unit,
-           fallback(g_unit, c.damping), c.damping);
+  v.either(
+      Key{"damping", "N s/m", "g of (2); or give `damping_ratio`", not_negative},
+      Key{"damping_ratio", "", "g / sqrt(m k); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}},
+      g_unit, fallback(g_unit, c.damping), c.damping);
   v.value(Key{"rotational_stiffness", "N m/rad", "k_r of (2)", {0, 1e13}, required}, c.rotational_stiffness);
   const double g_r_unit = critical(body.inertia, c.rotational_stiffness);
-  v.either(Key{"rotational_damping", "N m s/rad", "g_r of (2); or give `rotational_damping_ratio`", not_negative},
-           Key{"rotational_damping_ratio", "", "g_r / sqrt(I_max k_r); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}}, g_r_unit,
-           fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
+  v.either(
+      Key{"rotational_damping", "N m s/rad", "g_r of (2); or give `rotational_damping_ratio`", not_negative},
+      Key{"rotational_damping_ratio",
+          "",
+          "g_r / sqrt(I_max k_r); 1.4 by default in a coupling, advised 1.4 to 2",
+          {0, 1e3}},
+      g_r_unit, fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
 }
 
 template <class V>
@@ -79,9 +84,15 @@ void visit_body(V& v, BodyConfig& b) {
   v.value(Key{"angular_velocity", "rad/s", "at t = 0, world axes"}, b.V_WB.w);
   const double I_max = b.inertia.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   const Massiveness body{b.mass, I_max};
-  optional_table(v, TableKey{"coupling", "Spring and damper (2) that pull the body to its target; without it the body is free."},
-                 b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
-  optional_table(v, TableKey{"feedback", "The wrench (8) shown to the hand; without it there is no haptic feedback. Same keys as the coupling's, and `scale`."},
+  optional_table(
+      v,
+      TableKey{"coupling",
+               "Spring and damper (2) that pull the body to its target; without it the body is free."},
+      b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
+  optional_table(v,
+                 TableKey{"feedback",
+                          "The wrench (8) shown to the hand; without it there is no haptic feedback. Same "
+                          "keys as the coupling's, and `scale`."},
                  b.feedback, [&](auto& t, FeedbackConfig& f) {
                    t.check(b.coupling.has_value(), "", "feedback needs a coupling: add [body.coupling]");
                    visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
@@ -93,9 +104,15 @@ void visit_header(V& v, SceneConfig& s) {
   visit_name(v, "short name of the scene", s.name);
   v.value(Key{"about", "", "one line on what the scene shows"}, s.about);
   v.value(Key{"step", "s", "h, the fixed step and the period of the loop", {1e-6, 0.1}}, s.step);
-  v.advise(s.step <= max_advised_step, "step", "is above 2 ms: a hand feels the delay, and feedback gains must be low");
-  v.value(Key{"duration", "s", "how long a run lasts unless --duration says otherwise", {.min = 0, .max = 1e6, .min_open = true}}, s.duration);
-  choose(v, Key{"integrator", "", "time-stepping scheme"}, {integrator_names.begin(), integrator_names.end()}, s.integrator);
+  v.advise(s.step <= max_advised_step, "step",
+           "is above 2 ms: a hand feels the delay, and feedback gains must be low");
+  v.value(Key{"duration",
+              "s",
+              "how long a run lasts unless --duration says otherwise",
+              {.min = 0, .max = 1e6, .min_open = true}},
+          s.duration);
+  choose(v, Key{"integrator", "", "time-stepping scheme"}, {integrator_names.begin(), integrator_names.end()},
+         s.integrator);
   v.value(Key{"gravity", "m/s^2", "world axes"}, s.gravity);
 }
 
@@ -104,19 +121,25 @@ void visit_motion(V& v, MotionConfig& m) {
   v.value(Key{"amplitude", "m", "A of p(t) = p_0 + A sin(2 pi f t + phase), per axis x, y, z"}, m.amplitude);
   v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
   v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
-  v.value(Key{"angle_amplitude", "rad", "the same form for three angles about z, y, x: q(t) = q_0 qz qy qx"}, m.angle_amplitude);
+  v.value(Key{"angle_amplitude", "rad", "the same form for three angles about z, y, x: q(t) = q_0 qz qy qx"},
+          m.angle_amplitude);
   v.value(Key{"angle_frequency_hz", "Hz", "", {0, 1e3}}, m.angle_frequency_hz);
   v.value(Key{"angle_phase", "rad", ""}, m.angle_phase);
   visit_pose(v, "position", "orientation_wxyz", "the target at the centre of the motion: p_0, q_0", m.X_WD);
-  v.value(Key{"force_amplitude", "N", "admittance devices: the hand's force F sin(2 pi f t + phase), f and phase as for p"}, m.force_amplitude);
-  v.value(Key{"torque_amplitude", "N m", "admittance devices: the hand's torque in the same form"}, m.torque_amplitude);
+  v.value(Key{"force_amplitude", "N",
+              "admittance devices: the hand's force F sin(2 pi f t + phase), f and phase as for p"},
+          m.force_amplitude);
+  v.value(Key{"torque_amplitude", "N m", "admittance devices: the hand's torque in the same form"},
+          m.torque_amplitude);
 }
 
 template <class V>
 void visit_wire(V& v, WireConfig& w) {
   v.value(Key{"seed", "", "of the faults made by chance", {0, 9007199254740992.0}}, w.seed);
   v.value(Key{"loss_probability", "", "that a frame is lost", probability}, w.loss_probability);
-  v.value(Key{"corruption_probability", "", "that a frame is corrupted on the wire and sent again", probability}, w.corruption_probability);
+  v.value(
+      Key{"corruption_probability", "", "that a frame is corrupted on the wire and sent again", probability},
+      w.corruption_probability);
   v.value(Key{"delay", "s", "added to every frame", {0, 1}}, w.delay_s);
 }
 
@@ -139,10 +162,11 @@ template <class V>
 void visit_scene(V& v, SceneConfig& s) {
   plain_table(v, TableKey{"scene", "The scene as a whole.", true}, [&](auto& t) { visit_header(t, s); });
   std::set<std::string> names;
-  v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true}, s.bodies, [&](auto& t, BodyConfig& b) {
-    visit_body(t, b);
-    t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
-  });
+  v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true}, s.bodies,
+           [&](auto& t, BodyConfig& b) {
+             visit_body(t, b);
+             t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
+           });
   std::vector<BusParams> buses = s.device && s.device->rig ? s.device->rig->buses : std::vector<BusParams>{};
   std::set<std::string> bus_names;
   v.tables(TableKey{"bus", "A CAN bus."}, buses, [&](auto& t, BusParams& b) {
@@ -150,11 +174,14 @@ void visit_scene(V& v, SceneConfig& s) {
     t.check(bus_names.insert(b.name).second, "name", "is the name of an earlier bus");
     t.value(Key{"bit_rate", "bit/s", "of the arbitration phase", {1e4, 1e6}}, b.bit_rate);
   });
-  optional_table(v, TableKey{"device", "The device that drives the first coupled body, and the rig it is made of."},
-                 s.device, [&](auto& t, DeviceConfig& d) { visit_device(t, s.step, buses, d); });
-  optional_table(v, TableKey{"motion", "Built-in motion of the target, used where no --motion file is given."},
+  optional_table(
+      v, TableKey{"device", "The device that drives the first coupled body, and the rig it is made of."},
+      s.device, [&](auto& t, DeviceConfig& d) { visit_device(t, s.step, buses, d); });
+  optional_table(v,
+                 TableKey{"motion", "Built-in motion of the target, used where no --motion file is given."},
                  s.motion, [](auto& t, MotionConfig& m) { visit_motion(t, m); });
-  plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."}, [&](auto& t) { visit_wire(t, s.wire); });
+  plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."},
+              [&](auto& t) { visit_wire(t, s.wire); });
   check_scene(v, s);
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include "hal/can_bus.h"
 #include "hal/can_timing.h"
@@ -86,7 +87,7 @@ class SimCanPort final : public CanBus {
 };
 
 struct SimWireParams {
-  BitRates rates;
+  BitRates rates{};
   double corruption_probability = 0;  // per frame sent
   std::uint64_t seed = 1;
 };
@@ -105,17 +106,16 @@ struct FrameObserver {
 
 /// The wire. What it models, and what it simplifies:
 /// - When the wire is idle the head of every node's queue takes part in arbitration, bit for bit as in
-///   ISO 11898-1: lower identifier first, data before remote, standard before extended with the same first
-///   11 bits.
-/// - A frame lasts its own length (exact_bits). Receivers have it when its end-of-frame field ends; three bits
-///   later the wire is idle. What they send in answer takes part in the arbitration at that instant.
+///   ISO 11898-1: lower identifier first, data before remote, standard before extended with the same 11 bits.
+/// - A frame lasts its own length (exact_bits). Receivers have it when its end-of-frame field ends; three
+///   bits later the wire is idle. What they send in answer takes part in the arbitration at that instant.
 /// - Whatever goes wrong with a frame is known at its acknowledge slot, because nobody acknowledges a damaged
 ///   frame: nobody else listens; the frame was corrupted on the wire, for everybody; or two nodes sent the
 ///   same identifier with different contents. (Real controllers see the last one at the first differing bit,
 ///   up to one frame earlier, and an error-passive one drops out there; here both go on until bus-off.)
 ///   Equal frames sent at the same time merge, as they do on a real wire.
-/// - Then follow the error flag (6 bits, 7 when an error-active receiver joins in), delimiter and intermission,
-///   and the frame stays at the head of its queue. Sender: TEC + 8, except for an error-passive one whom
+/// - Then follow the error flag (6 bits, 7 when an error-active receiver joins in), delimiter, intermission;
+///   the frame stays at the head of its queue. Sender: TEC + 8, except for an error-passive one whom
 ///   nobody acknowledged and who saw no other flag (ISO 11898-1, exception of that rule). Receivers: REC + 1.
 /// - An error-passive sender waits 8 bits more before it sends again (suspend transmission).
 /// - At bus-off the node's queue is dropped: what it held is stale by the time the node is back.
@@ -189,6 +189,9 @@ class SimCanWire {
   std::optional<Nanoseconds> recovery_time(const SimCanPort& node) const noexcept;
   bool any_error_active(NodeSet nodes) const noexcept;
   std::size_t segment_of(const SimCanPort& node) const noexcept;
+  std::span<Segment> segments() noexcept { return std::span(segments_).first(1 + places_used_); }
+  std::span<const Segment> segments() const noexcept { return std::span(segments_).first(1 + places_used_); }
+  std::span<SimCanPort* const> nodes() const noexcept { return std::span(nodes_).first(places_used_); }
   Nanoseconds bits_ns(int bits) const noexcept { return duration_ns(bits, params_.rates); }
   template <class Function>
   void for_each(NodeSet nodes, Function&& function) const;
@@ -197,8 +200,9 @@ class SimCanWire {
   Random random_;
   FrameObserver observer_;
   Nanoseconds now_ns_ = 0;
-  std::array<SimCanPort*, max_nodes> nodes_{};
+  std::array<SimCanPort*, max_nodes> nodes_{};  // null: place is free
   std::array<Segment, 1 + max_nodes> segments_;
+  std::size_t places_used_ = 0;                 // no node has ever been beyond
 };
 
 }  // namespace godobject

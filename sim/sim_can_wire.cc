@@ -52,17 +52,18 @@ std::size_t SimCanWire::attach(SimCanPort& port) noexcept {
   const auto node = static_cast<std::size_t>(place - nodes_.begin());
   if (node == max_nodes) return max_nodes;
   *place = &port;
+  places_used_ = std::max(places_used_, node + 1);
   segments_[shared_segment].members |= bit_of(node);
   return node;
 }
 
 void SimCanWire::detach(std::size_t node) noexcept {
-  for (Segment& segment : segments_) segment.members &= ~bit_of(node);
+  for (Segment& segment : segments()) segment.members &= ~bit_of(node);
   nodes_[node] = nullptr;
 }
 
 void SimCanWire::join(std::size_t node, std::size_t segment) noexcept {
-  for (Segment& other : segments_) other.members &= ~bit_of(node);
+  for (Segment& other : segments()) other.members &= ~bit_of(node);
   segments_[segment].members |= bit_of(node);
   if (nodes_[node]->recovery_) start_recovery(*nodes_[node]);
 }
@@ -91,7 +92,7 @@ std::size_t SimCanWire::segment_of(const SimCanPort& node) const noexcept {
 void SimCanWire::advance_to(Nanoseconds t_ns) noexcept {
   if (t_ns < now_ns_) return;
   for (;;) {
-    for (Segment& segment : segments_) {
+    for (Segment& segment : segments()) {
       if (segment.phase == Phase::idle) start_frame(segment);
     }
     const std::optional<Nanoseconds> t_next_ns = next_event();
@@ -104,8 +105,8 @@ void SimCanWire::advance_to(Nanoseconds t_ns) noexcept {
 
 std::optional<Nanoseconds> SimCanWire::next_event() const noexcept {
   std::optional<Nanoseconds> t_ns;
-  for (const Segment& segment : segments_) t_ns = earlier(t_ns, next_event(segment));
-  for (const SimCanPort* node : nodes_) {
+  for (const Segment& segment : segments()) t_ns = earlier(t_ns, next_event(segment));
+  for (const SimCanPort* node : nodes()) {
     if (node != nullptr) t_ns = earlier(t_ns, next_event(*node));
   }
   return t_ns;
@@ -130,13 +131,13 @@ std::optional<Nanoseconds> SimCanWire::next_event(const SimCanPort& node) const 
 }
 
 void SimCanWire::run_due_events() noexcept {
-  for (SimCanPort* node : nodes_) {
+  for (SimCanPort* node : nodes()) {
     if (node == nullptr) continue;
     if (node->t_restart_ns_ && *node->t_restart_ns_ <= now_ns_) start_recovery(*node);
     const std::optional<Nanoseconds> t_recovered_ns = recovery_time(*node);
     if (t_recovered_ns && *t_recovered_ns <= now_ns_) finish_recovery(*node);
   }
-  for (Segment& segment : segments_) {
+  for (Segment& segment : segments()) {
     if (segment.phase == Phase::idle || segment.t_next_ns > now_ns_) continue;
     switch (segment.phase) {
       case Phase::sending: finish_sending(segment); break;

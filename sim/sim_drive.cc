@@ -68,7 +68,8 @@ void SimDrive::on_nmt_state(Nanoseconds now) noexcept {
 }
 
 void SimDrive::on_tick(Nanoseconds now) noexcept {
-  if (power_stage_works() && now >= t_received_ns_ + params_.rpdo_timeout_ns) trip(canopen::emcy_rpdo_timeout);
+  const bool commands_late = now >= t_received_ns_ + params_.rpdo_timeout_ns;
+  if (power_stage_works() && commands_late) trip(canopen::emcy_rpdo_timeout);
   while (t_event_ns_ <= now) {
     send_event();
     t_event_ns_ += params_.event_period_ns;
@@ -81,14 +82,16 @@ Nanoseconds SimDrive::device_timer() const noexcept {
 
 void SimDrive::send_status() noexcept {
   const double torque_per_mille = 1000 * applied_torque_Nm() / params_.drive.torque_rated_Nm;
+  const std::uint32_t counts = counts_at(q_, params_.drive.calibration);
   send(cia402::make_status(node_id(),
                            {.statusword = statusword(),
-                            .position_counts = static_cast<std::int32_t>(counts_at(q_, params_.position)),
+                            .position_counts = static_cast<std::int32_t>(counts),
                             .actual_torque_per_mille = saturate_to<std::int16_t>(torque_per_mille)}));
 }
 
 void SimDrive::send_event() noexcept {
-  const double velocity = params_.position.sign * q_dot_ * params_.position.counts_per_unit;
+  const Calibration& calibration = params_.drive.calibration;
+  const double velocity = calibration.sign * q_dot_ * calibration.counts_per_unit;
   send(cia402::make_event(node_id(), {.velocity_counts_per_s = saturate_to<std::int32_t>(velocity),
                                       .mode = cia402::mode_cyclic_synchronous_torque,
                                       .error_code = error_code_}));

@@ -8,20 +8,19 @@
 namespace godobject {
 
 struct SimDriveParams {
-  DriveParams drive;
-  Calibration position;                            // of the joint position it measures
-  Nanoseconds rpdo_timeout_ns = 20'000'000;        // consumer watchdog, > 0
-  Nanoseconds event_period_ns = 20'000'000;        // event timer of TPDO2; 0: never sent
-  Nanoseconds heartbeat_period_ns = 0;             // 0: never sent
+  DriveParams drive{};
+  Nanoseconds rpdo_timeout_ns = 20'000'000;  // consumer watchdog, > 0
+  Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2; 0: never sent
+  Nanoseconds heartbeat_period_ns = 0;       // 0: never sent
 };
 
-/// SYNC does what CiA 301 asks of synchronous PDOs: sample and send the status (every n-th), and put the RPDO1
-/// that arrived before it into effect. One command thus reaches the motor with the next SYNC, and the status
-/// reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
+/// SYNC does what CiA 301 asks of synchronous PDOs: sample and send the status (every n-th SYNC), and put the
+/// RPDO1 that arrived before it into effect. A command thus reaches the motor with the next SYNC, and the
+/// status reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
 ///
-/// No RPDO1 for longer than rpdo_timeout while the power stage works: fault, no torque, EMCY 8250h; the watchdog
-/// acts at its own time, not with a SYNC. Leaving the NMT state operational switches the power stage off.
-/// A quick stop removes the torque at once. Modes other than CST, and SDO, are not simulated.
+/// No RPDO1 for rpdo_timeout while the power stage works: fault, no torque, EMCY 8250h; the watchdog acts at
+/// its own time, not with a SYNC. Leaving the NMT state operational switches the power stage off. Quick stop
+/// removes the torque at once. Modes other than CST, and SDO, are not simulated.
 class SimDrive final : public SimCanopenNode {
  public:
   SimDrive(CanBus& bus, const SimDriveParams& params) noexcept;

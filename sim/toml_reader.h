@@ -29,12 +29,13 @@ class TomlReader {
   }
   void shorthand(const Key& key, double& x) { value(key, x); }
   /// Either of two spellings of one number; with neither the fallback, or an error where key is required.
-  void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback, double& x);
+  void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback,
+              double& x);
 
   /// Length 1 within 1e-6, then normalised.
   void unit_vector(const Key& key, Vec3& x);
   void attitude(const Key& key, Quat& q);
-  /// Three principal moments, or 3x3: symmetric, positive definite, triangle inequality.
+  /// Three principal moments, or 3x3: symmetric, positive definite; a warning without triangle inequality.
   void inertia(const Key& key, Mat3& I);
   /// index of the string in names.
   void one_of(const Key& key, const std::vector<std::string>& names, std::size_t& index);

@@ -27,7 +27,9 @@ class TomlWriter {
   void unit_vector(const Key& key, const Vec3& x) { value(key, x); }
   void attitude(const Key& key, const Quat& q) { line(key, array({q.w(), q.x(), q.y(), q.z()})); }
   void inertia(const Key& key, const Mat3& I);
-  void one_of(const Key& key, const std::vector<std::string>& names, std::size_t index) { value(key, names.at(index)); }
+  void one_of(const Key& key, const std::vector<std::string>& names, std::size_t index) {
+    value(key, names.at(index));
+  }
 
   template <class F>
   void table(const TableKey& key, bool present, F visit) {

@@ -21,6 +21,11 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
       }
     }
   }
+  for (const std::size_t body : driven_bodies(scene)) {
+    for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz"}) {
+      columns.push_back(scene.bodies[body].name + ".target." + name);
+    }
+  }
   columns.insert(columns.end(), {"penetration", "fault"});
   return columns;
 }
@@ -31,20 +36,19 @@ TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene) : fi
   buffer_.back() = '\n';
 }
 
-void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceWrenches> wrenches,
+void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
                       double penetration, std::uint32_t fault) {
   number(t);
   for (const TraceBody& body : bodies) {
-    vector(body.X_WB.p);
-    number(body.X_WB.q.w());
-    vector(body.X_WB.q.vec());
+    pose(body.X_WB);
     vector(body.V_WB.v);
     vector(body.V_WB.w);
   }
-  for (const TraceWrenches& F : wrenches) {
-    wrench(F.coupling);
-    wrench(F.feedback);
+  for (const TraceDriven& d : driven) {
+    wrench(d.coupling);
+    wrench(d.feedback);
   }
+  for (const TraceDriven& d : driven) pose(d.X_WD);
   number(penetration);
   number(fault);
   buffer_.back() = '\n';
@@ -66,6 +70,12 @@ void TraceWriter::number(double x) {
 
 void TraceWriter::vector(const Vec3& a) {
   for (int i = 0; i < 3; ++i) number(a[i]);
+}
+
+void TraceWriter::pose(const Pose& X) {
+  vector(X.p);
+  number(X.q.w());
+  vector(X.q.vec());
 }
 
 void TraceWriter::wrench(const Wrench& F) {

@@ -1,5 +1,6 @@
 // The trace of a run as CSV: t, per body <body>.x y z qw qx qy qz vx vy vz wx wy wz, per driven body
-// <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, then penetration and fault.
+// <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, for the same bodies the target they were
+// pulled to, <body>.target.x y z qw qx qy qz, then penetration and fault.
 // World frame, SI; every number reads back as the same double.
 #pragma once
 
@@ -20,9 +21,10 @@ struct TraceBody {
 };
 
 /// Of a driven body, in the order of driven_bodies().
-struct TraceWrenches {
+struct TraceDriven {
   Wrench coupling;  // on the body, about its origin
   Wrench feedback;  // on the hand, about the target's origin
+  Pose X_WD;  // the target
 };
 
 /// Writes rows into a buffer and the buffer to the file when it is full. Not for the real-time thread.
@@ -30,16 +32,17 @@ class TraceWriter {
  public:
   TraceWriter(const std::string& path, const SceneConfig& scene);
 
-  /// bodies, wrenches: as many as the scene has bodies and driven bodies. penetration: m.
+  /// bodies, driven: as many as the scene has bodies and driven bodies. penetration: m.
   /// fault: the bits as an unsigned number.
-  void row(double t, std::span<const TraceBody> bodies, std::span<const TraceWrenches> wrenches, double penetration,
-           std::uint32_t fault);
+  void row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
+           double penetration, std::uint32_t fault);
   /// Writes what is left. False when anything did not reach the file.
   [[nodiscard]] bool close();
 
  private:
   void number(double x);
   void vector(const Vec3& a);
+  void pose(const Pose& X);
   void wrench(const Wrench& F);
   void flush();
 

@@ -51,6 +51,7 @@ void choose(V& v, const Key& key, const std::array<const char*, N>& names, Enum&
 /// Names become columns of CSV files and words of messages, so they stay plain.
 template <class V>
 void visit_name(V& v, std::string_view meaning, std::string& name) {
+  if (name.empty()) name = "unnamed";  // so that a name that could not be read is complained about once
   v.value(Key{.name = "name", .unit = "", .meaning = meaning, .required = true}, name);
   const bool plain = !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '-';
@@ -60,7 +61,8 @@ void visit_name(V& v, std::string_view meaning, std::string& name) {
 
 template <class V>
 void visit_pose(V& v, std::string_view position, std::string_view orientation, std::string_view of, Pose& X) {
-  const std::string p_meaning = "position of " + std::string(of), q_meaning = "attitude of " + std::string(of);
+  const std::string p_meaning = "position of " + std::string(of),
+                    q_meaning = "attitude of " + std::string(of);
   v.value(Key{position, "m", p_meaning}, X.p);
   v.attitude(Key{orientation, "", q_meaning}, X.q);
 }

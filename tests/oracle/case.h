@@ -28,11 +28,11 @@ class Target;
 
 /// The damped spring (2) between a body and its target. The torque is k_r alpha u with alpha in [0, pi].
 struct Coupling {
-  double k_t = 0;                        // N/m, >= 0
-  double g_t = 0;                        // N s/m, >= 0
-  double k_r = 0;                        // N m/rad, >= 0
-  double g_r = 0;                        // N m s/rad, >= 0
-  std::shared_ptr<const Target> target = nullptr; // must be set
+  double k_t = 0;                                  // N/m, >= 0
+  double g_t = 0;                                  // N s/m, >= 0
+  double k_r = 0;                                  // N m/rad, >= 0
+  double g_r = 0;                                  // N m s/rad, >= 0
+  std::shared_ptr<const Target> target = nullptr;  // must be set
 };
 
 struct Body {

@@ -1,0 +1,18 @@
+// godobject: the command line.
+#include "platform/cli/verbs.h"
+
+int main(int argc, char** argv) {
+  using godobject::ExitCode;
+  ExitCode code = ExitCode::ok;
+  CLI::App app("A tool in a simulated scene, pulled to a tracked device by a damped spring.", "godobject");
+  app.set_version_flag("--version", GODOBJECT_VERSION);
+  app.require_subcommand(1);
+  app.footer("Exit codes: 0 ok, 1 fault during the run, 2 usage or configuration, 3 not available on this machine.");
+  for (const godobject::AddVerb add : godobject::verbs) add(app, code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    code = app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+  }
+  return static_cast<int>(code);
+}

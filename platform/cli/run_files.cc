@@ -1,0 +1,45 @@
+#include "platform/cli/run_files.h"
+
+#include <array>
+
+namespace godobject {
+namespace {
+
+std::vector<std::string> bus_names(const SceneConfig& scene) {
+  std::vector<std::string> names;
+  if (scene.device && scene.device->rig)
+    for (const BusParams& bus : scene.device->rig->buses) names.push_back(bus.name);
+  return names;
+}
+
+}  // namespace
+
+RunFiles::RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene)
+    : trace_path_(trace), record_path_(record), driven_(driven_bodies(scene)) {
+  if (!trace.empty()) trace_.emplace(trace, scene);
+  if (!record.empty()) record_.emplace(record, bus_names(scene));
+}
+
+void RunFiles::add(const CycleRecord& record) {
+  if (!trace_) return;
+  std::array<TraceBody, max_session_bodies> bodies;
+  std::array<TraceDriven, max_session_bodies> driven;
+  for (std::size_t i = 0; i < record.num_bodies; ++i)
+    bodies[i] = {.X_WB = record.bodies[i].X_WB, .V_WB = record.bodies[i].V_WB};
+  for (std::size_t i = 0; i < driven_.size(); ++i) {
+    const BodyView& body = record.bodies[driven_[i]];
+    driven[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
+  }
+  constexpr double penetration = 0;  // of the deepest contact: this program's compositions have none
+  trace_->row(record.t, std::span(bodies).first(record.num_bodies), std::span(driven).first(driven_.size()),
+              penetration, static_cast<std::uint32_t>(record.fault));
+}
+
+std::vector<std::string> RunFiles::close() {
+  std::vector<std::string> incomplete;
+  if (trace_ && !trace_->close()) incomplete.push_back(trace_path_);
+  if (record_ && !record_->close()) incomplete.push_back(record_path_);
+  return incomplete;
+}
+
+}  // namespace godobject

@@ -1,0 +1,35 @@
+// The files a run fills while it goes: trace and bus log, each only where asked for.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "platform/cli/candump_log.h"
+#include "sim/session.h"
+#include "sim/trace.h"
+
+namespace godobject {
+
+class RunFiles {
+ public:
+  /// Empty paths: not wanted.
+  RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene);
+
+  bool wants_cycles() const noexcept { return trace_.has_value(); }
+  bool wants_frames() const noexcept { return record_.has_value(); }
+  void add(const CycleRecord& record);
+  void add(const BusFrame& frame) {
+    if (record_) record_->add(frame);
+  }
+  /// Names of the files that are not complete.
+  std::vector<std::string> close();
+
+ private:
+  std::string trace_path_, record_path_;
+  std::vector<std::size_t> driven_;
+  std::optional<TraceWriter> trace_;
+  std::optional<CandumpLog> record_;
+};
+
+}  // namespace godobject

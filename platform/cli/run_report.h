@@ -1,0 +1,47 @@
+// What a run came to: one collection of facts, shown as the summary and written as report.json.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/bus_load.h"
+#include "platform/cli/run_loop.h"
+#include "platform/cli/run_options.h"
+
+namespace godobject {
+
+struct FaultReport {
+  std::string name;
+  std::string text;          // where, what it means, what to do
+  std::uint64_t cycles = 0;  // with this fault; 0: not counted
+};
+
+struct BusReport {
+  BusLoad computed;
+  double measured_percent = 0;  // mean since the bus was started
+};
+
+struct RunReport {
+  const RunOptions& options;
+  const Session& session;
+  const RunResult& result;
+  std::vector<BusReport> buses;
+  std::vector<FaultReport> faults;
+};
+
+/// incomplete_files: outputs that could not be written in full.
+RunReport make_report(const RunOptions& options, Session& session, const RunResult& result,
+                      const std::vector<std::string>& incomplete_files);
+
+/// How large the part of the encoders is: rms of (body - body told the handle exactly) by rms of the following
+/// error, 0 to 1 and, where the parts partly cancel, above.
+PoseError encoder_share(const RunStatistics& statistics);
+std::string hash_text(std::uint64_t hash);
+
+nlohmann::ordered_json to_json(const RunReport& report);
+void print_summary(std::FILE* out, const RunReport& report);
+
+}  // namespace godobject

@@ -1,0 +1,103 @@
+// report.json: the facts of a run for other programs. Keys carry their units.
+#include "platform/cli/run_report.h"
+#include "platform/machine.h"
+
+namespace godobject {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double to_us(std::int64_t ns) { return 1e-3 * static_cast<double>(ns); }
+
+/// [upper edge in us, count] of every bin that has something in it.
+Json to_json(const Histogram& h) {
+  Json bins = Json::array();
+  for (std::size_t bin = 0; bin < Histogram::num_bins; ++bin)
+    if (h.in_bin(bin) > 0) bins.push_back({to_us(Histogram::upper_edge(bin)), h.in_bin(bin)});
+  return {{"p50", to_us(h.percentile(0.5))},
+          {"p99", to_us(h.percentile(0.99))},
+          {"p99_9", to_us(h.percentile(0.999))},
+          {"max", to_us(h.max())},
+          {"histogram", std::move(bins)}};
+}
+
+Json to_json(const PoseErrorStatistics& e) {
+  return {{"rms_m", e.rms().m}, {"max_m", e.max().m}, {"rms_rad", e.rms().rad}, {"max_rad", e.max().rad}};
+}
+
+Json to_json(const BusReport& bus) {
+  return {{"name", bus.computed.bus},
+          {"measured_percent", bus.measured_percent},
+          {"nominal_percent", bus.computed.nominal_percent},
+          {"worst_percent", bus.computed.worst_percent}};
+}
+
+Json to_json(const RtStep& step) {
+  return {{"step", step.name}, {"result", name_of(step.result)}, {"detail", step.detail}, {"remedy", step.remedy}};
+}
+
+template <class T>
+Json to_array(const std::vector<T>& items) {
+  Json array = Json::array();
+  for (const T& item : items) array.push_back(to_json(item));
+  return array;
+}
+
+Json to_json(const FaultReport& fault) {
+  return {{"name", fault.name}, {"text", fault.text}, {"cycles", fault.cycles}};
+}
+
+Json timing(const CyclicStatistics& t) {
+  return {{"missed_deadlines", t.missed()},
+          {"late_cycles", t.late},
+          {"skipped_periods", t.skipped},
+          {"wake_us", to_json(t.wake_ns)},
+          {"compute_us", to_json(t.compute_ns)}};
+}
+
+Json machine(const std::vector<RtStep>& setup) {
+  const Machine m = this_machine();
+  return {{"cpu", m.cpu}, {"num_cpus", m.num_cpus}, {"kernel", m.kernel}, {"rt_setup", to_array(setup)}};
+}
+
+Json limits(const RunStatistics& statistics) {
+  Json hit = Json::object();
+  for (std::size_t i = 0; i < limit_names.size(); ++i)
+    if (statistics.limit_cycles[i] > 0) hit[std::string(limit_names[i])] = statistics.limit_cycles[i];
+  return hit;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const RunReport& report) {
+  const RunOptions& options = report.options;
+  const SceneConfig& scene = report.session.scene();
+  const RunStatistics& statistics = report.result.statistics;
+  Json json{{"scene", scene.name},
+            {"scene_file", options.scene},
+            {"mode", options.realtime ? "realtime" : "fast"},
+            {"bus_mode", options.bus == BusChoice::sim ? "sim" : "direct"},
+            {"integrator", scene.integrator},
+            {"composition", report.session.engine().composition().name},
+            {"step_s", scene.step},
+            {"cycles", statistics.cycles},
+            {"motion_start_on_bus_s", 1e-9 * static_cast<double>(report.session.motion_start_ns())},
+            {"timing", timing(report.result.timing)}};
+  if (report.session.follows()) {
+    json["following"] = to_json(statistics.following);
+    json["sensing"] = to_json(statistics.sensing);
+    json["encoders"] = to_json(statistics.encoders);
+    json["encoders"]["share_of_following_m"] = encoder_share(statistics).m;
+    json["encoders"]["share_of_following_rad"] = encoder_share(statistics).rad;
+  }
+  json["bus"] = to_array(report.buses);
+  json["limits"] = limits(statistics);
+  json["faults"] = to_array(report.faults);
+  json["lost"] = {{"cycles", report.result.lost_cycles}, {"frames", report.result.lost_frames}};
+  json["machine"] = machine(report.result.setup);
+  json["state_hash"] = hash_text(report.session.engine().state_hash());
+  json["files"] = {{"trace", options.trace}, {"record", options.record}, {"report", options.report}};
+  return json;
+}
+
+}  // namespace godobject

@@ -1,0 +1,78 @@
+// What a run adds up while it goes: errors, limits, faults. Adding a cycle is real-time.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "sim/session.h"
+
+namespace godobject {
+
+/// Root mean square and largest value of a pose error.
+class PoseErrorStatistics {
+ public:
+  void add(const PoseError& e) noexcept {
+    ++count_;
+    sum_sq_.m += e.m * e.m;
+    sum_sq_.rad += e.rad * e.rad;
+    max_ = {.m = std::max(max_.m, e.m), .rad = std::max(max_.rad, e.rad)};
+  }
+
+  std::uint64_t count() const noexcept { return count_; }
+  const PoseError& max() const noexcept { return max_; }
+  PoseError rms() const noexcept {
+    const double n = count_ > 0 ? static_cast<double>(count_) : 1;
+    return {.m = std::sqrt(sum_sq_.m / n), .rad = std::sqrt(sum_sq_.rad / n)};
+  }
+
+ private:
+  std::uint64_t count_ = 0;
+  PoseError sum_sq_, max_;
+};
+
+/// Bounds that were met on purpose.
+inline constexpr std::array<std::string_view, 10> limit_names{
+    "force",      "torque",       "force_rate",        "torque_rate",          "ramp",
+    "held",       "drive_torque", "drive_torque_rate", "drive_internal_limit", "drive_command_not_sent"};
+
+struct FaultName {
+  Fault fault;
+  std::string_view name, meaning;
+};
+inline constexpr std::array<FaultName, 3> fault_names{{
+    {Fault::input_not_finite, "input_not_finite", "an input was not a finite number; those steps were not taken"},
+    {Fault::input_not_unit, "input_not_unit", "a target's quaternion was not of unit length; those steps were not taken"},
+    {Fault::state_not_finite, "state_not_finite",
+     "a step's result was not finite and was not taken; lower the stiffness or the step"},
+}};
+
+struct RunStatistics {
+  std::uint64_t cycles = 0;
+  // From the first cycle after the ramp of engaging: until then the body is on its way to the target.
+  PoseErrorStatistics following, sensing, encoders;
+  std::array<std::uint64_t, limit_names.size()> limit_cycles{};  // cycles with that limit
+  std::array<std::uint64_t, fault_names.size()> fault_cycles{};
+  RigFault rig_faults = RigFault::none;
+
+  void add(const CycleRecord& record) noexcept {
+    ++cycles;
+    if (!has(record.limited, Limited::ramp)) {
+      following.add(record.following);
+      sensing.add(record.sensing);
+      encoders.add(record.encoders);
+    }
+    constexpr std::size_t num_core_limits = 6;
+    for (std::size_t i = 0; i < num_core_limits; ++i)
+      limit_cycles[i] += has(record.limited, Limited(1u << i)) ? 1 : 0;
+    const CommandReport& drives = record.drives;
+    const std::array bits{drives.torque_limited, drives.rate_limited, drives.drive_limited, drives.not_sent};
+    for (std::size_t i = 0; i < bits.size(); ++i) limit_cycles[num_core_limits + i] += bits[i] != 0 ? 1 : 0;
+    for (std::size_t i = 0; i < fault_names.size(); ++i)
+      fault_cycles[i] += has(record.fault, fault_names[i].fault) ? 1 : 0;
+    rig_faults = rig_faults | record.rig_faults;
+  }
+};
+
+}  // namespace godobject

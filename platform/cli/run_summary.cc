@@ -1,0 +1,96 @@
+// The summary a run ends with.
+#include "platform/cli/run_report.h"
+
+#include <cinttypes>
+
+namespace godobject {
+namespace {
+
+void print_timing(std::FILE* out, const char* label, const Histogram& h) {
+  if (h.count() == 0) return;
+  const auto us = [&](double share) { return 1e-3 * static_cast<double>(h.percentile(share)); };
+  std::fprintf(out, "  %-18s p50 %.1f, p99 %.1f, p99.9 %.1f, max %.1f us\n", label, us(0.5), us(0.99), us(0.999),
+               1e-3 * static_cast<double>(h.max()));
+}
+
+void print_error(std::FILE* out, const char* label, const PoseErrorStatistics& e) {
+  std::fprintf(out, "  %-18s rms %.3g m, max %.3g m; rms %.3g rad, max %.3g rad\n", label, e.rms().m, e.max().m,
+               e.rms().rad, e.max().rad);
+}
+
+void print_errors(std::FILE* out, const RunReport& report) {
+  if (!report.session.follows()) return;
+  const RunStatistics& statistics = report.result.statistics;
+  print_error(out, "following error", statistics.following);
+  if (report.buses.empty()) return;
+  print_error(out, "sensing error", statistics.sensing);
+  print_error(out, "due to encoders", statistics.encoders);
+  const PoseError share = encoder_share(statistics);
+  std::fprintf(out, "  %-18s %.1f %% of the following error in position, %.1f %% in attitude\n", "", 100 * share.m,
+               100 * share.rad);
+}
+
+void print_limits(std::FILE* out, const RunStatistics& statistics) {
+  std::fprintf(out, "  %-18s", "limits hit");
+  bool any_hit = false;
+  for (std::size_t i = 0; i < limit_names.size(); ++i) {
+    if (statistics.limit_cycles[i] == 0) continue;
+    std::fprintf(out, "%s %s %" PRIu64 " cycles", any_hit ? "," : "", std::string(limit_names[i]).c_str(),
+                 statistics.limit_cycles[i]);
+    any_hit = true;
+  }
+  std::fprintf(out, "%s\n", any_hit ? "" : " none");
+}
+
+void print_faults(std::FILE* out, const std::vector<FaultReport>& faults) {
+  if (faults.empty()) std::fprintf(out, "  %-18s none\n", "faults");
+  for (const FaultReport& fault : faults) {
+    std::fprintf(out, "  %-18s %s: %s", "FAULT", fault.name.c_str(), fault.text.c_str());
+    if (fault.cycles > 0) std::fprintf(out, " (%" PRIu64 " cycles)", fault.cycles);
+    std::fputc('\n', out);
+  }
+}
+
+void print_files(std::FILE* out, const RunOptions& options) {
+  for (const std::string& file : {options.trace, options.record, options.report})
+    if (!file.empty()) std::fprintf(out, "  %-18s %s\n", "file", file.c_str());
+}
+
+}  // namespace
+
+PoseError encoder_share(const RunStatistics& statistics) {
+  const PoseError part = statistics.encoders.rms(), whole = statistics.following.rms();
+  return {.m = whole.m > 0 ? part.m / whole.m : 0, .rad = whole.rad > 0 ? part.rad / whole.rad : 0};
+}
+
+std::string hash_text(std::uint64_t hash) {
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016" PRIx64, hash);
+  return text.data();
+}
+
+void print_summary(std::FILE* out, const RunReport& report) {
+  const RunResult& result = report.result;
+  const SceneConfig& scene = report.session.scene();
+  const Composition& composition = report.session.engine().composition();
+  std::fprintf(out, "%s: %" PRIu64 " cycles of %g s, composition '%s', %zu bytes\n", scene.name.c_str(),
+               result.statistics.cycles, scene.step, composition.name.c_str(), composition.bytes());
+  if (report.options.realtime)
+    std::fprintf(out, "  %-18s %" PRIu64 " (%" PRIu64 " cycles late, %" PRIu64 " periods skipped)\n",
+                 "missed deadlines", result.timing.missed(), result.timing.late, result.timing.skipped);
+  print_timing(out, "wake-up", result.timing.wake_ns);
+  print_timing(out, "compute", result.timing.compute_ns);
+  print_errors(out, report);
+  for (const BusReport& bus : report.buses)
+    std::fprintf(out, "  %-18s %s: %.1f %% measured, %.1f %% worst case\n", "bus load", bus.computed.bus.c_str(),
+                 bus.measured_percent, bus.computed.worst_percent);
+  print_limits(out, result.statistics);
+  print_faults(out, report.faults);
+  if (report.options.realtime)
+    std::fprintf(out, "  %-18s %" PRIu64 " cycles, %" PRIu64 " frames\n", "lost to the files", result.lost_cycles,
+                 result.lost_frames);
+  std::fprintf(out, "  %-18s %s\n", "state hash", hash_text(report.session.engine().state_hash()).c_str());
+  print_files(out, report.options);
+}
+
+}  // namespace godobject

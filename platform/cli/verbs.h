@@ -1,0 +1,26 @@
+// The program's verbs. A new one is a file cmd_<verb>.cc and a line in each of the two lists below.
+#pragma once
+
+#include <array>
+
+#include <CLI/CLI.hpp>
+
+namespace godobject {
+
+/// What the program exits with.
+enum class ExitCode : int {
+  ok = 0,
+  fault = 1,          // during the run, or a file that could not be written
+  usage = 2,          // wrong options or a wrong file: nothing was done
+  not_available = 3,  // this machine does not have what was asked for
+};
+
+/// Adds the verb to `app`; when it has run, its exit code is in `code`, which outlives `app`.
+using AddVerb = void (*)(CLI::App& app, ExitCode& code);
+
+void add_run(CLI::App& app, ExitCode& code);
+void add_check(CLI::App& app, ExitCode& code);
+
+inline constexpr std::array<AddVerb, 2> verbs{add_run, add_check};
+
+}  // namespace godobject

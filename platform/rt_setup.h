@@ -1,0 +1,52 @@
+// What makes Linux keep a deadline, step by step, each with its result: nothing of it fails in silence.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace godobject {
+
+enum class RtResult : std::uint8_t {
+  ok,
+  degraded,  // works, with longer latencies than could be had
+  failed,
+};
+std::string_view name_of(RtResult result) noexcept;
+
+struct RtStep {
+  std::string name;
+  RtResult result = RtResult::ok;
+  std::string detail;  // what is in effect, or the system's error text
+  std::string remedy;  // what to do about it; empty when ok
+};
+
+/// Set-up of the process, undone when it goes. Not for the loop.
+class RtProcess {
+ public:
+  /// The kernel's preemption is looked at, memory locked and kept, deep sleep states of the processor forbidden.
+  RtProcess();
+  ~RtProcess();
+  RtProcess(const RtProcess&) = delete;
+  RtProcess& operator=(const RtProcess&) = delete;
+
+  const std::vector<RtStep>& steps() const noexcept { return steps_; }
+
+ private:
+  RtStep forbid_deep_sleep();
+
+  std::vector<RtStep> steps_;
+  int latency_fd_ = -1;  // the request holds while it is open
+};
+
+/// Set-up of the calling thread: SCHED_FIFO at rt_priority, stack touched.
+std::vector<RtStep> set_up_rt_thread();
+
+/// Above the interrupt threads' 50, below the kernel's own 99.
+inline constexpr int rt_priority = 80;
+
+/// One line a step: name, result, detail, remedy.
+std::string rt_table(std::span<const RtStep> steps);
+
+}  // namespace godobject

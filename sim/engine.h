@@ -1,0 +1,81 @@
+// A compiled composition of the core behind one virtual call a step, for programs that choose the scene
+// at run time. A product with one scene calls godobject::step on its own scene type instead.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/energy.h"
+#include "sim/scene.h"
+
+namespace godobject {
+
+/// What the devices say for one body; a composition reads the fields its device has.
+struct BodySample {
+  Pose X_WD;              // target pose (relative devices: of the device; its changes count)
+  Twist V_WD;             // target velocity
+  Wrench F_WB;            // force of the hand (admittance)
+  bool valid = true;
+  bool engaged = true;
+  bool clutch = true;     // relative devices
+};
+
+/// What one body does.
+struct BodyView {
+  Pose X_WB;
+  Twist V_WB;
+  Target target;          // target the body is pulled to (relative devices: built up so far)
+  Wrench feedback_D;      // shown to the hand
+  Wrench coupling_B;      // (2) at the end of the step; only from view()
+};
+
+struct StepReport {
+  Fault fault = Fault::none;
+  Limited limited = Limited::none;
+};
+
+/// A part of a composition and what it costs in it, for all of the composition's bodies.
+struct PartBytes {
+  std::string name;                  // of the slot in the scene type: "coupling"
+  std::size_t params_bytes = 0, state_bytes = 0;
+};
+
+/// The parts of a composition and what they cost.
+struct Composition {
+  std::string name;                  // "haptic-1 tr-bdf2"
+  std::string integrator;
+  std::size_t max_bodies = 0;
+  bool device = false, coupling = false, feedback = false;
+  DeviceKind kind = DeviceKind::non_haptic;   // meaningful with a device
+  std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
+  std::vector<PartBytes> parts;      // those that have storage
+
+  std::size_t bytes() const noexcept { return params_bytes + state_bytes + scratch_bytes; }
+};
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+
+  virtual const Composition& composition() const noexcept = 0;
+  /// One time step; `samples` has one entry per body. Real-time: no allocation, no lock, no system call.
+  virtual StepReport step(std::span<const BodySample> samples) noexcept = 0;
+  /// Body i after the last step.
+  virtual BodyView view(std::size_t i) const noexcept = 0;
+  virtual Wrench feedback(std::size_t i) const noexcept = 0;
+  /// Kinetic energy of all bodies plus their springs, J.
+  virtual double energy() const noexcept = 0;
+  virtual std::uint64_t state_hash() const noexcept = 0;
+};
+
+/// Every composition compiled into this program, smallest first.
+std::vector<Composition> compositions();
+
+/// The smallest composition that covers the scene, started with the devices' samples at t = 0;
+/// null with the reason in `why_not` when none does.
+std::unique_ptr<Engine> make_engine(const SceneConfig& scene, std::span<const BodySample> at_start,
+                                    std::string& why_not);
+
+}  // namespace godobject

@@ -1,0 +1,179 @@
+// Engine for one scene type. Included only by the files that instantiate compositions.
+#pragma once
+
+#include "core/godobject.h"
+#include "sim/engine.h"
+
+namespace godobject {
+
+/// The device part's own input from the general sample.
+inline void set_input(const BodySample& sample, const Target&, PoseDevice::Input& in) noexcept {
+  in = {.X_WD = sample.X_WD, .V_WD = sample.V_WD, .valid = sample.valid, .engaged = sample.engaged};
+}
+inline void set_input(const BodySample& sample, const Target& before, RelativeDevice::Input& in) noexcept {
+  const RotationError turn = rotation_error(before.X_WD.q, sample.X_WD.q, Vec3::Zero());
+  in = {.dp_W = sample.X_WD.p - before.X_WD.p,
+        .dphi_W = to_world(before.X_WD.q, turn.phi_B),
+        .clutch = sample.clutch,
+        .valid = sample.valid,
+        .engaged = sample.engaged};
+}
+inline void set_input(const BodySample& sample, const Target&, AdmittanceDevice::Input& in) noexcept {
+  in = {.F_WB = sample.F_WB, .valid = sample.valid, .engaged = sample.engaged};
+}
+
+inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
+  if (!c) return {};
+  return {.k = c->stiffness, .g = c->damping, .k_r = c->rotational_stiffness, .g_r = c->rotational_damping};
+}
+
+template <Scene S>
+Params<S> params_of(const SceneConfig& scene) {
+  Params<S> par;
+  par.h = scene.step;
+  par.num_bodies = scene.bodies.size();
+  par.gravity_W = scene.gravity;
+  const LimitConfig limits = scene.device ? scene.device->limits : LimitConfig{};
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const BodyConfig& body = scene.bodies[i];
+    par.bodies[i].body = rigid_body(body.mass, body.inertia);
+    if constexpr (uses<typename S::Coupling>) par.bodies[i].coupling = spring_params(body.coupling);
+    if constexpr (uses<typename S::Feedback>) {
+      par.bodies[i].feedback = {.gains = spring_params(body.feedback),
+                                .max_force = limits.force,
+                                .max_torque = limits.torque,
+                                .max_force_rate = limits.force_rate,
+                                .max_torque_rate = limits.torque_rate};
+    }
+    if constexpr (uses<typename S::Device>) par.bodies[i].device.rise = limits.ramp;
+  }
+  return par;
+}
+
+template <Scene S>
+class EngineOf final : public Engine {
+ public:
+  EngineOf(const SceneConfig& scene, std::span<const BodySample> at_start, Composition composition)
+      : composition_(std::move(composition)), par_(params_of<S>(scene)) {
+    for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+      place(x_, i, {.X_WB = scene.bodies[i].X_WB, .V_WB = scene.bodies[i].V_WB});
+      if constexpr (uses<typename S::Device>) {
+        const Target sample{.X_WD = at_start[i].X_WD, .V_WD = at_start[i].V_WD};
+        before_[i] = sample;
+        if (par_.bodies[i].device.rise > 0 || !at_start[i].engaged) continue;
+        const bool absolute = std::is_same_v<typename S::Device, PoseDevice>;
+        engage_at(x_, i, absolute ? sample : Target{.X_WD = scene.bodies[i].X_WB, .V_WD = {}});
+      }
+    }
+  }
+
+  const Composition& composition() const noexcept override { return composition_; }
+
+  StepReport step(std::span<const BodySample> samples) noexcept override {
+    if constexpr (uses<typename S::Device>) {
+      for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+        set_input(samples[i], before_[i], in_.devices[i]);
+        if (samples[i].valid) before_[i] = {.X_WD = samples[i].X_WD, .V_WD = samples[i].V_WD};
+      }
+    }
+    godobject::step(par_, in_, x_, w_, out_);
+    return {.fault = out_.fault, .limited = out_.limited};
+  }
+
+  BodyView view(std::size_t i) const noexcept override {
+    BodyView v{.X_WB = x_.bodies[i].x.X_WB,
+               .V_WB = {.w = to_world(x_.bodies[i].x.X_WB.q, x_.bodies[i].x.w_B), .v = x_.bodies[i].x.v_W},
+               .target = {},
+               .feedback_D = feedback(i),
+               .coupling_B = {}};
+    if constexpr (uses<typename S::Device>) v.target = x_.bodies[i].device.last;
+    if constexpr (uses<typename S::Coupling>) v.coupling_B = coupling_wrench(par_, x_, i);
+    return v;
+  }
+
+  Wrench feedback(std::size_t i) const noexcept override {
+    if constexpr (uses<typename S::Feedback>) return out_.bodies[i].feedback.F_D;
+    return {};
+  }
+
+  double energy() const noexcept override {
+    double e = 0;
+    for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+      e += kinetic_energy(par_.bodies[i].body, x_.bodies[i].x);
+      if constexpr (uses<typename S::Coupling>) e += coupling_energy(par_, x_, i);
+    }
+    return e;
+  }
+
+  std::uint64_t state_hash() const noexcept override { return godobject::state_hash(par_, x_); }
+
+ private:
+  Composition composition_;
+  Params<S> par_;
+  State<S> x_;
+  Scratch<S> w_;
+  Input<S> in_;
+  Output<S> out_;
+  std::array<Target, S::max_bodies> before_;   // the sample before this one, for increments
+};
+
+/// One row of the table of compositions.
+struct CompositionRow {
+  Composition composition;
+  std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&);
+};
+
+template <Scene S>
+std::vector<PartBytes> parts_of() {
+  std::vector<PartBytes> parts;
+  const auto add = [&](const char* name, std::size_t params_bytes, std::size_t state_bytes) {
+    parts.push_back({name, S::max_bodies * params_bytes, S::max_bodies * state_bytes});
+  };
+  const auto add_slot = [&]<class Part>(const char* name, const Part*) {
+    if constexpr (uses<Part>) add(name, sizeof(typename Part::Params), sizeof(typename Part::State));
+  };
+  using Memory = typename S::Integrator::State;
+  add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState));
+  if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory));
+  add_slot("device", static_cast<const typename S::Device*>(nullptr));
+  add_slot("coupling", static_cast<const typename S::Coupling*>(nullptr));
+  add_slot("feedback", static_cast<const typename S::Feedback*>(nullptr));
+  return parts;
+}
+
+template <Scene S>
+CompositionRow row(std::string name, DeviceKind kind) {
+  Composition c{.name = name + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
+                .integrator = S::Integrator::name,
+                .max_bodies = S::max_bodies,
+                .device = uses<typename S::Device>,
+                .coupling = uses<typename S::Coupling>,
+                .feedback = uses<typename S::Feedback>,
+                .kind = kind,
+                .params_bytes = sizeof(Params<S>),
+                .state_bytes = sizeof(State<S>),
+                .scratch_bytes = sizeof(Scratch<S>),
+                .parts = parts_of<S>()};
+  return {std::move(c), [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
+                            -> std::unique_ptr<Engine> {
+            return std::make_unique<EngineOf<S>>(scene, at_start, what);
+          }};
+}
+
+// One file each: sim/engine_<what>.cc.
+void add_free(std::vector<CompositionRow>& table);
+void add_pose(std::vector<CompositionRow>& table);
+void add_haptic(std::vector<CompositionRow>& table);
+void add_relative(std::vector<CompositionRow>& table);
+void add_admittance(std::vector<CompositionRow>& table);
+
+/// Adds the scene with both integrators and both capacities.
+template <template <class, std::size_t> class SceneOf>
+void add_all(std::vector<CompositionRow>& table, const char* name, DeviceKind kind) {
+  table.push_back(row<SceneOf<ImplicitEuler, 1>>(name, kind));
+  table.push_back(row<SceneOf<ImplicitEuler, 8>>(name, kind));
+  table.push_back(row<SceneOf<TrBdf2, 1>>(name, kind));
+  table.push_back(row<SceneOf<TrBdf2, 8>>(name, kind));
+}
+
+}  // namespace godobject

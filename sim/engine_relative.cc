@@ -1,0 +1,20 @@
+// Compositions: tools moved by increments through a clutch.
+#include "sim/engine_of.h"
+
+namespace godobject {
+namespace {
+
+template <class I, std::size_t N>
+struct Relative {
+  static constexpr std::size_t max_bodies = N;
+  using Integrator = I;
+  using Device = RelativeDevice;
+  using Coupling = DampedSpring;
+  using Feedback = LimitedFeedback;
+};
+
+}  // namespace
+
+void add_relative(std::vector<CompositionRow>& table) { add_all<Relative>(table, "relative", DeviceKind::relative); }
+
+}  // namespace godobject

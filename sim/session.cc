@@ -1,0 +1,159 @@
+#include "sim/session.h"
+
+#include <cmath>
+
+namespace godobject {
+namespace {
+
+/// Answers to a SYNC are waited for this share of the period; the rest is for the step and the commands.
+constexpr double gather_share = 0.75;
+constexpr int gather_polls = 16;
+
+PoseError difference(const Pose& a, const Pose& b) noexcept {
+  return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
+}
+
+}  // namespace
+
+Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus) {
+  Made made;
+  std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
+  if (scene.bodies.size() > max_session_bodies)
+    made.errors.push_back("the scene has " + std::to_string(scene.bodies.size()) + " bodies, a session holds " +
+                          std::to_string(max_session_bodies));
+  s->period_ns_ = std::llround(scene.step * 1e9);
+  s->driven_ = driven_bodies(scene);
+  s->samples_.resize(scene.bodies.size());
+  for (std::size_t i = 0; i < s->driven_.size(); ++i) s->samples_[s->driven_[i]] = s->motion_sample(i, 0);
+
+  if (bus == BusChoice::sim && !s->driven_.empty()) {
+    if (!scene.device || !scene.device->rig) {
+      made.errors.push_back("scene '" + scene.name +
+                            "' describes no buses, encoders and joints: add them, or run it with --bus direct");
+      return made;
+    }
+    RigParams rig = *scene.device->rig;
+    rig.cycle_s = scene.step;
+    for (const std::string& error : validate(rig)) made.errors.push_back(error);
+    if (!made.errors.empty()) return made;
+    s->sim_rig_ = std::make_unique<SimRig>(s->scene_, s->motion_);
+    s->rig_.emplace(rig, s->sim_rig_->host_buses());
+  }
+  std::string why_not;
+  if (made.errors.empty()) s->engine_ = make_engine(scene, s->samples_, why_not);
+  if (!s->engine_ && made.errors.empty()) made.errors.push_back(why_not);
+  if (!made.errors.empty()) return made;
+  if (s->rig_) s->exact_engine_ = make_engine(scene, s->samples_, why_not);
+  s->exact_samples_ = s->samples_;
+  made.session = std::move(s);
+  return made;
+}
+
+bool Session::follows() const noexcept {
+  return !driven_.empty() && scene_.bodies[driven_.front()].coupling &&
+         !(scene_.device && scene_.device->kind == DeviceKind::admittance);
+}
+
+bool Session::boot(double limit_s) {
+  if (!rig_) return true;
+  rig_->start(t_bus_ns_);
+  const std::int64_t cycles = std::llround(limit_s / scene_.step);
+  for (std::int64_t i = 0; i < cycles; ++i) {
+    static_cast<void>(exchange(0));
+    static_cast<void>(rig_->command({}, t_now_ns_));
+    if (rig_->state() == RigState::fault) return false;
+    if (rig_->state() == RigState::ready) return rig_->arm();
+  }
+  return false;
+}
+
+void Session::cycle(CycleRecord& record) noexcept {
+  ++cycle_;
+  sense(motion_time(cycle_));
+  const StepReport report = engine_->step(samples_);
+  act(record);
+
+  if (exact_engine_) static_cast<void>(exact_engine_->step(exact_samples_));
+  record.fault = report.fault;
+  record.limited = report.limited;
+  observe(record);
+}
+
+CycleRecord Session::at_start() const noexcept {
+  CycleRecord record;
+  observe(record);
+  return record;
+}
+
+void Session::observe(CycleRecord& record) const noexcept {
+  record.cycle = cycle_;
+  record.t = motion_time(cycle_);
+  record.num_bodies = scene_.bodies.size();
+  for (std::size_t i = 0; i < record.num_bodies; ++i) record.bodies[i] = engine_->view(i);
+  record.energy = engine_->energy();
+  if (follows()) measure(record);
+}
+
+/// What the core is told, and what it would be told by a perfect device.
+void Session::sense(double t) noexcept {
+  for (std::size_t i = 0; i < driven_.size(); ++i) samples_[driven_[i]] = motion_sample(i, t);
+  exact_samples_ = samples_;
+  if (!rig_) return;
+  const DeviceSample device = exchange(t);
+  BodySample& sample = samples_[driven_.front()];
+  sample.X_WD = device.X_WH;
+  sample.V_WD = device.V_WH;
+  sample.valid = device.valid;
+  const MotionSample handle = sim_rig_->handle();
+  exact_samples_[driven_.front()].X_WD = handle.X_WD;
+  exact_samples_[driven_.front()].V_WD = handle.V_WD;
+}
+
+void Session::act(CycleRecord& record) noexcept {
+  if (!rig_) return;
+  record.drives = rig_->command(engine_->feedback(driven_.front()), t_now_ns_);
+  record.rig_faults = rig_->faults();
+}
+
+/// The rest of the last bus period, with the mechanics up to its end (the hand is then where the motion is at
+/// motion_time); then SYNC, and its answers: until all are in or their share of the period is over.
+DeviceSample Session::exchange(double motion_time) noexcept {
+  t_bus_ns_ += period_ns_;
+  sim_rig_->run_wires(t_bus_ns_ - 1);
+  sim_rig_->run_plant(t_bus_ns_, motion_time);
+
+  rig_->sync(t_bus_ns_);
+  t_now_ns_ = t_bus_ns_;
+  const Nanoseconds poll = static_cast<Nanoseconds>(gather_share * static_cast<double>(period_ns_)) / gather_polls;
+  for (int i = 0; i < gather_polls && !rig_->complete(); ++i) {
+    t_now_ns_ += poll;
+    sim_rig_->run_wires(t_now_ns_);
+    rig_->receive(t_now_ns_);
+  }
+  return rig_->read(t_now_ns_);
+}
+
+BodySample Session::motion_sample(std::size_t driven, double t) const noexcept {
+  const MotionSample target = motion_.target(driven, t);
+  return {.X_WD = target.X_WD, .V_WD = target.V_WD, .F_WB = motion_.wrench(driven, t)};
+}
+
+void Session::measure(CycleRecord& record) const noexcept {
+  const std::size_t body = driven_.front();
+  const BodyView& view = record.bodies[body];
+  const Pose& X_WH = exact_samples_[body].X_WD;
+  const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
+  record.following = difference(view.X_WB, relative ? view.target.X_WD : X_WH);
+  record.sensing = difference(samples_[body].X_WD, X_WH);
+  if (exact_engine_) record.encoders = difference(view.X_WB, exact_engine_->view(body).X_WB);
+}
+
+std::vector<double> Session::bus_load_percent() const {
+  std::vector<double> loads;
+  if (sim_rig_)
+    for (std::size_t i = 0; i < scene_.device->rig->buses.size(); ++i)
+      loads.push_back(sim_rig_->load_percent(i, t_bus_ns_));
+  return loads;
+}
+
+}  // namespace godobject

@@ -1,0 +1,106 @@
+// A running scene: engine, motion and, with --bus sim, the rig at both ends of its buses. cycle() is what a
+// real-time loop calls once per step; it neither allocates nor waits.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "hal/rig.h"
+#include "sim/engine.h"
+#include "sim/motion.h"
+#include "sim/sim_rig.h"
+
+namespace godobject {
+
+enum class BusChoice : std::uint8_t {
+  sim,     // through simulated encoders, wires and drives
+  direct,  // the motion is handed to the core as it is
+};
+
+inline constexpr std::size_t max_session_bodies = 8;
+
+/// Distance and angle between two poses.
+struct PoseError {
+  double m = 0;
+  double rad = 0;
+};
+
+/// What one cycle did; plain data, so that a real-time thread can hand it to another.
+struct CycleRecord {
+  std::uint64_t cycle = 0;                  // from 1
+  double t = 0;                             // of the state, s
+  std::size_t num_bodies = 0;
+  std::array<BodyView, max_session_bodies> bodies;
+  Fault fault = Fault::none;
+  Limited limited = Limited::none;
+  RigFault rig_faults = RigFault::none;
+  CommandReport drives;                     // bounds on the motor commands
+  // Of the first driven body. The handle is where the device really is; without a bus, where the motion is.
+  PoseError following;                      // body against handle (relative devices: against its target)
+  PoseError sensing;                        // sample the core got against handle
+  PoseError encoders;                       // body against the body of an engine that is told the handle exactly
+  double energy = 0;                        // J
+};
+
+class Session {
+ public:
+  struct Made {
+    std::unique_ptr<Session> session;       // null: see errors
+    std::vector<std::string> errors;
+  };
+  /// The motion is moved in.
+  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus);
+
+  /// Brings the rig up: bus cycles with the hand at rest until every node works or `limit_s` of bus time
+  /// has passed. True when the device is ready. Without a bus: true at once.
+  [[nodiscard]] bool boot(double limit_s);
+
+  /// The state before the first step.
+  CycleRecord at_start() const noexcept;
+
+  /// One step. Real-time.
+  void cycle(CycleRecord& record) noexcept;
+
+  const SceneConfig& scene() const noexcept { return scene_; }
+  const Engine& engine() const noexcept { return *engine_; }
+  /// Whether there is a body that follows a pose, and so a following error.
+  bool follows() const noexcept;
+  Rig* rig() noexcept { return rig_ ? &*rig_ : nullptr; }
+  /// Mean load of each simulated bus so far, percent; empty without a bus.
+  std::vector<double> bus_load_percent() const;
+  /// Time on the buses' clock at which the motion begins, after boot().
+  Nanoseconds motion_start_ns() const noexcept { return t_bus_ns_ - static_cast<Nanoseconds>(cycle_) * period_ns_; }
+  void set_bus_observer(const BusObserver& observer) noexcept {
+    if (sim_rig_) sim_rig_->set_observer(observer);
+  }
+  /// False when the motion left the workspace of the device's chain.
+  bool reachable() const noexcept { return !sim_rig_ || sim_rig_->reachable(); }
+
+ private:
+  Session(const SceneConfig& scene, Motion motion) : scene_(scene), motion_(std::move(motion)) {}
+
+  double motion_time(std::uint64_t cycle) const noexcept { return static_cast<double>(cycle) * scene_.step; }
+  BodySample motion_sample(std::size_t driven, double t) const noexcept;
+  DeviceSample exchange(double motion_time) noexcept;
+  void sense(double t) noexcept;
+  void act(CycleRecord& record) noexcept;
+  void observe(CycleRecord& record) const noexcept;
+  void measure(CycleRecord& record) const noexcept;
+
+  SceneConfig scene_;
+  Motion motion_;
+  std::vector<std::size_t> driven_;         // bodies with a target
+  std::vector<BodySample> samples_;         // one per body, as the core gets them
+  std::vector<BodySample> exact_samples_;   // the same with the handle as it really is
+  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Engine> exact_engine_;    // runs beside it on exact_samples_, with a bus only
+  std::unique_ptr<SimRig> sim_rig_;
+  std::optional<Rig> rig_;
+  Nanoseconds period_ns_ = 0;
+  Nanoseconds t_bus_ns_ = 0;                // bus time at the start of this cycle
+  Nanoseconds t_now_ns_ = 0;                // bus time after the answers to SYNC
+  std::uint64_t cycle_ = 0;
+};
+
+}  // namespace godobject

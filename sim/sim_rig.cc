@@ -1,0 +1,110 @@
+#include "sim/sim_rig.h"
+
+namespace godobject {
+namespace {
+
+constexpr Nanoseconds heartbeat_period_ns = 100'000'000;
+
+}  // namespace
+
+SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
+    : params_(*scene.device->rig), motion_(motion), chain_(params_.chain), ik_(params_.chain) {
+  for (std::size_t i = 0; i < params_.buses.size(); ++i) {
+    SimWireParams wire;
+    wire.rates = {.nominal = params_.buses[i].bit_rate, .data = params_.buses[i].bit_rate};
+    wire.corruption_probability = scene.wire.corruption_probability;
+    wire.seed = scene.wire.seed + i;
+    buses_.push_back(std::make_unique<Bus>(wire));
+    buses_[i]->rig = this;
+    buses_[i]->index = i;
+    SimCanPort& host = buses_[i]->host;
+    static_cast<void>(host.open());
+    host.set_loss_probability(scene.wire.loss_probability);
+    host.set_receive_delay(static_cast<Nanoseconds>(scene.wire.delay_s * 1e9));
+    host_buses_.push_back(&host);
+  }
+  for (const EncoderParams& e : params_.encoders) {
+    auto node = std::make_unique<SimEncoder>(add_port(e.bus), e.node_id, e.calibration, heartbeat_period_ns);
+    buses_[e.bus]->nodes.push_back(node.get());
+    encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint)});
+  }
+  for (const DriveParams& d : params_.drives) {
+    SimDriveParams drive{.drive = d};
+    drive.heartbeat_period_ns = heartbeat_period_ns;
+    auto node = std::make_unique<SimDrive>(add_port(d.bus), drive);
+    buses_[d.bus]->nodes.push_back(node.get());
+    drives_.push_back({.node = std::move(node),
+                       .joint = joint_named(d.joint),
+                       .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad});
+  }
+  const JointTarget start = hand_at(0);
+  const bool haptic = scene.device->kind == DeviceKind::impedance || scene.device->kind == DeviceKind::relative;
+  plant_ = std::make_unique<SimPlant>(scene.device->plant, params_.chain.joints.size(),
+                                      haptic && !drives_.empty(), start.q, 0);
+  show_joints();
+}
+
+SimCanPort& SimRig::add_port(std::size_t bus) {
+  Bus& b = *buses_[bus];
+  b.ports.push_back(std::make_unique<SimCanPort>(b.wire));
+  static_cast<void>(b.ports.back()->open());
+  return *b.ports.back();
+}
+
+Eigen::Index SimRig::joint_named(const std::string& name) const {
+  for (std::size_t i = 0; i < params_.chain.joints.size(); ++i)
+    if (params_.chain.joints[i].name == name) return static_cast<Eigen::Index>(i);
+  return 0;  // validate(RigParams) has refused an unknown name
+}
+
+void SimRig::set_observer(const BusObserver& observer) noexcept {
+  observer_ = observer;
+  for (const auto& bus : buses_) {
+    bus->wire.set_observer({.on_frame =
+                                [](void* context, const ReceivedFrame& frame) {
+                                  const Bus& b = *static_cast<Bus*>(context);
+                                  b.rig->observer_.on_frame(b.rig->observer_.context, b.index, frame);
+                                },
+                            .context = bus.get()});
+  }
+}
+
+JointTarget SimRig::hand_at(double motion_time) noexcept {
+  if (motion_.has_joints()) return motion_.joints(motion_time);
+  const MotionSample target = motion_.target(0, motion_time);
+  const IkSolution solution = ik_.solve(target.X_WD);
+  JointTarget sample{.q = solution.q, .q_dot = JointVector::Zero(solution.q.size())};
+  const bool solved = solution.status == IkStatus::solved && ik_.joint_rates(target.V_WD, sample.q_dot);
+  reachable_ = reachable_ && solved;
+  if (motion_time <= 0) sample.q_dot.setZero();  // the motion has not begun
+  return sample;
+}
+
+void SimRig::run_wires(Nanoseconds t) noexcept {
+  for (const auto& bus : buses_) advance(bus->wire, bus->nodes, t);
+}
+
+void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
+  for (const DriveAt& d : drives_)
+    plant_->set_motor_torque(static_cast<std::size_t>(d.joint),
+                             d.node->applied_torque_Nm() * d.joint_torque_per_motor_Nm);
+  const JointTarget hand = hand_at(motion_time);
+  plant_->advance(t, hand.q, hand.q_dot);
+  show_joints();
+}
+
+void SimRig::show_joints() noexcept {
+  for (const EncoderAt& e : encoders_) e.node->set_position(plant_->q()[e.joint]);
+  for (const DriveAt& d : drives_) d.node->set_joint(plant_->q()[d.joint], plant_->q_dot()[d.joint]);
+}
+
+MotionSample SimRig::handle() const noexcept {
+  const ChainConfiguration at = chain_.at(plant_->q());
+  return {.X_WD = at.X_WH, .V_WD = at.twist(plant_->q_dot())};
+}
+
+double SimRig::load_percent(std::size_t bus, Nanoseconds now) const noexcept {
+  return 100.0 * static_cast<double>(buses_[bus]->wire.counters().busy_ns) / static_cast<double>(now);
+}
+
+}  // namespace godobject

@@ -1,0 +1,84 @@
+// The simulated rig a scene describes: wires, encoder and drive nodes on them, the mechanics under them and
+// the hand that moves it. The other end of the buses is a Rig that knows nothing of this.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/inverse_kinematics.h"
+#include "sim/motion.h"
+#include "sim/sim_drive.h"
+#include "sim/sim_encoder.h"
+#include "sim/sim_plant.h"
+
+namespace godobject {
+
+/// Called for each frame completed on wire `bus`.
+struct BusObserver {
+  void (*on_frame)(void* context, std::size_t bus, const ReceivedFrame& frame) = nullptr;
+  void* context = nullptr;
+};
+
+class SimRig {
+ public:
+  /// scene.device->rig must be there and valid. Allocates; nothing later does.
+  SimRig(const SceneConfig& scene, const Motion& motion);
+  SimRig(const SimRig&) = delete;
+  SimRig& operator=(const SimRig&) = delete;
+
+  /// The host's port on each bus, open.
+  std::span<CanBus* const> host_buses() const noexcept { return host_buses_; }
+  void set_observer(const BusObserver& observer) noexcept;
+
+  /// Runs the wires and the nodes up to t.
+  void run_wires(Nanoseconds t) noexcept;
+  /// Moves the mechanics to t under the torque the drives apply now; the hand is where the motion is at
+  /// motion_time (s).
+  void run_plant(Nanoseconds t, double motion_time) noexcept;
+
+  /// Where the handle really is, and how it moves: what the encoders measure.
+  MotionSample handle() const noexcept;
+  /// True while every pose so far could be reached by the device's chain.
+  bool reachable() const noexcept { return reachable_; }
+  /// Mean load of bus since the start, in percent.
+  double load_percent(std::size_t bus, Nanoseconds now) const noexcept;
+
+ private:
+  struct Bus {
+    explicit Bus(const SimWireParams& params) : wire(params), host(wire) {}
+    SimCanWire wire;
+    SimCanPort host;
+    std::vector<std::unique_ptr<SimCanPort>> ports;
+    std::vector<SimCanopenNode*> nodes;
+    SimRig* rig = nullptr;
+    std::size_t index = 0;
+  };
+  struct EncoderAt {
+    std::unique_ptr<SimEncoder> node;
+    Eigen::Index joint;
+  };
+  struct DriveAt {
+    std::unique_ptr<SimDrive> node;
+    Eigen::Index joint;
+    double joint_torque_per_motor_Nm;
+  };
+
+  SimCanPort& add_port(std::size_t bus);
+  Eigen::Index joint_named(const std::string& name) const;
+  JointTarget hand_at(double motion_time) noexcept;
+  void show_joints() noexcept;
+
+  RigParams params_;
+  const Motion& motion_;
+  KinematicChain chain_;
+  InverseKinematics ik_;
+  bool reachable_ = true;
+  std::vector<std::unique_ptr<Bus>> buses_;
+  std::vector<CanBus*> host_buses_;
+  std::vector<EncoderAt> encoders_;
+  std::vector<DriveAt> drives_;
+  std::unique_ptr<SimPlant> plant_;
+  BusObserver observer_;
+};
+
+}  // namespace godobject

@@ -1,0 +1,49 @@
+// The scenes the study measures: the compositions of the program (sim/engine_*.cc) by the same names, and
+// "device", which has no coupling, so that each part can be told from the next.
+#pragma once
+
+#include "core/godobject.h"
+
+namespace godobject::study {
+
+/// Free bodies.
+template <class I, std::size_t N>
+struct Free {
+  static constexpr std::size_t max_bodies = N;
+  using Integrator = I;
+  using Device = None;
+  using Coupling = None;
+  using Feedback = None;
+};
+
+/// A device that pulls nothing.
+template <class I, std::size_t N>
+struct DeviceOnly : Free<I, N> {
+  using Device = PoseDevice;
+};
+
+/// A tool that follows a pose.
+template <class I, std::size_t N>
+struct Follower : DeviceOnly<I, N> {
+  using Coupling = DampedSpring;
+};
+
+/// A tool that follows a pose and shows a force.
+template <class I, std::size_t N>
+struct Haptic : Follower<I, N> {
+  using Feedback = LimitedFeedback;
+};
+
+/// A tool moved by increments through a clutch, which shows a force.
+template <class I, std::size_t N>
+struct Relative : Haptic<I, N> {
+  using Device = RelativeDevice;
+};
+
+/// A tool moved by a force.
+template <class I, std::size_t N>
+struct Admittance : Follower<I, N> {
+  using Device = AdmittanceDevice;
+};
+
+}  // namespace godobject::study

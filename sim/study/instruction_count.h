@@ -1,0 +1,31 @@
+// Instructions of one step, counted by callgrind on the probe program (sim/study/probe).
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace godobject::study {
+
+class InstructionCounter {
+ public:
+  /// `probe`: path of the probe program.
+  explicit InstructionCounter(std::string probe);
+
+  /// Why nothing can be counted; empty when it can.
+  const std::string& why_not() const { return why_not_; }
+
+  /// Instructions of one step of a composition with `num_bodies` bodies, on the motion of S1 at 1 ms:
+  /// (count of 2 n steps - count of n steps) / n. Nothing where valgrind or the probe is missing.
+  std::optional<double> per_step(const std::string& composition, std::size_t num_bodies = 1);
+
+ private:
+  std::optional<double> collected(const std::string& composition, std::size_t num_bodies, std::size_t steps);
+
+  std::string probe_;
+  std::string why_not_;
+  std::map<std::string, std::optional<double>> known_;
+};
+
+}  // namespace godobject::study

@@ -1,0 +1,11 @@
+// Must not compile: a coupling to no device.
+#include "core/godobject.h"
+
+struct PulledByNobody {
+  static constexpr int max_bodies = 1;
+  using Integrator = godobject::TrBdf2;
+  using Device = godobject::None;
+  using Coupling = godobject::DampedSpring;
+  using Feedback = godobject::None;
+};
+static_assert(godobject::Scene<PulledByNobody>);

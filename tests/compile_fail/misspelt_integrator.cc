@@ -1,0 +1,11 @@
+// Must not compile: what stands for the integrator is none.
+#include "core/godobject.h"
+
+struct WithoutIntegrator {
+  static constexpr int max_bodies = 1;
+  using Integrator = godobject::RigidBodyState;
+  using Device = godobject::None;
+  using Coupling = godobject::None;
+  using Feedback = godobject::None;
+};
+static_assert(godobject::Scene<WithoutIntegrator>);

@@ -1,0 +1,109 @@
+// A step neither allocates, locks, sleeps, reads, writes nor asks for the time, and touches no new page.
+#include <gtest/gtest.h>
+#include <pthread.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "tests/core/one_body.h"
+#include "tests/support/allocation_guard.h"
+
+namespace godobject {
+namespace {
+
+template <class K>
+class NoAllocation : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
+  }
+};
+
+using Scenes = ::testing::Types<
+    OneBody<ImplicitEuler, None, None>, OneBody<TrBdf2, None, None>,
+    OneBody<ImplicitEuler, PoseDevice, DampedSpring, LimitedFeedback>,
+    OneBody<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>,
+    OneBody<TrBdf2, RelativeDevice, DampedSpring, LimitedFeedback>,
+    OneBody<TrBdf2, AdmittanceDevice, DampedSpring, LimitedFeedback>>;
+TYPED_TEST_SUITE(NoAllocation, Scenes);
+
+void disturb(Empty&, int) {}
+void disturb(AdmittanceDevice::Input& in, int n) { in.F_WB.f.x() = n % 17; }
+void disturb(RelativeDevice::Input& in, int n) { in.dp_W.x() = n % 1000 == 0 ? std::nan("") : 1e-4; }
+void disturb(PoseDevice::Input& in, int n) {
+  in.X_WD.p.x() = n % 1000 == 0 ? std::nan("") : 1e-3 * (n % 100);
+  in.valid = n % 7 != 0;
+  in.engaged = n % 500 > 20;
+}
+
+/// Good samples, faults, lost samples, engaging and letting go.
+TYPED_TEST(NoAllocation, InAnyStep) {
+  Running<TypeParam> run;
+  AllocationGuard guard;
+  for (int n = 0; n < 5000; ++n) {
+    disturb(run.device(), n);
+    run.step();
+  }
+  guard.disarm();
+  EXPECT_EQ(guard.calls(), 0) << guard.report();
+  EXPECT_GT(run.x.tick, 4000u);
+}
+
+TYPED_TEST(NoAllocation, NorAPageFaultAfterTheFirstSteps) {
+  Running<TypeParam> run;
+  run.step(100);
+  rusage before, after;
+  getrusage(RUSAGE_THREAD, &before);
+  getrusage(RUSAGE_THREAD, &before);
+  run.step(100000);
+  getrusage(RUSAGE_THREAD, &after);
+  EXPECT_EQ(after.ru_minflt - before.ru_minflt, 0);
+  EXPECT_EQ(after.ru_majflt - before.ru_majflt, 0);
+}
+
+/// A guard that notices nothing would prove nothing.
+TEST(AllocationGuardItself, NoticesEachWatchedCall) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
+  static void* volatile kept;  // keeps the compiler from leaving allocations out
+  const auto keep = [](void* p) { kept = p; };
+  pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+  timespec t{};
+  char byte = 0;
+  const std::vector<std::pair<const char*, std::function<void()>>> deeds{
+      {"malloc", [&] { keep(std::malloc(8)); std::free(kept); }},
+      {"malloc", [&] { int* p = new int(1); keep(p); delete p; }},
+      {"malloc", [&] { std::vector<double> v(10); keep(v.data()); }},
+      {"calloc", [&] { keep(std::calloc(2, 8)); std::free(kept); }},
+      {"realloc", [&] { keep(std::malloc(8)); keep(std::realloc(kept, 16)); std::free(kept); }},
+      {"free", [&] { keep(nullptr); std::free(kept); }},
+      {"aligned_alloc", [&] { keep(std::aligned_alloc(64, 64)); std::free(kept); }},
+      {"posix_memalign", [&] { void* p = nullptr; if (posix_memalign(&p, 64, 64) == 0) std::free(p); }},
+      {"pthread_mutex_lock", [&] { pthread_mutex_lock(&mutex); pthread_mutex_unlock(&mutex); }},
+      {"clock_gettime", [&] { clock_gettime(CLOCK_MONOTONIC, &t); }},
+      {"nanosleep", [] { timespec nothing{}; nanosleep(&nothing, nullptr); }},
+      {"clock_nanosleep", [] { timespec nothing{}; clock_nanosleep(CLOCK_MONOTONIC, 0, &nothing, nullptr); }},
+      {"read", [&] { byte = static_cast<char>(read(-1, &byte, 1)); }},
+      {"write", [&] { byte = static_cast<char>(write(-1, &byte, 1)); }}};
+  for (const auto& [name, deed] : deeds) {
+    AllocationGuard guard;
+    deed();
+    guard.disarm();
+    EXPECT_GT(guard.calls(), 0) << name;
+    EXPECT_NE(guard.report().find(name), std::string::npos) << name;
+  }
+}
+
+TEST(AllocationGuardItself, CountsNothingWhenDisarmed) {
+  AllocationGuard guard;
+  guard.disarm();
+  const auto p = std::make_unique<int>(1);
+  EXPECT_EQ(guard.calls(), 0) << *p;
+}
+
+}  // namespace
+}  // namespace godobject

@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""Checks who includes whom: core <- hal <- sim and platform; only platform/cli sees both sim and platform,
+and only the study in sim/study sees tests/oracle, the solution it measures against.
+
+usage: check_includes.py SOURCE_DIR
+"""
+import pathlib
+import re
+import sys
+
+# Headers of the core that need neither an OS nor a heap.
+CORE_STD = {"algorithm", "array", "bit", "cmath", "compare", "concepts", "cstddef", "cstdint",
+            "initializer_list", "limits", "numbers", "optional", "span", "tuple", "type_traits", "utility"}
+# What hal must not include: the operating system, threads, streams, clocks, exceptions.
+HAL_REFUSED = {"atomic", "chrono", "condition_variable", "exception", "filesystem", "fstream", "future",
+               "iostream", "mutex", "shared_mutex", "stdexcept", "stop_token", "thread"}
+LAYERS = {"core", "hal", "sim", "platform", "tests"}
+MAY_INCLUDE = {"core": {"core"}, "hal": {"core", "hal"}, "sim": {"core", "hal", "sim"},
+               "platform": {"core", "hal", "platform"}}
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+
+
+def complaint(folder, header):
+    """Why a file of `folder` (of the source tree) may not include `header`; None if it may."""
+    layer = folder.parts[0]
+    target = header.split("/")[0]
+    if target in LAYERS and "/" in header:
+        if folder.parts[:2] == ("sim", "study") and header.startswith("tests/oracle/"):
+            return None
+        allowed = MAY_INCLUDE[layer] | ({"sim"} if folder.parts[:2] == ("platform", "cli") else set())
+        return None if target in allowed else f"{layer} may include {', '.join(sorted(allowed))}"
+    if layer == "core" and target != "Eigen" and header not in CORE_STD:
+        return "core includes Eigen and headers that need no OS and no heap"
+    if layer == "hal" and (header in HAL_REFUSED or re.match(r"(sys|linux|net)/|[a-z_]+\.h$", header)):
+        return "hal knows no OS, thread, clock or stream"
+    return None
+
+
+def complaints(source_dir):
+    found, num_files = [], 0
+    for layer in MAY_INCLUDE:
+        for path in sorted((source_dir / layer).rglob("*")):
+            if path.suffix not in {".h", ".cc"}:
+                continue
+            num_files += 1
+            relative = path.relative_to(source_dir)
+            for number, line in enumerate(path.read_text().splitlines(), 1):
+                match = INCLUDE.match(line)
+                reason = match and complaint(relative.parent, match.group(1))
+                if reason:
+                    found.append(f"{relative}:{number}: includes {match.group(1)}: {reason}")
+    return found, num_files
+
+
+def check_rules():
+    """The rules themselves: they must refuse."""
+    path = pathlib.PurePath
+    for folder, header in [("core", "vector"), ("core", "hal/can_bus.h"), ("hal", "sim/motion.h"),
+                           ("hal", "thread"), ("hal", "unistd.h"), ("sim", "platform/clock.h"),
+                           ("sim", "tests/oracle/case.h"), ("platform", "sim/motion.h")]:
+        assert complaint(path(folder), header), (folder, header)
+    for folder, header in [("core", "core/so3.h"), ("core", "Eigen/Core"), ("hal", "core/types.h"),
+                           ("hal", "vector"), ("sim", "hal/can_bus.h"), ("sim/study", "tests/oracle/case.h"),
+                           ("platform/cli", "sim/motion.h"), ("platform", "sys/mman.h")]:
+        assert not complaint(path(folder), header), (folder, header)
+
+
+def main():
+    check_rules()
+    found, num_files = complaints(pathlib.Path(sys.argv[1]))
+    print("\n".join(found))
+    print(f"{num_files} files, {len(found)} refused includes")
+    return 1 if found or num_files == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,75 @@
+#include "hal/bus_load.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace godobject {
+namespace {
+
+constexpr BusLoadParams cyclic_only{.heartbeat_period_s = 0, .drive_event_period_s = 0};
+
+RigParams rig_of(int num_encoders, int num_drives) {
+  RigParams rig;
+  rig.buses.push_back({.name = "can0"});
+  for (int i = 0; i < num_encoders; ++i) {
+    EncoderParams encoder;
+    encoder.joint = "e";
+    encoder.node_id = static_cast<std::uint8_t>(1 + i);
+    rig.encoders.push_back(encoder);
+  }
+  for (int i = 0; i < num_drives; ++i) {
+    DriveParams drive;
+    drive.joint = "d";
+    drive.node_id = static_cast<std::uint8_t>(32 + i);
+    rig.drives.push_back(drive);
+  }
+  return rig;
+}
+
+// The table of wire.md 3.12: 1 kHz at 1 Mbit/s, in tenths of a percent, and the rate at 100 % worst case.
+TEST(BusLoad, IsTheHandbooksTable) {
+  struct Row {
+    int encoders, drives;
+    double nominal, worst;
+    int max_rate_hz;
+  };
+  const Row rows[] = {{1, 0, 12.6, 15.0, 6666}, {2, 0, 20.5, 24.5, 4081}, {4, 0, 36.3, 43.5, 2298},
+                      {6, 0, 52.1, 62.5, 1600}, {1, 1, 31.6, 38.0, 2631}, {2, 1, 39.5, 47.5, 2105},
+                      {3, 1, 47.4, 57.0, 1754}, {2, 2, 58.5, 70.5, 1418}, {4, 2, 74.3, 89.5, 1117},
+                      {6, 1, 71.1, 85.5, 1169}, {3, 3, 85.4, 103.0, 970}, {6, 2, 90.1, 108.5, 921}};
+  for (const Row& row : rows) {
+    const auto loads = bus_load(rig_of(row.encoders, row.drives), cyclic_only);
+    ASSERT_EQ(loads.size(), 1u);
+    EXPECT_NEAR(loads[0].nominal_percent, row.nominal, 1e-9);
+    EXPECT_NEAR(loads[0].worst_percent, row.worst, 1e-9);
+    EXPECT_EQ(static_cast<int>(1000 * 100 / loads[0].worst_percent), row.max_rate_hz);
+  }
+}
+
+TEST(BusLoad, CountsStatusEveryNthSyncHeartbeatsAndEvents) {
+  RigParams rig = rig_of(1, 1);
+  rig.drives[0].status_every_nth_sync = 4;
+  const BusLoad load = bus_load(rig, {.heartbeat_period_s = 0.05, .drive_event_period_s = 0.02})[0];
+  // SYNC 55, position 95, command 95, status 135 / 4 per ms; event 125 per 20 ms; three heartbeats 65 per 50
+  // ms.
+  EXPECT_NEAR(load.worst_percent, 0.1 * (55 + 95 + 95 + 135 / 4.0 + 125 / 20.0 + 3 * 65 / 50.0), 1e-9);
+  EXPECT_EQ(load.messages.size(), 8u);
+}
+
+TEST(BusLoad, SplitsTheRigByBusAndSortsByPriority) {
+  RigParams rig = rig_of(2, 1);
+  rig.buses.push_back({.name = "can1", .bit_rate = 500e3});
+  rig.encoders[1].bus = 1;
+  const auto loads = bus_load(rig, cyclic_only);
+  ASSERT_EQ(loads.size(), 2u);
+  EXPECT_NEAR(loads[0].worst_percent, 0.1 * (55 + 95 + 95 + 135), 1e-9);
+  EXPECT_EQ(loads[1].bus, "can1");
+  EXPECT_NEAR(loads[1].worst_percent, 0.2 * (55 + 95), 1e-9);
+  const std::uint32_t by_priority[] = {0x080, 0x181, 0x180 + 32, 0x200 + 32};
+  ASSERT_EQ(loads[0].messages.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(loads[0].messages[i].cob_id, by_priority[i]);
+}
+
+}  // namespace
+}  // namespace godobject

@@ -1,0 +1,347 @@
+// The rig against a scripted bus: what is sent, how frames are attributed, how faults come up.
+#include "hal/rig.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <set>
+
+#include "hal/cia406.h"
+
+namespace godobject {
+namespace {
+
+constexpr Nanoseconds ms = 1'000'000;
+constexpr Nanoseconds answer_ns = 150'000;  // end of an answer on the wire, after its SYNC
+
+class ScriptedBus final : public CanBus {
+ public:
+  bool open() noexcept override { return true; }
+  void close() noexcept override { bus_state = BusState::closed; }
+  SendResult try_send(const CanFrame& frame) noexcept override {
+    if (full) return SendResult::full;
+    sent.push_back(frame);
+    return SendResult::queued;
+  }
+  bool try_receive(ReceivedFrame& out) noexcept override {
+    if (to_receive.empty()) return false;
+    out = to_receive.front();
+    to_receive.pop_front();
+    return true;
+  }
+  BusState state() const noexcept override { return bus_state; }
+  BusCounters counters() const noexcept override { return {}; }
+
+  bool full = false;
+  BusState bus_state = BusState::error_active;
+  std::vector<CanFrame> sent;
+  std::deque<ReceivedFrame> to_receive;
+};
+
+// A hinge with encoder 1, and a hinge with drive 2 only.
+RigParams two_joints() {
+  RigParams rig;
+  rig.buses = {{.name = "can0"}};
+  rig.chain.joints = {{.name = "yaw"}, {.name = "pitch", .axis_J = Vec3::UnitY()}};
+  rig.chain.X_LH.p = Vec3(0.1, 0, 0);
+  rig.encoders = {{.joint = "yaw", .node_id = 1, .calibration = {.counts_per_unit = 1000}}};
+  rig.drives = {{.joint = "pitch", .node_id = 2, .torque_rate_Nm_per_s = 1000,
+                 .calibration = {.counts_per_unit = 1000}}};
+  return rig;
+}
+
+class RigTest : public testing::Test {
+ protected:
+  explicit RigTest(const RigParams& params = two_joints()) : rig(params, buses) {}
+
+  void receive(const CanFrame& frame, Nanoseconds t_ns) { bus.to_receive.push_back({frame, t_ns}); }
+  void heartbeats(canopen::NmtState state = canopen::NmtState::operational) {
+    receive(canopen::make_heartbeat(1, state), now);
+    receive(canopen::make_heartbeat(2, state), now);
+  }
+  void answer_encoder() { receive(cia406::make_position(1, encoder_counts), now + answer_ns); }
+  void answer_drive() {
+    receive(cia402::make_status(2, {.statusword = cia402::encode_state(drive_state),
+                                    .position_counts = drive_counts}), now + answer_ns);
+  }
+  void finish_cycle() {
+    rig.receive(now + ms / 2);
+    sample = rig.read(now + ms / 2);
+    bus.sent.clear();
+    report = rig.command(F, now + ms / 2);
+    now += ms;
+  }
+  void cycle() {
+    rig.sync(now);
+    answer_encoder();
+    answer_drive();
+    if (send_heartbeats && now % (100 * ms) == 0) heartbeats();
+    finish_cycle();
+    follow_controlword();
+  }
+  void cycles(int count) {
+    for (int i = 0; i < count; ++i) cycle();
+  }
+  void boot_and_arm() {
+    rig.start(now);
+    heartbeats();
+    cycles(10);
+    ASSERT_EQ(rig.state(), RigState::ready) << rig.fault_text();
+    ASSERT_TRUE(rig.arm());
+  }
+  // The drive does what it is told one cycle later.
+  void follow_controlword() {
+    if (drive_is_dead) return;
+    for (const CanFrame& frame : bus.sent) {
+      cia402::Command command;
+      if (cia402::parse_command(frame, 2, command) != ParseResult::ok) continue;
+      last_command = command;
+      switch (command.controlword) {
+        case cia402::shutdown: drive_state = cia402::DriveState::ready_to_switch_on; break;
+        case cia402::switch_on: drive_state = cia402::DriveState::switched_on; break;
+        case cia402::enable_operation: drive_state = cia402::DriveState::operation_enabled; break;
+        default: break;
+      }
+    }
+  }
+
+  ScriptedBus bus;
+  std::array<CanBus*, 1> buses{&bus};
+  Rig rig;
+  Nanoseconds now = 0;
+  std::uint32_t encoder_counts = 0;
+  std::int32_t drive_counts = 0;
+  cia402::DriveState drive_state = cia402::DriveState::switch_on_disabled;
+  bool drive_is_dead = false;
+  bool send_heartbeats = true;
+  cia402::Command last_command;
+  Wrench F;
+  DeviceSample sample;
+  CommandReport report;
+};
+
+TEST_F(RigTest, SendsNothingWhileOff) {
+  cycles(3);
+  EXPECT_TRUE(bus.sent.empty());
+  EXPECT_EQ(rig.state(), RigState::off);
+}
+
+TEST_F(RigTest, BootsByNmtThenControlwords) {
+  send_heartbeats = false;
+  rig.start(now);
+  rig.sync(now);
+  rig.read(now);
+  ASSERT_GE(bus.sent.size(), 3u);
+  EXPECT_EQ(bus.sent[0].id, canopen::sync_cob_id);  // first frame of the cycle
+  EXPECT_EQ(bus.sent[1].id, canopen::heartbeat_cob_id(127));
+  canopen::Nmt nmt;
+  ASSERT_EQ(canopen::parse_nmt(bus.sent[2], nmt), ParseResult::ok);
+  EXPECT_EQ(nmt.command, canopen::NmtCommand::start);
+  EXPECT_EQ(nmt.node, 1);
+  cycles(5);
+  EXPECT_EQ(rig.state(), RigState::booting);  // samples, but no heartbeat yet
+  EXPECT_EQ(drive_state, cia402::DriveState::switch_on_disabled);
+  heartbeats();
+  cycles(6);
+  EXPECT_EQ(rig.state(), RigState::ready);
+  EXPECT_EQ(drive_state, cia402::DriveState::operation_enabled);
+  EXPECT_EQ(last_command.target_torque_per_mille, 0);
+}
+
+TEST_F(RigTest, EncoderAndDrivePositionsMakeThePose) {
+  boot_and_arm();
+  encoder_counts = 30;
+  drive_counts = -20;
+  cycle();
+  EXPECT_DOUBLE_EQ(sample.q(0), 0.03);
+  EXPECT_DOUBLE_EQ(sample.q(1), -0.02);
+  EXPECT_TRUE(sample.valid);
+  EXPECT_NEAR(sample.X_WH.p.z(), 0.1 * std::sin(0.02), 1e-15);
+}
+
+TEST_F(RigTest, CommandIsTheJointTorque) {
+  boot_and_arm();
+  F.f = Vec3(0, 0, -0.2);  // 0.1 m arm about y: +0.02 N m
+  cycles(3);
+  EXPECT_EQ(last_command.target_torque_per_mille, 200);  // of 0.1 N m
+}
+
+TEST_F(RigTest, LateAnswerBelongsToTheSyncBefore) {
+  boot_and_arm();
+  rig.sync(now);
+  answer_drive();
+  finish_cycle();
+  const Nanoseconds missed_sync_ns = now - ms;
+  rig.sync(now);
+  receive(cia406::make_position(1, 0), now - 1);  // was on the wire before this SYNC
+  answer_drive();
+  rig.receive(now + ms / 2);
+  EXPECT_FALSE(rig.complete());
+  const JointSample joint = rig.encoder(0).sample(now);
+  EXPECT_LT(joint.t_ns, now);
+  EXPECT_GT(joint.t_ns, missed_sync_ns);
+  answer_encoder();
+  rig.receive(now + ms / 2);
+  EXPECT_TRUE(rig.complete());
+}
+
+TEST_F(RigTest, LostHeartbeat) {
+  boot_and_arm();
+  send_heartbeats = false;
+  cycles(650);
+  EXPECT_EQ(rig.faults(), RigFault::heartbeat_lost);
+  EXPECT_EQ(rig.fault_log().record(RigFault::heartbeat_lost).count, 1u);
+}
+
+TEST_F(RigTest, BootUpMessageWhileRunning) {
+  boot_and_arm();
+  receive(canopen::make_heartbeat(2, canopen::NmtState::boot_up), now);
+  cycle();
+  EXPECT_EQ(rig.faults(), RigFault::node_restarted);
+  EXPECT_EQ(rig.fault_log().record(RigFault::node_restarted).node_id, 2);
+}
+
+TEST_F(RigTest, EmergencyButNotTheAllClear) {
+  boot_and_arm();
+  receive(canopen::make_emergency({.node = 1}), now);
+  cycle();
+  EXPECT_EQ(rig.faults(), RigFault::none);
+  receive(canopen::make_emergency({.node = 1, .error_code = 0x4210}), now);
+  cycle();
+  EXPECT_EQ(rig.faults(), RigFault::emergency);
+  EXPECT_NE(rig.fault_text().find("code 0x4210"), std::string::npos) << rig.fault_text();
+}
+
+TEST_F(RigTest, DriveThatLeavesOperationEnabled) {
+  boot_and_arm();
+  F.f = Vec3(0, 0, -0.2);
+  cycles(3);
+  drive_is_dead = true;
+  drive_state = cia402::DriveState::fault;
+  cycles(2);
+  EXPECT_EQ(rig.faults(), RigFault::drive_not_enabled);
+  cia402::Command command;
+  ASSERT_EQ(cia402::parse_command(bus.sent.back(), 2, command), ParseResult::ok);
+  EXPECT_EQ(command.controlword, cia402::disable_voltage);
+  EXPECT_EQ(command.target_torque_per_mille, 0);
+}
+
+TEST_F(RigTest, SilentDriveThatIsAlsoTheJointsSensor) {
+  boot_and_arm();
+  for (int k = 0; k < 5; ++k) {
+    rig.sync(now);
+    answer_encoder();
+    finish_cycle();
+  }
+  EXPECT_EQ(rig.faults(), RigFault::drive_silent | RigFault::sample_stale);
+  EXPECT_FALSE(sample.valid);
+}
+
+TEST_F(RigTest, OneSpikeIsOneInvalidSampleThreeAreAFault) {
+  boot_and_arm();
+  encoder_counts = 5000;
+  cycle();
+  EXPECT_FALSE(sample.valid);
+  EXPECT_EQ(sample.q(0), 0);
+  encoder_counts = 0;
+  cycles(10);
+  EXPECT_TRUE(sample.valid);
+  EXPECT_EQ(rig.faults(), RigFault::none);
+  encoder_counts = 5000;
+  cycles(3);
+  EXPECT_EQ(rig.faults(), RigFault::sample_implausible);
+}
+
+TEST_F(RigTest, BusOff) {
+  boot_and_arm();
+  bus.bus_state = BusState::bus_off;
+  cycle();
+  EXPECT_EQ(rig.faults(), RigFault::bus_down);
+}
+
+TEST_F(RigTest, RefusedFramesAreCountedThenAFault) {
+  boot_and_arm();
+  F.f = Vec3(0, 0, -0.2);
+  cycles(3);
+  const double sent_torque = rig.commanded_torque_Nm(0);
+  F.f = Vec3(0, 0, 0.2);
+  rig.sync(now);
+  answer_encoder();
+  answer_drive();
+  bus.full = true;
+  finish_cycle();
+  EXPECT_EQ(report.not_sent, 1u);
+  EXPECT_EQ(rig.commanded_torque_Nm(0), sent_torque);
+  EXPECT_EQ(rig.faults(), RigFault::none);
+  cycles(2);
+  EXPECT_EQ(rig.faults(), RigFault::send_refused);
+}
+
+TEST_F(RigTest, MalformedAndForeignFramesAreCounted) {
+  boot_and_arm();
+  CanFrame short_position = cia406::make_position(1, 0);
+  short_position.size = 3;
+  receive(short_position, now);
+  receive(cia406::make_position(99, 0), now);
+  CanFrame extended = cia406::make_position(1, 0);
+  extended.extended = true;
+  receive(extended, now);
+  cycle();
+  EXPECT_EQ(rig.counters().malformed, 1u);
+  EXPECT_EQ(rig.counters().foreign, 2u);
+  EXPECT_EQ(rig.faults(), RigFault::none);
+}
+
+TEST_F(RigTest, DisarmRunsTheTorqueDownWithoutAFault) {
+  boot_and_arm();
+  F.f = Vec3(0, 0, -0.2);
+  cycles(3);
+  ASSERT_NE(last_command.target_torque_per_mille, 0);
+  rig.disarm();
+  cycles(3);
+  EXPECT_EQ(last_command.target_torque_per_mille, 0);
+  EXPECT_EQ(rig.state(), RigState::ready);
+}
+
+TEST_F(RigTest, HostThatWokeLateIsNoFaultOfTheDevice) {
+  boot_and_arm();
+  now += 20 * ms;
+  cycles(3);
+  EXPECT_EQ(rig.faults(), RigFault::none) << rig.fault_text();
+}
+
+RigParams with_slow_status() {
+  RigParams params = two_joints();
+  params.drives[0].status_every_nth_sync = 3;
+  return params;
+}
+
+class SlowStatusTest : public RigTest {
+ protected:
+  SlowStatusTest() : RigTest(with_slow_status()) {}
+};
+
+TEST_F(SlowStatusTest, CompleteDoesNotWaitForAnAnswerThatIsNotDue) {
+  boot_and_arm();
+  for (int k = 0; k < 3; ++k) {
+    rig.sync(now);
+    answer_encoder();
+    rig.receive(now + ms / 2);
+    EXPECT_EQ(rig.complete(), k < 2) << k;
+    finish_cycle();
+  }
+}
+
+TEST(RigFault, EveryBitHasItsTextsInOrder) {
+  std::set<std::string_view> names;
+  std::uint32_t bit = 1;
+  for (const RigFaultText& text : rig_fault_texts()) {
+    EXPECT_EQ(static_cast<std::uint32_t>(text.fault), bit);
+    EXPECT_TRUE(names.insert(text.name).second) << text.name;
+    EXPECT_FALSE(text.meaning.empty() || text.remedy.empty()) << text.name;
+    bit <<= 1;
+  }
+}
+
+}  // namespace
+}  // namespace godobject

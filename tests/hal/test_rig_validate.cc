@@ -1,0 +1,83 @@
+#include "hal/rig_validate.h"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <limits>
+
+namespace godobject {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Two hinges, the first with an encoder and a drive, the second with a drive only.
+RigParams good_rig() {
+  RigParams rig;
+  rig.buses = {{.name = "can0"}, {.name = "can1"}};
+  rig.chain.joints = {{.name = "yaw"}, {.name = "pitch"}};
+  rig.encoders = {{.joint = "yaw", .node_id = 1}};
+  rig.drives = {{.joint = "yaw", .bus = 0, .node_id = 2}, {.joint = "pitch", .bus = 1, .node_id = 2}};
+  return rig;
+}
+
+TEST(RigValidate, AcceptsAGoodRig) { EXPECT_THAT(validate(good_rig()), IsEmpty()); }
+
+struct BrokenRule {
+  const char* says;
+  std::function<void(RigParams&)> break_it;
+};
+
+class RigValidateEach : public testing::TestWithParam<BrokenRule> {};
+
+TEST_P(RigValidateEach, NamesWhatIsWrong) {
+  RigParams rig = good_rig();
+  GetParam().break_it(rig);
+  EXPECT_THAT(validate(rig), Contains(HasSubstr(GetParam().says)));
+}
+
+const BrokenRule broken_rules[] = {
+    {"encoder of joint 'roll': the chain has no such joint", [](RigParams& r) { r.encoders[0].joint = "roll"; }},
+    {"drive of joint 'yaw': node_id 1 is taken by another device", [](RigParams& r) { r.drives[0].node_id = 1; }},
+    {"node_id is 0, must be 1..127", [](RigParams& r) { r.encoders[0].node_id = 0; }},
+    {"node_id is 200, must be 1..127", [](RigParams& r) { r.drives[1].node_id = 200; }},
+    {"is the host's own", [](RigParams& r) { r.drives[0].node_id = 127; }},
+    {"bus index is 2, the rig has 2 buses", [](RigParams& r) { r.drives[0].bus = 2; }},
+    {"joint 'pitch': nothing measures it", [](RigParams& r) { r.drives.pop_back(); }},
+    {"joint 'yaw': has 2 encoders",
+     [](RigParams& r) { r.encoders.push_back({.joint = "yaw", .node_id = 9}); }},
+    {"joint 'yaw': has 2 drives", [](RigParams& r) { r.drives[1].joint = "yaw"; }},
+    {"joint 'pitch': name must be given, and only once",
+     [](RigParams& r) { r.chain.joints.push_back({.name = "pitch"}); }},
+    {"axis must have unit length", [](RigParams& r) { r.chain.joints[0].axis_J = Vec3(1, 1, 0); }},
+    {"handle pose must be finite", [](RigParams& r) { r.chain.X_LH.p.x() = std::numeric_limits<double>::quiet_NaN(); }},
+    {"base pose must be finite, with a unit quaternion", [](RigParams& r) { r.chain.X_WB.q.w() = 2; }},
+    {"the chain has 0 joints, must be 1..8", [](RigParams& r) { r.chain.joints.clear(); }},
+    {"the chain has 9 joints, must be 1..8", [](RigParams& r) { r.chain.joints.resize(9); }},
+    {"the rig has 0 buses", [](RigParams& r) { r.buses.clear(); }},
+    {"bus 'can1': bit_rate is 0, must be > 0", [](RigParams& r) { r.buses[1].bit_rate = 0; }},
+    {"counts_per_unit is -5, must be > 0", [](RigParams& r) { r.encoders[0].calibration.counts_per_unit = -5; }},
+    {"sign is 0, must be 1 or -1", [](RigParams& r) { r.encoders[0].calibration.sign = 0; }},
+    {"modulus_counts is 8589934592", [](RigParams& r) { r.encoders[0].calibration.modulus_counts = 1ull << 33; }},
+    {"half of modulus_counts within stale_after_s",
+     [](RigParams& r) {
+       r.encoders[0].calibration.counts_per_unit = 1000;
+       r.encoders[0].calibration.modulus_counts = 299;
+     }},
+    {"max_speed is nan, must be > 0",
+     [](RigParams& r) { r.encoders[0].max_speed = std::numeric_limits<double>::quiet_NaN(); }},
+    {"torque_rated_Nm is 0", [](RigParams& r) { r.drives[0].torque_rated_Nm = 0; }},
+    {"torque_max_Nm is 4", [](RigParams& r) { r.drives[0].torque_max_Nm = 4; }},
+    {"torque_rate_Nm_per_s is -1", [](RigParams& r) { r.drives[0].torque_rate_Nm_per_s = -1; }},
+    {"joint_per_motor_rad is 0", [](RigParams& r) { r.drives[0].joint_per_motor_rad = 0; }},
+    {"status_every_nth_sync is 241", [](RigParams& r) { r.drives[0].status_every_nth_sync = 241; }},
+    {"cycle_s is 0", [](RigParams& r) { r.cycle_s = 0; }},
+    {"stale_after_s is 0.0005, must be at least cycle_s", [](RigParams& r) { r.stale_after_s = 5e-4; }},
+    {"boot_timeout_s is 0", [](RigParams& r) { r.boot_timeout_s = 0; }},
+};
+
+INSTANTIATE_TEST_SUITE_P(Rules, RigValidateEach, testing::ValuesIn(broken_rules));
+
+}  // namespace
+}  // namespace godobject

@@ -1,0 +1,321 @@
+// Motions: accuracy of the cubic, exact twists, behaviour on recorded data, and refusal of bad tables.
+#include "sim/motion.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <numbers>
+#include <random>
+
+#include "sim/key.h"
+
+namespace godobject {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+SceneConfig one_coupled_body() {
+  SceneConfig scene;
+  scene.bodies.push_back({.name = "tool",
+                          .X_WB = {Vec3(1, 2, 3), Quat::Identity()},
+                          .V_WB = {},
+                          .coupling = CouplingConfig{},
+                          .feedback = {}});
+  return scene;
+}
+
+MotionConfig six_dof() {
+  MotionConfig m;
+  m.amplitude = Vec3(0.1, 0.08, 0.06);
+  m.frequency_hz = Vec3(0.5, 0.7, 1.1);
+  m.phase = Vec3(0, 0.5, 1.1);
+  m.angle_amplitude = Vec3(1.0, 0.6, 0.8);
+  m.angle_frequency_hz = Vec3(0.4, 0.9, 0.6);
+  m.angle_phase = Vec3(0.7, 0.3, 0);
+  m.X_WD = {Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, -0.5, 0.5)};
+  return m;
+}
+
+Motion built_in() {
+  SceneConfig scene = one_coupled_body();
+  scene.motion = six_dof();
+  return Motion(scene);
+}
+
+double angle_between(const Quat& a, const Quat& b) {
+  const Quat d = a.conjugate() * b;
+  return 2 * std::atan2(d.vec().norm(), std::abs(d.w()));
+}
+
+/// Angular velocity and velocity by a symmetric difference over +-e.
+Twist difference_twist(const Motion& motion, double t, double e) {
+  const Pose before = motion.target(0, t - e).X_WD, after = motion.target(0, t + e).X_WD;
+  const Eigen::AngleAxis<Real> turn(Eigen::Quaternion<Real>(after.q * before.q.conjugate()));
+  const double angle = turn.angle() > std::numbers::pi ? turn.angle() - 2 * std::numbers::pi : turn.angle();
+  return {turn.axis() * angle / (2 * e), (after.p - before.p) / (2 * e)};
+}
+
+std::string row(double t, const Pose& X) {
+  std::string text = shortest(t);
+  for (const double x : {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()})
+    text += "," + shortest(x);
+  return text + "\n";
+}
+
+const std::string pose_header = "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n";
+
+/// The built-in motion sampled at h for 2 s; jitter moves each time by up to that share of h; every third
+/// quaternion has the other sign.
+Motion sampled(double h, double jitter) {
+  const Motion exact = built_in();
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-jitter, jitter);
+  std::string csv = pose_header;
+  const int n = static_cast<int>(std::lround(2 / h));
+  for (int i = 0; i <= n; ++i) {
+    const double t = h * (i + (i == 0 || i == n ? 0 : uniform(random)));
+    Pose X = exact.target(0, t).X_WD;
+    if (i % 3 == 1) X.q.coeffs() *= -1;
+    csv += row(t, X);
+  }
+  const MotionResult result = Motion::parse(csv, "m.csv", one_coupled_body());
+  EXPECT_THAT(result.errors, IsEmpty());
+  return *result.motion;
+}
+
+struct WorstErrors {
+  double p = 0, q = 0, v = 0, w = 0;
+};
+
+WorstErrors compare(const Motion& motion, const Motion& exact, double end) {
+  WorstErrors worst;
+  for (double t = 0; t <= end; t += 0.77e-3) {
+    const MotionSample a = motion.target(0, t), b = exact.target(0, t);
+    worst.p = std::max(worst.p, (a.X_WD.p - b.X_WD.p).norm());
+    worst.q = std::max(worst.q, angle_between(a.X_WD.q, b.X_WD.q));
+    worst.v = std::max(worst.v, (a.V_WD.v - b.V_WD.v).norm());
+    worst.w = std::max(worst.w, (a.V_WD.w - b.V_WD.w).norm());
+  }
+  return worst;
+}
+
+TEST(Motion, BuiltInTwistIsTheDerivativeOfItsPose) {
+  const Motion motion = built_in();
+  for (double t = 0.01; t < 3; t += 0.0937) {
+    const Twist V = motion.target(0, t).V_WD, D = difference_twist(motion, t, 1e-4);
+    EXPECT_LT((V.v - D.v).norm(), 1e-6) << t;
+    EXPECT_LT((V.w - D.w).norm(), 1e-6) << t;
+  }
+}
+
+TEST(Motion, WithoutMotionTheTargetRestsAtTheStart) {
+  const Motion motion(one_coupled_body());
+  EXPECT_EQ(motion.target(0, 1.0).X_WD.p, Vec3(1, 2, 3));
+  EXPECT_EQ(motion.target(0, 1.0).V_WD.v, Vec3::Zero());
+}
+
+TEST(Motion, TableIsFourthOrderAccurate) {
+  for (const double jitter : {0.0, 0.3}) {
+    const Motion exact = built_in();
+    const WorstErrors coarse = compare(sampled(0.04, jitter), exact, 2),
+                      fine = compare(sampled(0.01, jitter), exact, 2);
+    const auto order = [](double a, double b) { return std::log(a / b) / std::log(4.0); };
+    EXPECT_GT(order(coarse.p, fine.p), 3.7) << coarse.p << " " << fine.p;
+    EXPECT_GT(order(coarse.q, fine.q), 3.7) << coarse.q << " " << fine.q;
+    EXPECT_GT(order(coarse.v, fine.v), 2.7) << coarse.v << " " << fine.v;
+    EXPECT_GT(order(coarse.w, fine.w), 2.7) << coarse.w << " " << fine.w;
+    EXPECT_LT(fine.p, 1e-7);
+    EXPECT_LT(fine.q, 1e-6);
+  }
+}
+
+TEST(Motion, TableTwistIsTheDerivativeOfItsPoseAndContinuous) {
+  const Motion motion = sampled(0.05, 0.3);
+  for (double t = 0.011; t < 1.98; t += 0.0173) {
+    const Twist V = motion.target(0, t).V_WD, D = difference_twist(motion, t, 1e-5);
+    EXPECT_LT((V.v - D.v).norm(), 1e-4) << t;
+    EXPECT_LT((V.w - D.w).norm(), 1e-3) << t;
+  }
+  const Motion even = sampled(0.05, 0);
+  for (int i = 1; i < 40; ++i) {
+    const Twist before = even.target(0, 0.05 * i - 1e-9).V_WD, after = even.target(0, 0.05 * i + 1e-9).V_WD;
+    EXPECT_LT((before.v - after.v).norm(), 1e-6);
+    EXPECT_LT((before.w - after.w).norm(), 1e-6);
+  }
+}
+
+TEST(Motion, RestsOutsideTheTable) {
+  const std::string csv = pose_header + "1,0,0,0,1,0,0,0\n2,1,0,0,0,1,0,0\n";
+  const Motion motion = *Motion::parse(csv, "m.csv", one_coupled_body()).motion;
+  EXPECT_EQ(motion.end(), 2.0);
+  EXPECT_EQ(motion.target(0, 0.5).X_WD.p.x(), 0);
+  EXPECT_EQ(motion.target(0, 0.5).V_WD.v.x(), 0);
+  EXPECT_EQ(motion.target(0, 3).X_WD.p.x(), 1);
+  EXPECT_EQ(motion.target(0, 3).V_WD.w.norm(), 0);
+  EXPECT_NEAR(motion.target(0, 2).X_WD.p.x(), 1, 1e-15);
+  EXPECT_TRUE(std::isfinite(motion.target(0, std::nan("")).X_WD.p.x()));
+}
+
+TEST(Motion, FastSpinKeepsItsDirection) {
+  std::string csv = pose_header;  // 1000 rad/s, one radian per sample
+  for (int i = 0; i <= 50; ++i) {
+    const double half = 0.5 * i;
+    csv += row(1e-3 * i, {Vec3::Zero(), Quat(std::cos(half), 0, 0, std::sin(half))});
+  }
+  const Motion motion = *Motion::parse(csv, "m.csv", one_coupled_body()).motion;
+  for (double t = 0; t < 0.05; t += 1.3e-4) EXPECT_NEAR(motion.target(0, t).V_WD.w.z(), 1000, 1e-6);
+}
+
+/// Robot logs repeat a sample until the next one comes: steps, to an interpolator.
+TEST(Motion, HeldSamplesOvershootLittle) {
+  std::string csv = pose_header;
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.001 * (i / 3), t = 0.004 * i + (i % 2 ? 0.0015 : 0);
+    csv += row(t, {Vec3(x, 0, 0), Quat(std::cos(0.5 * x), std::sin(0.5 * x), 0, 0)});
+  }
+  const Motion motion = *Motion::parse(csv, "m.csv", one_coupled_body()).motion;
+  for (double t = 0; t < 0.23; t += 1e-4) {
+    const double held = 0.001 * std::floor(t / 0.012);
+    EXPECT_NEAR(motion.target(0, t).X_WD.p.x(), held, 0.0013) << t;
+    EXPECT_LT(motion.target(0, t).V_WD.v.norm(), 0.001 / 0.0025 * 2) << t;
+  }
+}
+
+TEST(Motion, WrenchColumnsDriveAnAdmittanceDevice) {
+  SceneConfig scene = one_coupled_body();
+  scene.bodies[0].coupling.reset();
+  scene.device =
+      DeviceConfig{.name = "d", .kind = DeviceKind::admittance, .limits = {}, .rig = {}, .plant = {}};
+  const MotionResult result = Motion::parse(
+      "t,tool.fx,tool.fy,tool.fz,tool.tx,tool.ty,tool.tz\n0,0,1,2,3,4,5\n1,1,1,2,3,4,5\n", "m.csv", scene);
+  ASSERT_THAT(result.errors, IsEmpty());
+  EXPECT_NEAR(result.motion->wrench(0, 0.25).f.x(), 0.25, 1e-12);
+  EXPECT_NEAR(result.motion->wrench(0, 0.25).tau.z(), 5, 1e-12);
+  EXPECT_EQ(result.motion->wrench(0, 9).f.x(), 1);
+}
+
+TEST(Motion, JointColumnsGiveTheHandlePose) {
+  SceneConfig scene = one_coupled_body();
+  RigParams rig;
+  rig.chain.joints = {{.name = "slide", .kind = JointKind::slider, .X_PJ = {}, .axis_J = Vec3::UnitX()},
+                      {.name = "turn", .kind = JointKind::hinge, .X_PJ = {}, .axis_J = Vec3::UnitZ()}};
+  rig.chain.X_LH.p = Vec3(0, 0.1, 0);
+  scene.device =
+      DeviceConfig{.name = "d", .kind = DeviceKind::non_haptic, .limits = {}, .rig = rig, .plant = {}};
+  const MotionResult result = Motion::parse("t,slide,turn\n0,0,0\n1,0.5,1\n2,1,2\n", "m.csv", scene);
+  ASSERT_THAT(result.errors, IsEmpty());
+  ASSERT_TRUE(result.motion->has_joints());
+  EXPECT_NEAR(result.motion->joints(1.5).q[0], 0.75, 1e-12);
+  EXPECT_NEAR(result.motion->joints(1.5).q_dot[1], 1, 1e-12);
+  const MotionSample sample = result.motion->target(0, 1);
+  EXPECT_NEAR((sample.X_WD.p - Vec3(0.5 - 0.1 * std::sin(1), 0.1 * std::cos(1), 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR(sample.V_WD.w.z(), 1, 1e-12);
+}
+
+TEST(Motion, BadTablesAreRefusedWithTheirPlace) {
+  const auto errors = [](const std::string& csv) {
+    return Motion::parse(csv, "m.csv", one_coupled_body()).errors;
+  };
+  EXPECT_THAT(errors("t,tool.x\n0,0\n"), Contains(HasSubstr("m.csv:1:1: column 'tool.y' is missing")));
+  EXPECT_THAT(errors(pose_header + "0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n"),
+              ElementsAre(HasSubstr("m.csv:3:1: times must be")));
+  EXPECT_THAT(errors(pose_header + "0,0,0,0,1,1,0,0\n"),
+              ElementsAre(AllOf(HasSubstr("m.csv:2:9:"), HasSubstr("norm is 1.414"))));
+  EXPECT_THAT(errors(pose_header + "0,0,nan,0,1,0,0,0\n"),
+              ElementsAre(HasSubstr("m.csv:2:5: 'tool.y' must be finite")));
+  EXPECT_THAT(errors(pose_header + "0,0,here,0,1,0,0,0\n"),
+              ElementsAre(HasSubstr("m.csv:2:5: 'here' is not a number")));
+  EXPECT_THAT(errors(pose_header + "0,0,0\n"),
+              ElementsAre(HasSubstr("m.csv:2:1: has 3 values, the header 8")));
+  EXPECT_THAT(errors(pose_header), ElementsAre(HasSubstr("no samples")));
+  EXPECT_THAT(errors(""), ElementsAre(HasSubstr("no header")));
+  EXPECT_THAT(Motion::read("no/such.csv", one_coupled_body()).errors,
+              ElementsAre(HasSubstr("no/such.csv:1:1: cannot be read")));
+}
+
+TEST(Motion, OtherColumnsAreNoted) {
+  const MotionResult result =
+      Motion::parse("t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz,jaw\n0,0,0,0,1,0,0,0,7\n",
+                    "m.csv", one_coupled_body());
+  ASSERT_THAT(result.errors, IsEmpty());
+  EXPECT_THAT(result.notes, ElementsAre(HasSubstr("column 'jaw' is not used")));
+}
+
+std::string shared_dir() {
+  const char* from_environment = std::getenv("GODOBJECT_SHARED");
+  return from_environment ? from_environment : GODOBJECT_SOURCE_DIR "/../shared";
+}
+
+/// A target that starts with the tool has the velocities the reference's case.json states.
+TEST(Motion, ReferenceMotionHasTheStatedVelocities) {
+  const std::string path = shared_dir() + "/reference/coupling-lissajous/motion.csv";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
+  const MotionResult result = Motion::read(path, one_coupled_body());
+  ASSERT_THAT(result.errors, IsEmpty());
+  const Twist V = result.motion->target(0, 0).V_WD;
+  EXPECT_LT((V.v - Vec3(0.314159265359, 0.376167798795, 0.131946891451)).norm(), 1e-8);
+  EXPECT_LT((V.w - Vec3(3.76991118431, 3.45575191895, 6.78584013175)).norm(), 1e-6);
+}
+
+/// Between two samples 2 ms apart the curve must meet the reference's sample that was left out.
+TEST(Motion, ReferenceMotionPredictsTheSamplesLeftOut) {
+  const std::string path = shared_dir() + "/reference/coupling-lissajous/motion.csv";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
+  const CsvTable all = *read_csv(path).table;
+  const auto pose = [&](std::size_t i) {
+    return Pose{Vec3(all.at(i, 1), all.at(i, 2), all.at(i, 3)),
+                Quat(all.at(i, 4), all.at(i, 5), all.at(i, 6), all.at(i, 7))};
+  };
+  std::string csv = pose_header;
+  for (std::size_t i = 0; i < all.num_rows(); i += 2) csv += row(all.at(i, 0), pose(i));
+  const Motion motion = *Motion::parse(csv, "half.csv", one_coupled_body()).motion;
+  double worst_p = 0, worst_q = 0;
+  for (std::size_t i = 1; i + 1 < all.num_rows(); i += 2) {
+    const Pose X = motion.target(0, all.at(i, 0)).X_WD;
+    worst_p = std::max(worst_p, (X.p - pose(i).p).norm());
+    worst_q = std::max(worst_q, angle_between(X.q, pose(i).q));
+  }
+  EXPECT_LT(worst_p, 1e-10);
+  EXPECT_LT(worst_q, 1e-8);
+}
+
+/// The recorded teleoperation, made into a motion by the tool beside it.
+TEST(Motion, RecordedTeleoperationStaysBounded) {
+  const std::string tool = shared_dir() + "/tools/desk_to_motion.py";
+  const std::string data = shared_dir() + "/data/desk_taurus/S5_T2_left_kinematics.txt";
+  if (!std::filesystem::exists(tool) || !std::filesystem::exists(data)) GTEST_SKIP() << "no " << data;
+  const std::string path = testing::TempDir() + "/godobject_desk_motion.csv";
+  const std::string command = "python3 '" + tool + "' pose '" + data + "' > '" + path + "'";
+  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "cannot run python3";
+  const MotionResult result = Motion::read(path, one_coupled_body());
+  ASSERT_THAT(result.errors, IsEmpty());
+  const CsvTable table = *read_csv(path).table;
+  double overshoot = 0, speed = 0, turn_speed = 0;
+  for (std::size_t i = 0; i + 1 < table.num_rows(); ++i) {
+    const auto p = [&](std::size_t k) { return Vec3(table.at(k, 1), table.at(k, 2), table.at(k, 3)); };
+    const double t = table.at(i, 0), h = table.at(i + 1, 0) - t;
+    for (const double s : {0.25, 0.5, 0.75}) {
+      const MotionSample sample = result.motion->target(0, t + s * h);
+      const Vec3 chord = p(i + 1) - p(i);
+      overshoot = std::max(overshoot, (sample.X_WD.p - p(i) - s * chord).norm());
+      speed = std::max(speed, sample.V_WD.v.norm());
+      turn_speed = std::max(turn_speed, sample.V_WD.w.norm());
+    }
+  }
+  RecordProperty("overshoot_um", std::to_string(1e6 * overshoot));
+  std::cout << "off the chord " << overshoot << " m, speed " << speed << " m/s, turning " << turn_speed
+            << " rad/s\n";
+  EXPECT_LT(overshoot, 3e-4);  // the largest step between samples is 6e-4 m
+  EXPECT_LT(speed, 0.5);
+  EXPECT_LT(turn_speed, 10);
+}
+
+}  // namespace
+}  // namespace godobject

@@ -1,0 +1,85 @@
+// The trace: its columns, and numbers that read back bit for bit.
+#include "sim/trace.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "sim/csv.h"
+
+namespace godobject {
+namespace {
+
+SceneConfig coupled_and_free() {
+  SceneConfig scene;
+  scene.bodies.resize(2);
+  scene.bodies[0].name = "tool";
+  scene.bodies[0].coupling = CouplingConfig{};
+  scene.bodies[1].name = "brick";
+  return scene;
+}
+
+TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationFault) {
+  const std::vector<std::string> columns = trace_columns(coupled_and_free());
+  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 2);
+  EXPECT_EQ(columns[0], "t");
+  EXPECT_EQ(columns[4], "tool.qw");
+  EXPECT_EQ(columns[14], "brick.x");
+  EXPECT_EQ(columns[27], "tool.coupling.fx");
+  EXPECT_EQ(columns[38], "tool.feedback.tz");
+  EXPECT_EQ(columns[39], "tool.target.x");
+  EXPECT_EQ(columns[45], "tool.target.qz");
+  EXPECT_EQ(columns[46], "penetration");
+  EXPECT_EQ(columns[47], "fault");
+}
+
+TEST(Trace, NumbersReadBackBitForBit) {
+  const std::string path = testing::TempDir() + "/godobject_trace.csv";
+  constexpr int num_rows = 1000;  // more than one buffer
+  TraceWriter writer(path, coupled_and_free());
+  for (int i = 0; i < num_rows; ++i) {
+    std::array<TraceBody, 2> bodies{};
+    bodies[0].X_WB.p = Vec3(1.0 / 3, -0.0, 1e-310);
+    bodies[0].V_WB.w = Vec3(0.1 * i, 0, 0);
+    bodies[1].V_WB.v = Vec3(0, 0, 1e300);
+    std::array<TraceDriven, 1> driven{};
+    driven[0].coupling.f = Vec3(1, 2, 3);
+    driven[0].feedback.tau = Vec3(4, 5, 6);
+    driven[0].X_WD.p = Vec3(7, 8, 9);
+    writer.row(1e-3 * i, bodies, driven, -1e-4, 0x80000001u);
+  }
+  ASSERT_TRUE(writer.close());
+
+  const CsvResult result = read_csv(path);
+  ASSERT_TRUE(result.table.has_value()) << result.errors.front();
+  const CsvTable& table = *result.table;
+  ASSERT_EQ(table.num_rows(), static_cast<std::size_t>(num_rows));
+  EXPECT_EQ(table.columns(), trace_columns(coupled_and_free()));
+  const auto at = [&](std::size_t row, const char* column) {
+    return table.at(row, table.find(column).value());
+  };
+  for (const std::size_t i : {std::size_t{0}, std::size_t{999}}) {
+    EXPECT_EQ(at(i, "t"), 1e-3 * static_cast<double>(i));
+    EXPECT_EQ(at(i, "tool.x"), 1.0 / 3);
+    EXPECT_TRUE(std::signbit(at(i, "tool.y")));
+    EXPECT_EQ(at(i, "tool.z"), 1e-310);
+    EXPECT_EQ(at(i, "tool.qw"), 1);
+    EXPECT_EQ(at(i, "tool.wx"), 0.1 * static_cast<double>(i));
+    EXPECT_EQ(at(i, "brick.vz"), 1e300);
+    EXPECT_EQ(at(i, "tool.coupling.fy"), 2);
+    EXPECT_EQ(at(i, "tool.feedback.tz"), 6);
+    EXPECT_EQ(at(i, "tool.target.z"), 9);
+    EXPECT_EQ(at(i, "penetration"), -1e-4);
+    EXPECT_EQ(at(i, "fault"), 2147483649.0);
+  }
+}
+
+TEST(Trace, UnwritableFileIsReported) {
+  TraceWriter writer("/no/such/directory/trace.csv", coupled_and_free());
+  EXPECT_FALSE(writer.close());
+}
+
+}  // namespace
+}  // namespace godobject

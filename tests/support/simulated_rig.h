@@ -1,0 +1,157 @@
+// A six-joint arm with an encoder on every joint (bus 0) and a drive on each of the first three (bus 1),
+// on simulated wires, driven cycle by cycle.
+#pragma once
+
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "hal/rig.h"
+#include "sim/sim_can_bus.h"
+#include "sim/sim_drive.h"
+#include "sim/sim_encoder.h"
+#include "sim/sim_plant.h"
+#include "tests/support/phantom_arm.h"
+
+namespace godobject::test {
+
+inline constexpr std::size_t num_arm_drives = 3;
+inline constexpr double arm_counts_per_rad = 16384 / (2 * 3.14159265358979323846);
+
+inline RigParams arm_rig_params() {
+  RigParams rig;
+  rig.buses = {{.name = "can0"}, {.name = "can1"}};
+  rig.chain = phantom_arm();
+  for (std::size_t i = 0; i < rig.chain.joints.size(); ++i) {
+    EncoderParams encoder;
+    encoder.joint = rig.chain.joints[i].name;
+    encoder.node_id = static_cast<std::uint8_t>(i + 1);
+    encoder.calibration = {.counts_per_unit = arm_counts_per_rad,
+                           .sign = i % 2 == 0 ? 1 : -1,
+                           .offset_counts = static_cast<std::int64_t>(1000 * i),
+                           .modulus_counts = 16384};
+    rig.encoders.push_back(encoder);
+  }
+  for (std::size_t i = 0; i < num_arm_drives; ++i) {
+    DriveParams drive;
+    drive.joint = rig.chain.joints[i].name;
+    drive.bus = 1;
+    drive.node_id = static_cast<std::uint8_t>(i + 1);
+    drive.torque_rated_Nm = 0.2;
+    drive.torque_max_Nm = 0.15;
+    drive.torque_rate_Nm_per_s = 20;
+    drive.joint_per_motor_rad = 0.1;
+    drive.sign = i == 1 ? -1 : 1;
+    drive.calibration.counts_per_unit = 65536 / (2 * 3.14159265358979323846) / drive.joint_per_motor_rad;
+    drive.calibration.sign = drive.sign;
+    rig.drives.push_back(drive);
+  }
+  return rig;
+}
+
+class SimulatedRig {
+ public:
+  static constexpr Nanoseconds cycle_ns = 1'000'000;
+  static constexpr Nanoseconds deadline_ns = 700'000;  // after SYNC: the answers should be in
+  static constexpr Nanoseconds heartbeat_ns = 100'000'000;
+
+  explicit SimulatedRig(const RigParams& rig_params = arm_rig_params(), bool haptic = false,
+                        const PlantConfig& plant_config = {})
+      : params(rig_params), plant(plant_config, rig_params.chain.joints.size(), haptic, zero(), 0) {
+    std::vector<CanBus*> hosts;
+    for (std::size_t i = 0; i < params.buses.size(); ++i) {
+      wires.emplace_back(SimWireParams{.rates = {.nominal = params.buses[i].bit_rate}, .seed = i + 1});
+      hosts.push_back(&open_port(wires.back()));
+    }
+    nodes.resize(params.buses.size());
+    for (const EncoderParams& e : params.encoders) {
+      encoder_ports.push_back(&open_port(wires[e.bus]));
+      encoders.push_back(
+          std::make_unique<SimEncoder>(*encoder_ports.back(), e.node_id, e.calibration, heartbeat_ns));
+      nodes[e.bus].push_back(encoders.back().get());
+    }
+    for (const DriveParams& d : params.drives) {
+      drive_ports.push_back(&open_port(wires[d.bus]));
+      drives.push_back(std::make_unique<SimDrive>(
+          *drive_ports.back(),
+          SimDriveParams{.drive = d, .heartbeat_period_ns = heartbeat_ns}));
+      nodes[d.bus].push_back(drives.back().get());
+    }
+    rig = std::make_unique<Rig>(params, hosts);
+    // The nodes are switched on now; their heartbeats later fall 400 us after a SYNC, clear of the answers.
+    advance_to(600'000);
+    cycle_start_ns = now;
+  }
+
+  /// One cycle of the loop: SYNC, answers, read, command. Joints follow (haptic: are pulled to) q_ref.
+  void cycle(const Wrench& F_hand_W = {}) {
+    rig->sync(now);
+    advance_to(now + deadline_ns);
+    rig->receive(now);
+    complete = rig->complete();
+    sample = rig->read(now);
+    report = rig->command(F_hand_W, now);
+    advance_to(cycle_start_ns += cycle_ns);
+  }
+  void cycles(int count, const Wrench& F_hand_W = {}) {
+    for (int i = 0; i < count; ++i) cycle(F_hand_W);
+  }
+  /// Cycles until ready; false when it takes longer than 3 s.
+  bool boot() {
+    rig->start(now);
+    for (int i = 0; i < 3000 && !rig->ready(); ++i) cycle();
+    return rig->ready();
+  }
+  /// The joint's torque that its drive makes, after the transmission.
+  double applied_joint_torque(std::size_t drive) const {
+    const DriveParams& d = params.drives[drive];
+    return d.sign * drives[drive]->applied_torque_Nm() / d.joint_per_motor_rad;
+  }
+
+  static JointVector zero() { return JointVector::Zero(6); }
+
+  RigParams params;
+  SimPlant plant;
+  std::deque<SimCanWire> wires;
+  std::deque<SimCanPort> ports;
+  std::vector<SimCanPort*> encoder_ports, drive_ports;
+  std::vector<std::unique_ptr<SimEncoder>> encoders;
+  std::vector<std::unique_ptr<SimDrive>> drives;
+  std::vector<std::vector<SimCanopenNode*>> nodes;  // by bus
+  std::unique_ptr<Rig> rig;
+
+  std::function<JointVector(double t)> q_ref = [](double) { return zero(); };
+  std::function<JointVector(double t)> q_ref_dot = [](double) { return zero(); };
+  Nanoseconds now = 0, cycle_start_ns = 0;
+  DeviceSample sample;
+  CommandReport report;
+  bool complete = false;
+
+ private:
+  static constexpr Nanoseconds plant_step_ns = 50'000;
+
+  SimCanPort& open_port(SimCanWire& wire) {
+    SimCanPort& port = ports.emplace_back(wire);
+    static_cast<void>(port.open());
+    return port;
+  }
+
+  void advance_to(Nanoseconds t_ns) {
+    while (now < t_ns) {
+      now += plant_step_ns;
+      for (std::size_t i = 0; i < drives.size(); ++i) plant.set_motor_torque(i, applied_joint_torque(i));
+      const double t = 1e-9 * static_cast<double>(now);
+      plant.advance(now, q_ref(t), q_ref_dot(t));
+      for (std::size_t i = 0; i < encoders.size(); ++i) encoders[i]->set_position(plant.q()(index(i)));
+      for (std::size_t i = 0; i < drives.size(); ++i) {
+        drives[i]->set_joint(plant.q()(index(i)), plant.q_dot()(index(i)));
+      }
+      for (std::size_t bus = 0; bus < wires.size(); ++bus) advance(wires[bus], nodes[bus], now);
+    }
+  }
+  static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
+};
+
+}  // namespace godobject::test
