@@ -1,5 +1,6 @@
 # Compile options that every target of the project shares.
 add_library(godobject_options INTERFACE)
+target_compile_definitions(godobject_options INTERFACE EIGEN_DONT_VECTORIZE)
 target_compile_options(godobject_options INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Wnon-virtual-dtor -Werror
   -fno-math-errno -ffp-contract=$<IF:$<BOOL:${GODOBJECT_DETERMINISTIC}>,off,fast>)
@@ -14,8 +15,10 @@ elseif(GODOBJECT_MARCH STREQUAL "host")
                         GODOBJECT_HOST_IS_X86_64_V3)
   unset(CMAKE_REQUIRED_FLAGS)
   set(march "$<$<BOOL:${GODOBJECT_HOST_IS_X86_64_V3}>:-march=x86-64-v3>")
-else()
+elseif(GODOBJECT_MARCH)
   set(march "-march=${GODOBJECT_MARCH}")
+else()
+  set(march "")
 endif()
 if(march)
   target_compile_options(godobject_options INTERFACE ${march})

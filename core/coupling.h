@@ -21,7 +21,7 @@ struct DampedSpring {
   };
 };
 
-/// Gains during the ramp-up after engaging, s from 0 to 1: the damping ratio g / sqrt(m k) stays.
+/// (14)  gains during the ramp-up after engaging, s from 0 to 1: the damping ratio g / sqrt(m k) stays.
 inline SpringParams ramped(const SpringParams& spring, Real s) noexcept {
   return {.k = s * s * spring.k, .g = s * spring.g, .k_r = s * s * spring.k_r, .g_r = s * spring.g_r};
 }

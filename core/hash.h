@@ -30,7 +30,8 @@ class Hash {
   void add(const PoseDevice::State& x) noexcept { add(x.last); add(x.ramp); }
   void add(const RelativeDevice::State& x) noexcept { add(x.last); add(x.ramp); }
   void add(const AdmittanceDevice::State& x) noexcept { add(x.last); add(x.ramp); }
-  void add(const Empty&) noexcept {}
+  template <int slot>
+  void add(const Absent<slot>&) noexcept {}
 
   std::uint64_t value() const noexcept { return value_; }
 

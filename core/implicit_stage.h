@@ -1,7 +1,8 @@
 // One linearly implicit Euler stage of a rigid body on its spring: the kernel of every integrator.
 //
-// A stage starts from a base (pose X^, velocities v^, w^) and finds the velocities v+, w+ with which
-// the body moves for a time h, forces taken at the far end and linearised once:
+// It discretises (3), that is Newton-Euler (1) with the coupling (2). A stage starts from a base (pose X^,
+// velocities v^, w^) and finds the velocities v+, w+ with which the body moves for a time h, forces taken at
+// the far end and linearised once:
 //
 //   (10)  m (v+ - v^)   = h ( F_W + g (v_D - v+) + k (p_D - p^ - h v+) )
 //   (11)  I (w+ - w^)   = h ( T_B + g_r (w_D - w+) + k_r (phi - h J w+) - w x I w )

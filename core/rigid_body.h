@@ -18,7 +18,7 @@ struct RigidBodyState {
   Vec3 w_B = Vec3::Zero();              // angular velocity in body axes, rad/s
 };
 
-/// Pose after moving for a time t with constant v_W and w_B. A body turns at most half a turn per step.
+/// (17)  pose after moving for a time t with constant v_W and w_B. A body turns at most half a turn per step.
 inline Pose moved(const Pose& X_WB, const Vec3& v_W, const Vec3& w_B, Real t) noexcept {
   Vec3 turn_B = t * w_B;
   const Real turn_sq = turn_B.squaredNorm();

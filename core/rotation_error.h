@@ -20,14 +20,14 @@ inline Real error_curvature(Real w) noexcept {
   static constexpr std::array<Real, 6> c{8.33333227436018897e-02, 1.11123359357362377e-02, 3.94568561542213425e-03,
                                          1.77127598946016864e-03, 2.76911391896794928e-04, 8.25641477324351599e-04};
   const Real z = 1 - w;
-  return std::min(polynomial(c, z), Real(0.1967) - Real(0.1716) * z);
+  return std::min(polynomial(c, z), Real(0.1959) - Real(0.1716) * z);
 }
 
 /// Half-turn hysteresis: |cos(alpha/2)| below this keeps the side of the previous error, so the torque
 /// changes sides only 0.1 rad behind the half turn and a target held there cannot make it chatter.
 inline constexpr Real half_turn_band = 0.05;
 
-/// alpha u = log(q_WB^-1 q_WD) on the shorter way round; within the band on the side of `previous`.
+/// (16)  alpha u = log(q_WB^-1 q_WD) on the shorter way round; within the band on the side of `previous`.
 inline RotationError rotation_error(const Quat& q_WB, const Quat& q_WD, const Vec3& previous_B) noexcept {
   const Quat q_BD = q_WB.conjugate() * q_WD;
   const Real w = q_BD.w();

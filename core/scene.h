@@ -30,6 +30,13 @@ struct None {
   using Output = Empty;
 };
 
+/// Stands for an empty part in a struct: of another type in each slot, since two empty members of one type
+/// must have two addresses, and so storage.
+template <int slot>
+struct Absent {};
+template <class T, int slot>
+using Slot = std::conditional_t<std::is_empty_v<T>, Absent<slot>, T>;
+
 template <class Part>
 inline constexpr bool uses = !std::is_same_v<Part, None>;
 
@@ -54,9 +61,9 @@ template <class S> concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsA
 template <class S>
 struct BodyParams {
   RigidBodyParams body;
-  [[no_unique_address]] typename S::Coupling::Params coupling;
-  [[no_unique_address]] typename S::Feedback::Params feedback;
-  [[no_unique_address]] typename S::Device::Params device;
+  [[no_unique_address]] Slot<typename S::Coupling::Params, 1> coupling;
+  [[no_unique_address]] Slot<typename S::Feedback::Params, 2> feedback;
+  [[no_unique_address]] Slot<typename S::Device::Params, 3> device;
 };
 
 template <class S>
@@ -78,10 +85,10 @@ constexpr std::size_t num_bodies(const Params<S>& par) noexcept {
 template <class S>
 struct BodyState {
   RigidBodyState x;
-  [[no_unique_address]] typename S::Integrator::Memory memory;
-  [[no_unique_address]] typename S::Device::State device;
-  [[no_unique_address]] typename S::Coupling::State coupling;
-  [[no_unique_address]] typename S::Feedback::State feedback;
+  [[no_unique_address]] Slot<typename S::Integrator::Memory, 0> memory;
+  [[no_unique_address]] Slot<typename S::Device::State, 3> device;
+  [[no_unique_address]] Slot<typename S::Coupling::State, 1> coupling;
+  [[no_unique_address]] Slot<typename S::Feedback::State, 2> feedback;
 };
 
 template <class S>

@@ -30,7 +30,10 @@ inline RigidBodyParams rigid_body(Real m, const Mat3& I_B) noexcept {
 }
 
 inline bool is_gain(Real a) noexcept { return a >= 0 && a - a == 0; }
-inline bool is_valid(const Empty&) noexcept { return true; }
+template <int slot>
+bool is_valid(const Absent<slot>&) noexcept {
+  return true;
+}
 inline bool is_valid(const RampParams& par) noexcept { return is_gain(par.rise); }
 inline bool is_valid(const SpringParams& par) noexcept {
   return is_gain(par.k) && is_gain(par.g) && is_gain(par.k_r) && is_gain(par.g_r);

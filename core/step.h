@@ -58,7 +58,7 @@ template <Scene S>
   out.fault = Fault::none;
   out.limited = Limited::none;
 
-  // (1) the devices: target, ramp, applied force
+  // devices: targets (2), ramps (14), applied forces
   if constexpr (uses<typename S::Device>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) out.fault |= check(in.devices[i]);
     if (!any(out.fault))
@@ -67,14 +67,14 @@ template <Scene S>
                                       x.bodies[i].device, w.next.bodies[i].device, out.limited);
   }
 
-  // (2)-(7) coupling, motion
+  // motion: (10), (11), by one or two stages (12), (13)
   if (!any(out.fault)) {
     S::Integrator::advance(par, x, w);
     if (!is_finite(par, w.next)) out.fault |= Fault::state_not_finite;
   }
   if (!any(out.fault)) commit(par, w.next, x);
 
-  // (8) feedback
+  // feedback: (8)
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     BodyState<S>& body = x.bodies[i];
     if constexpr (uses<typename S::Feedback>) {

@@ -11,7 +11,7 @@ struct Target {
   Twist V_WD;
 };
 
-/// Target at the fraction s in [0, 1] of the time h between samples a and b: the cubic through both
+/// (15)  target at the fraction s in [0, 1] of the time h between samples a and b: the cubic through both
 /// poses and velocities, fourth order; on quaternions component-wise, then normalised.
 /// a.q and b.q are of one sign (a.q . b.q >= 0).
 inline Target interpolated(const Target& a, const Target& b, Real s, Real h) noexcept {

@@ -39,7 +39,9 @@ DriveFeedback Drive::feedback(Nanoseconds now) const noexcept {
   return out;
 }
 
-bool Drive::silent(Nanoseconds now) const noexcept { return !has_status_ || now - status_t_ns_ > silent_after_ns_; }
+bool Drive::silent(Nanoseconds now) const noexcept {
+  return !has_status_ || now - status_t_ns_ > silent_after_ns_;
+}
 
 std::uint16_t Drive::holding_controlword() const noexcept {
   return state_ == cia402::DriveState::operation_enabled ? cia402::enable_operation : cia402::disable_voltage;

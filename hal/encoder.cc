@@ -13,8 +13,9 @@ constexpr std::int64_t counts_of_32_bits = std::int64_t{1} << 32;
 
 Encoder::Encoder(const Calibration& calibration, double max_speed, Nanoseconds stale_after_ns) noexcept
     : calibration_(calibration),
-      modulus_counts_(calibration.modulus_counts == 0 ? counts_of_32_bits
-                                                      : static_cast<std::int64_t>(calibration.modulus_counts)),
+      modulus_counts_(calibration.modulus_counts == 0
+                          ? counts_of_32_bits
+                          : static_cast<std::int64_t>(calibration.modulus_counts)),
       max_speed_counts_per_ns_(1e-9 * max_speed * calibration.counts_per_unit),
       stale_after_ns_(stale_after_ns),
       velocity_(1 / calibration.counts_per_unit) {}

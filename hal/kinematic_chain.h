@@ -14,7 +14,8 @@ inline constexpr std::size_t max_joints = 8;
 /// One number per joint, from the base outwards (rad or m, their rates, N m or N). Lives on the stack.
 using JointVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, Eigen::ColMajor, static_cast<int>(max_joints), 1>;
 /// 6 x n: V_WH = J q_dot, rows angular first. Lives on the stack.
-using ChainJacobian = Eigen::Matrix<Real, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(max_joints)>;
+using ChainJacobian =
+    Eigen::Matrix<Real, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(max_joints)>;
 
 /// The chain at one configuration: everything the loop needs of it.
 struct ChainConfiguration {

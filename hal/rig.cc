@@ -32,7 +32,8 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
   const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
   for (const EncoderParams& encoder : params.encoders) {
     const std::size_t node = add_node(encoder.bus, encoder.node_id, NodeKind::encoder, encoders_.size());
-    encoders_.push_back({.encoder = Encoder(encoder.calibration, encoder.max_speed, stale_after_ns), .node = node});
+    encoders_.push_back(
+        {.encoder = Encoder(encoder.calibration, encoder.max_speed, stale_after_ns), .node = node});
   }
   for (const DriveParams& drive : params.drives) {
     const std::size_t node = add_node(drive.bus, drive.node_id, NodeKind::drive, drives_.size());

@@ -103,7 +103,9 @@ class Rig {
   const Encoder& encoder(std::size_t index) const noexcept { return encoders_[index].encoder; }
   /// The drive's position and torque as it reports them.
   DriveFeedback drive_feedback(std::size_t index, Nanoseconds now) const noexcept;
-  double commanded_torque_Nm(std::size_t drive) const noexcept { return drives_[drive].drive.commanded_torque_Nm(); }
+  double commanded_torque_Nm(std::size_t drive) const noexcept {
+    return drives_[drive].drive.commanded_torque_Nm();
+  }
 
  private:
   struct Bus {

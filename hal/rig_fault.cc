@@ -16,13 +16,15 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "check power, cable, node id, bit rate; raise boot_timeout_s for a slow device"},
     {RigFault::heartbeat_lost, "heartbeat_lost", "a node's heartbeat stayed away for heartbeat_timeout_s",
      "check power and cable; set the node's 1017h well below heartbeat_timeout_s"},
-    {RigFault::node_restarted, "node_restarted", "a node re-booted or left Operational while the rig was running",
+    {RigFault::node_restarted, "node_restarted",
+     "a node re-booted or left Operational while the rig was running",
      "check its supply voltage; then clear the faults and arm again"},
     {RigFault::emergency, "emergency", "a node sent an emergency message (EMCY)",
      "look the code up in the device's manual, remove the cause, clear the faults"},
     {RigFault::sample_stale, "sample_stale", "a joint has had no good sample for longer than stale_after_s",
      "check the encoder's cable and that its position PDO answers every SYNC; check the bus load"},
-    {RigFault::sample_implausible, "sample_implausible", "a joint sensor jumped faster than its max_speed allows",
+    {RigFault::sample_implausible, "sample_implausible",
+     "a joint sensor jumped faster than its max_speed allows",
      "check shielding, counts_per_unit and modulus_counts; raise max_speed if the motion was real"},
     {RigFault::drive_silent, "drive_silent", "a drive's status has not come for longer than stale_after_s",
      "check the drive's cable, its TPDO1 and status_every_nth_sync; check the bus load"},
@@ -30,7 +32,8 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "read its error code 603Fh, remove the cause, clear the faults and arm again"},
     {RigFault::bus_down, "bus_down", "a bus is closed, bus-off or gone",
      "check adapter, cable, termination and bit rate; wait for the bus to recover, clear the faults"},
-    {RigFault::send_refused, "send_refused", "the transmit queue of a bus refused frames several times in a row",
+    {RigFault::send_refused, "send_refused",
+     "the transmit queue of a bus refused frames several times in a row",
      "lower the bus load; check that another node acknowledges the frames"},
     {RigFault::command_not_finite, "command_not_finite", "the commanded wrench was not a finite number",
      "a defect of the caller: look at the faults of the simulation"},
@@ -40,7 +43,8 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
 
 std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept { return texts; }
 
-bool RigFaultLog::raise(RigFault fault, std::size_t bus, std::uint8_t node_id, std::uint16_t emcy_code) noexcept {
+bool RigFaultLog::raise(RigFault fault, std::size_t bus, std::uint8_t node_id,
+                        std::uint16_t emcy_code) noexcept {
   if (any(faults_ & fault)) return false;
   faults_ = faults_ | fault;
   RigFaultRecord& record = records_[index_of(fault)];

@@ -11,7 +11,9 @@ namespace {
 
 constexpr Nanoseconds nmt_retry_ns = 250'000'000;
 
-bool is_enabled(const Drive& drive) noexcept { return drive.state() == cia402::DriveState::operation_enabled; }
+bool is_enabled(const Drive& drive) noexcept {
+  return drive.state() == cia402::DriveState::operation_enabled;
+}
 
 }  // namespace
 
@@ -81,7 +83,8 @@ void Rig::boot(Nanoseconds now) noexcept {
 }
 
 void Rig::wait_for_drives(Nanoseconds now) noexcept {
-  const auto waiting = std::ranges::find_if(drives_, [](const DriveOnBus& d) { return !is_enabled(d.drive); });
+  const auto waiting =
+      std::ranges::find_if(drives_, [](const DriveOnBus& d) { return !is_enabled(d.drive); });
   if (waiting == drives_.end()) {
     state_ = RigState::ready;
   } else if (static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s) {

@@ -49,13 +49,14 @@ class Checker {
             int{rig_.host_node_id}, ", must be 1..127");
     require(!rig_.buses.empty() && rig_.buses.size() <= max_buses, "the rig has ", rig_.buses.size(),
             " buses, must be 1..", max_buses);
-    for (const BusParams& bus : rig_.buses) require_positive(bus.bit_rate, "bus '" + bus.name + "': ", "bit_rate");
+    for (const BusParams& bus : rig_.buses)
+      require_positive(bus.bit_rate, "bus '" + bus.name + "': ", "bit_rate");
   }
 
   void check_chain() {
     const auto& joints = rig_.chain.joints;
-    require(!joints.empty() && joints.size() <= max_joints, "the chain has ", joints.size(), " joints, must be 1..",
-            max_joints);
+    require(!joints.empty() && joints.size() <= max_joints, "the chain has ", joints.size(),
+            " joints, must be 1..", max_joints);
     check_pose(rig_.chain.X_WB, "chain: base pose");
     check_pose(rig_.chain.X_LH, "chain: handle pose");
     for (const ChainJoint& joint : joints) {
@@ -69,7 +70,8 @@ class Checker {
   }
 
   void check_pose(const Pose& X, const std::string& what) {
-    require(X.p.allFinite() && std::abs(X.q.norm() - 1) < 1e-9, what, " must be finite, with a unit quaternion");
+    require(X.p.allFinite() && std::abs(X.q.norm() - 1) < 1e-9, what,
+            " must be finite, with a unit quaternion");
   }
 
   void check_encoder(const EncoderParams& encoder) {
@@ -92,15 +94,17 @@ class Checker {
             "status_every_nth_sync is ", int{drive.status_every_nth_sync}, ", must be 1..240");
   }
 
-  void check_device(const std::string& joint, std::size_t bus, std::uint8_t node_id, const std::string& where) {
+  void check_device(const std::string& joint, std::size_t bus, std::uint8_t node_id,
+                    const std::string& where) {
     const auto has_name = [&](const ChainJoint& other) { return other.name == joint; };
     require(std::ranges::any_of(rig_.chain.joints, has_name), where, "the chain has no such joint");
-    require(bus < rig_.buses.size(), where, "bus index is ", bus, ", the rig has ", rig_.buses.size(), " buses");
+    require(bus < rig_.buses.size(), where, "bus index is ", bus, ", the rig has ", rig_.buses.size(),
+            " buses");
     require(node_id >= 1 && node_id <= canopen::max_node_id, where, "node_id is ", int{node_id},
             ", must be 1..127");
     require(node_id != rig_.host_node_id, where, "node_id ", int{node_id}, " is the host's own");
-    require(std::ranges::find(nodes_, std::pair(bus, node_id)) == nodes_.end(), where, "node_id ", int{node_id},
-            " is taken by another device on the same bus");
+    require(std::ranges::find(nodes_, std::pair(bus, node_id)) == nodes_.end(), where, "node_id ",
+            int{node_id}, " is taken by another device on the same bus");
     nodes_.emplace_back(bus, node_id);
   }
 
@@ -113,7 +117,8 @@ class Checker {
             "modulus_counts is ", calibration.modulus_counts, ", must be 2..2^32, or 0 for none");
     require_positive(max_speed, where, "max_speed");
     // a travel of half the modulus cannot be told from a turn the other way
-    const std::uint64_t modulus = calibration.modulus_counts == 0 ? counts_of_32_bits : calibration.modulus_counts;
+    const std::uint64_t modulus =
+        calibration.modulus_counts == 0 ? counts_of_32_bits : calibration.modulus_counts;
     const double reach_counts = max_speed * calibration.counts_per_unit * rig_.stale_after_s;
     require(2 * reach_counts < static_cast<double>(modulus), where,
             "at max_speed the joint travels half of modulus_counts within stale_after_s: lower one of them");

@@ -31,7 +31,8 @@ Quat turn_by(const Vec3& phi) noexcept {
   return Quat(std::cos(0.5 * angle), s * phi.x(), s * phi.y(), s * phi.z());
 }
 
-/// J(phi) with w_B = J phi' for q = exp(phi), a = |phi|: I - (1 - cos a)/a^2 [phi]x + (a - sin a)/a^3 [phi]x^2.
+/// J(phi) with w_B = J phi' for q = exp(phi), a = |phi|:
+/// I - (1 - cos a)/a^2 [phi]x + (a - sin a)/a^3 [phi]x^2.
 Mat3 tangent(const Vec3& phi) noexcept {
   const double a_sq = phi.squaredNorm(), a = std::sqrt(a_sq);
   const bool small = a < 1e-4;

@@ -132,7 +132,7 @@ std::vector<PartBytes> parts_of() {
   const auto add_slot = [&]<class Part>(const char* name, const Part*) {
     if constexpr (uses<Part>) add(name, sizeof(typename Part::Params), sizeof(typename Part::State));
   };
-  using Memory = typename S::Integrator::State;
+  using Memory = typename S::Integrator::Memory;
   add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState));
   if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory));
   add_slot("device", static_cast<const typename S::Device*>(nullptr));

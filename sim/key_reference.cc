@@ -18,9 +18,13 @@ void KeyReference::either(const Key& key, const Key& other, double, std::optiona
 }
 
 void KeyReference::one_of(const Key& key, const std::vector<std::string>& names, std::size_t index) {
+  if (key.required) {  // one of the names that the file itself defines
+    row(key, "string", "");
+    return;
+  }
   std::string type;
   for (const std::string& name : names) type += (type.empty() ? "`\"" : ", `\"") + name + "\"`";
-  row(key, type.empty() ? "string" : type, index < names.size() ? "`\"" + names[index] + "\"`" : "");
+  row(key, type, "`\"" + names.at(index) + "\"`");
 }
 
 KeyReference KeyReference::subtable(const TableKey& key, const char* open, const char* close) {

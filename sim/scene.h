@@ -38,7 +38,7 @@ struct LimitConfig {
 inline constexpr std::array device_kind_names{"impedance", "non-haptic", "admittance", "relative"};
 
 /// Names of the integrators a scene file or --integrator may ask for.
-inline constexpr std::array integrator_names{"implicit-euler", "sdirk2"};
+inline constexpr std::array integrator_names{"implicit-euler", "tr-bdf2"};
 
 enum class DeviceKind : std::uint8_t {
   impedance,   // pose in, force out

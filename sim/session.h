@@ -66,7 +66,8 @@ class Session {
   const Engine& engine() const noexcept { return *engine_; }
   /// Whether there is a body that follows a pose, and so a following error.
   bool follows() const noexcept;
-  Rig* rig() noexcept { return rig_ ? &*rig_ : nullptr; }
+  /// Null without a bus.
+  const Rig* rig() const noexcept { return rig_ ? &*rig_ : nullptr; }
   /// Mean load of each simulated bus so far, percent; empty without a bus.
   std::vector<double> bus_load_percent() const;
   /// Time on the buses' clock at which the motion begins, after boot().

@@ -3,7 +3,10 @@
 namespace godobject {
 namespace {
 
-constexpr Nanoseconds heartbeat_period_ns = 100'000'000;
+/// No two nodes' clocks agree: heartbeats in step would all come between the same SYNC and its answers.
+constexpr Nanoseconds heartbeat_period_ns(std::uint8_t node_id) noexcept {
+  return 100'000'000 + Nanoseconds{node_id} * 1'000'000;
+}
 
 }  // namespace
 
@@ -24,13 +27,14 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
     host_buses_.push_back(&host);
   }
   for (const EncoderParams& e : params_.encoders) {
-    auto node = std::make_unique<SimEncoder>(add_port(e.bus), e.node_id, e.calibration, heartbeat_period_ns);
+    auto node = std::make_unique<SimEncoder>(add_port(e.bus), e.node_id, e.calibration,
+                                             heartbeat_period_ns(e.node_id));
     buses_[e.bus]->nodes.push_back(node.get());
     encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint)});
   }
   for (const DriveParams& d : params_.drives) {
     SimDriveParams drive{.drive = d};
-    drive.heartbeat_period_ns = heartbeat_period_ns;
+    drive.heartbeat_period_ns = heartbeat_period_ns(d.node_id);
     auto node = std::make_unique<SimDrive>(add_port(d.bus), drive);
     buses_[d.bus]->nodes.push_back(node.get());
     drives_.push_back({.node = std::move(node),

@@ -71,7 +71,8 @@ class Drain {
 }  // namespace
 
 RunResult run_fast(Session& session, std::uint64_t num_cycles, RunFiles& files) {
-  RunResult result{.ready = boot(session, files)};
+  RunResult result;
+  result.ready = boot(session, files);
   if (!result.ready) return result;
   const StopSignals stop;
   const MonotonicClock clock;
@@ -87,7 +88,8 @@ RunResult run_fast(Session& session, std::uint64_t num_cycles, RunFiles& files) 
 }
 
 std::optional<RunResult> run_realtime(Session& session, std::uint64_t num_cycles, RunFiles& files) {
-  RunResult result{.ready = boot(session, files)};
+  RunResult result;
+  result.ready = boot(session, files);
   if (!result.ready) return result;
   Ring<CycleEntry> cycles(cycle_ring);
   Ring<BusFrame> frames(frame_ring);

@@ -40,7 +40,7 @@ void add_file_faults(const RunReport& report, const std::vector<std::string>& in
 
 }  // namespace
 
-RunReport make_report(const RunOptions& options, Session& session, const RunResult& result,
+RunReport make_report(const RunOptions& options, const Session& session, const RunResult& result,
                       const std::vector<std::string>& incomplete_files) {
   RunReport report{.options = options, .session = session, .result = result, .buses = {}, .faults = {}};
   if (const Rig* rig = session.rig()) {

@@ -33,7 +33,7 @@ struct RunReport {
 };
 
 /// incomplete_files: outputs that could not be written in full.
-RunReport make_report(const RunOptions& options, Session& session, const RunResult& result,
+RunReport make_report(const RunOptions& options, const Session& session, const RunResult& result,
                       const std::vector<std::string>& incomplete_files);
 
 /// How large the part of the encoders is: rms of (body - body told the handle exactly) by rms of the following

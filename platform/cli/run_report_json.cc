@@ -36,15 +36,15 @@ Json to_json(const RtStep& step) {
   return {{"step", step.name}, {"result", name_of(step.result)}, {"detail", step.detail}, {"remedy", step.remedy}};
 }
 
+Json to_json(const FaultReport& fault) {
+  return {{"name", fault.name}, {"text", fault.text}, {"cycles", fault.cycles}};
+}
+
 template <class T>
 Json to_array(const std::vector<T>& items) {
   Json array = Json::array();
   for (const T& item : items) array.push_back(to_json(item));
   return array;
-}
-
-Json to_json(const FaultReport& fault) {
-  return {{"name", fault.name}, {"text", fault.text}, {"cycles", fault.cycles}};
 }
 
 Json timing(const CyclicStatistics& t) {
@@ -58,6 +58,11 @@ Json timing(const CyclicStatistics& t) {
 Json machine(const std::vector<RtStep>& setup) {
   const Machine m = this_machine();
   return {{"cpu", m.cpu}, {"num_cpus", m.num_cpus}, {"kernel", m.kernel}, {"rt_setup", to_array(setup)}};
+}
+
+Json answers(const RigCounters& c) {
+  return {{"syncs", c.syncs}, {"incomplete_syncs", c.incomplete_syncs}, {"frames", c.frames},
+          {"malformed", c.malformed}, {"foreign", c.foreign}};
 }
 
 Json limits(const RunStatistics& statistics) {
@@ -91,6 +96,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
     json["encoders"]["share_of_following_rad"] = encoder_share(statistics).rad;
   }
   json["bus"] = to_array(report.buses);
+  if (const Rig* rig = report.session.rig()) json["answers"] = answers(rig->counters());
   json["limits"] = limits(statistics);
   json["faults"] = to_array(report.faults);
   json["lost"] = {{"cycles", report.result.lost_cycles}, {"frames", report.result.lost_frames}};

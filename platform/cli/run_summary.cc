@@ -84,6 +84,9 @@ void print_summary(std::FILE* out, const RunReport& report) {
   for (const BusReport& bus : report.buses)
     std::fprintf(out, "  %-18s %s: %.1f %% measured, %.1f %% worst case\n", "bus load", bus.computed.bus.c_str(),
                  bus.measured_percent, bus.computed.worst_percent);
+  if (const Rig* rig = report.session.rig())
+    std::fprintf(out, "  %-18s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers", rig->counters().incomplete_syncs,
+                 rig->counters().syncs);
   print_limits(out, result.statistics);
   print_faults(out, report.faults);
   if (report.options.realtime)

@@ -88,7 +88,7 @@ void add_rows(const ReferenceScene& scene, const oracle::Solution& reference, bo
   const std::vector<double> steps = error_steps(quick);
   rows.reserve(rows.size() + steps.size());
   for (const double h : steps) {
-    progress("error: " + scene.name + ", " + S::Integrator::name + ", " + std::to_string(h * 1e3) + " ms");
+    progress("error: " + scene.name + ", " + S::Integrator::name + ", " + std::to_string(std::lround(h * 1e6)) + " us");
     CaseRun<S> run(scene.problem, h);
     ErrorRow row;
     row.scene = scene.name;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <sstream>
 
 #include "core/godobject.h"
 #include "sim/study/compositions.h"
@@ -158,11 +159,12 @@ StabilityResult classify(const std::string& scheme, const StabilityCell& cell) {
 
 std::vector<StabilityResult> study_stability(const StabilityGrid& grid, const Progress& progress) {
   std::vector<StabilityResult> results;
-  for (const std::string scheme : {ImplicitEuler::name, TrBdf2::name, explicit_name})
+  for (const std::string scheme : stability_schemes)
     for (const double damping : grid.dampings)
       for (const double inertia_ratio : grid.inertia_ratios) {
-        progress("stability: " + scheme + ", damping " + std::to_string(damping) + ", inertia ratio " +
-                 std::to_string(inertia_ratio));
+        std::ostringstream panel;
+        panel << "stability: " << scheme << ", damping ratio " << damping << ", inertia ratio " << inertia_ratio;
+        progress(panel.str());
         for (const double k : grid.stiffnesses)
           for (const double h : grid.steps)
             results.push_back(
@@ -171,9 +173,9 @@ std::vector<StabilityResult> study_stability(const StabilityGrid& grid, const Pr
   return results;
 }
 
-double explicit_limit(double damping) {
-  const double z = damping / 2;
-  return 2 * (std::sqrt(z * z + 1) - z);
+double explicit_limit(double damping, double inertia_ratio) {
+  const double faster = std::sqrt(inertia_ratio), z = damping / 2 * faster;
+  return 2 * (std::sqrt(z * z + 1) - z) / faster;
 }
 
 double measured_explicit_limit(double damping) {
@@ -183,7 +185,7 @@ double measured_explicit_limit(double damping) {
     Oscillator o = oscillator_of({.k = k, .h = 0, .damping = damping, .inertia_ratio = 1});
     o.start.X_WB.q.setIdentity();
     ExplicitBody body(o, wh * std::sqrt(mass / k));
-    for (int n = 0; n < 10000; ++n) body.step();
+    for (int n = 0; n < 100000; ++n) body.step();
     // Bounded: without damping the energy only swings (by less than 1e6 short of the limit).
     const bool bounded = energy_of(o, body.state()).translation <= max_energy_ratio * energy_of(o, o.start).translation;
     (bounded ? low : high) = wh;

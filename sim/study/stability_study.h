@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/integrator_implicit_euler.h"
+#include "core/integrator_tr_bdf2.h"
 #include "sim/study/error_study.h"
 
 namespace godobject::study {
@@ -28,6 +30,7 @@ inline constexpr double max_energy_ratio = 1e6;
 
 /// The explicit coupling of the contrast.
 inline constexpr const char* explicit_name = "explicit";
+inline constexpr std::array stability_schemes{ImplicitEuler::name, TrBdf2::name, explicit_name};
 
 /// Mass 0.1 kg; a rod with moments of inertia I, I, I / inertia_ratio, I = m (0.1 m)^2; k_r = k (0.1 m)^2, so that
 /// translation and the slow rotation have one frequency sqrt(k / m). Starts at rest 0.1 m and 1 rad away.
@@ -41,7 +44,7 @@ struct StabilityCell {
 };
 
 struct StabilityResult {
-  std::string scheme;        // an integrator's name or explicit_name
+  std::string scheme;        // one of stability_schemes
   StabilityCell cell;
   Stability stability = Stability::failed;
   double rise = 0;           // largest rise of energy, share of the first; NaN where failed
@@ -57,12 +60,14 @@ StabilityGrid stability_grid(bool quick);
 /// Runs one cell for one period of the undamped spring, at least 1000 steps.
 StabilityResult classify(const std::string& scheme, const StabilityCell& cell);
 
+/// Every cell with every scheme: by scheme, damping, inertia ratio, stiffness, step, the last the quickest.
 std::vector<StabilityResult> study_stability(const StabilityGrid& grid, const Progress& progress);
 
-/// Largest stable h sqrt(k/m) of the explicit coupling by theory, z = damping / 2: 2 (sqrt(z^2 + 1) - z).
-double explicit_limit(double damping);
+/// Largest stable h sqrt(k/m) of the explicit coupling by theory. Translation: 2 (sqrt(z^2 + 1) - z), z = damping / 2.
+/// Rotation about the rod's axis, where frequency and z are sqrt(inertia_ratio) times that, is the tighter one.
+double explicit_limit(double damping, double inertia_ratio = 1);
 
-/// The same, found by bisection on the energy after 10 000 steps, in translation.
+/// The same, found by bisection on the energy after 100 000 steps, in translation.
 double measured_explicit_limit(double damping);
 
 void write_csv(const std::filesystem::path& file, const std::vector<StabilityResult>& results);

@@ -1,5 +1,6 @@
 // Must not compile: a coupling to no device.
-#include "core/godobject.h"
+#include "core/integrator_tr_bdf2.h"
+#include "core/step.h"
 
 struct PulledByNobody {
   static constexpr int max_bodies = 1;

@@ -1,5 +1,6 @@
 // Must not compile: nothing pulls the body, so there is nothing to feel.
-#include "core/godobject.h"
+#include "core/integrator_implicit_euler.h"
+#include "core/step.h"
 
 struct NothingToFeel {
   static constexpr int max_bodies = 1;

@@ -1,5 +1,5 @@
 // Must not compile: what stands for the integrator is none.
-#include "core/godobject.h"
+#include "core/step.h"
 
 struct WithoutIntegrator {
   static constexpr int max_bodies = 1;

@@ -1,5 +1,6 @@
 // Must compile: shows that the others fail for the reason they name, not for their compiler flags.
-#include "core/godobject.h"
+#include "core/integrator_tr_bdf2.h"
+#include "core/step.h"
 
 struct Haptic {
   static constexpr int max_bodies = 1;

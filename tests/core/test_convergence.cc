@@ -76,11 +76,12 @@ Difference observed_order(Solve solve) {
   const RigidBodyState exact = solve(204800);
   const Difference coarse = difference(solve(400), exact), fine = difference(solve(3200), exact);
   const auto order = [](Real e_coarse, Real e_fine) { return std::log2(e_coarse / e_fine) / 3; };
-  const Difference p{.position = order(coarse.position, fine.position), .angle = order(coarse.angle, fine.angle),
+  const Difference p{.position = order(coarse.position, fine.position),
+                     .angle = order(coarse.angle, fine.angle),
                      .velocity = order(coarse.velocity, fine.velocity),
                      .angular_velocity = order(coarse.angular_velocity, fine.angular_velocity)};
-  std::cout << "errors at 0.25 ms: " << fine.position << " m, " << fine.angle << " rad; orders " << p.position << ", "
-            << p.angle << "\n";
+  std::cout << "errors at 0.25 ms: " << fine.position << " m, " << fine.angle << " rad; orders " << p.position
+            << ", " << p.angle << "\n";
   return p;
 }
 

@@ -126,7 +126,7 @@ TYPED_TEST(Engage, ShownForceGoesToZeroAfterLettingGo) {
   EXPECT_EQ(this->run_.out.bodies[0].feedback.F_D.tau.norm(), 0);
 }
 
-/// Not only in the first step: while the ramp rises the force on the body starts from zero and grows with s^2.
+/// While the ramp rises the force on the body starts from zero and grows with s^2.
 TEST(EngageRamp, PullGrowsFromNothing) {
   Running<OneBody<ImplicitEuler>> run;
   run.constants().coupling = {.k = 1000, .g = 60, .k_r = 1, .g_r = 1};
@@ -135,7 +135,8 @@ TEST(EngageRamp, PullGrowsFromNothing) {
   Real fastest = 0, v_before = 0;
   for (int n = 0; n < 100; ++n) {
     run.step();
-    const Real s = n * run.par.h / run.constants().device.rise, a = (run.body().v_W.x() - v_before) / run.par.h;
+    const Real s = n * run.par.h / run.constants().device.rise;
+    const Real a = (run.body().v_W.x() - v_before) / run.par.h;
     EXPECT_LE(a, s * s * 1000 * 1.000001 + 1e-12) << n;
     v_before = run.body().v_W.x();
     fastest = std::max(fastest, v_before);

@@ -25,8 +25,9 @@ void append(Numbers& all, Wrench& F) { append(all, F.tau), append(all, F.f); }
 void append(Numbers& all, PoseDevice::Input& in) { append(all, in.X_WD), append(all, in.V_WD); }
 void append(Numbers& all, RelativeDevice::Input& in) { append(all, in.dp_W), append(all, in.dphi_W); }
 void append(Numbers& all, AdmittanceDevice::Input& in) { append(all, in.F_WB); }
-void append(Numbers&, Empty&) {}
-void append(Numbers& all, TrBdf2::State& x) { append(all, x.a_W), append(all, x.alpha_B); }
+template <int slot>
+void append(Numbers&, Absent<slot>&) {}
+void append(Numbers& all, TrBdf2::Memory& x) { append(all, x.a_W), append(all, x.alpha_B); }
 
 void move(PoseDevice::Input& in, Real t) {
   const Real a = 0.3 * std::sin(3 * t);

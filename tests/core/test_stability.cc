@@ -19,8 +19,9 @@ struct Case {
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) {
-  return os << "h " << c.h << " m " << c.m << " k " << c.k << " k_r " << c.k_r << " zeta " << c.zeta << " zeta_r "
-            << c.zeta_r << " moments " << c.moments.transpose() << "\nI\n" << c.I_B << "\nbody at "
+  return os << "h " << c.h << " m " << c.m << " k " << c.k << " k_r " << c.k_r << " zeta " << c.zeta
+            << " zeta_r " << c.zeta_r << " moments " << c.moments.transpose() << "\nI\n" << c.I_B
+            << "\nbody at "
             << c.start.X_WB.p.transpose() << ", q (w x y z) " << c.start.X_WB.q.w() << ' '
             << c.start.X_WB.q.vec().transpose() << ", v " << c.start.V_WB.v.transpose() << ", w "
             << c.start.V_WB.w.transpose() << "\ntarget at " << c.target.X_WD.p.transpose() << ", q "
@@ -69,7 +70,7 @@ template <class Integrator>
       return ::testing::AssertionFailure() << "step " << n << ": not finite\n" << c;
     if (!(after <= before * (1 + Real(5e-10)) + rounding(c)))
       return ::testing::AssertionFailure() << "step " << n << ": energy from " << before * before << " to "
-                                           << after * after << " J, by " << (after / before - 1) * 2 << "\n" << c;
+                                           << after * after << " J\n" << c;
     before = after;
   }
   return ::testing::AssertionSuccess();
@@ -206,7 +207,7 @@ TEST(StabilityOfImplicitEuler, GainsNothingWithoutDamping) {
   }
 }
 
-/// Without rotational damping the energy error of TR-BDF2 is of second order, not one-sided: it stays bounded.
+/// Without rotational damping the energy error of TR-BDF2 is of second order, not one-sided: it is bounded.
 TEST(StabilityOfTrBdf2, StaysWithinABoundWithoutRotationalDamping) {
   Random random(7);
   Real worst = 0;
@@ -244,7 +245,7 @@ TYPED_TEST(Stability, SpinningAndCirclingTargetLeavesTheBodyBounded) {
       run.device().V_WD = {.w = spin * axis_W, .v = spin * axis_W.cross(arm_W)};
       run.step();
       ASSERT_FALSE(any(run.out.fault)) << c;
-      ASSERT_LT(run.body().w_B.norm(), 2 * anisotropy * (spin + pi / c.h)) << TypeParam::name << " step " << n << "\n" << c;
+      ASSERT_LT(run.body().w_B.norm(), 2 * anisotropy * (spin + pi / c.h)) << TypeParam::name << '\n' << c;
       ASSERT_LT(run.body().X_WB.p.norm(), 20 + drift) << TypeParam::name << " step " << n << "\n" << c;
     }
   }

@@ -25,7 +25,8 @@ struct Probe {
     return validate(par);
   }
 
-  static void run(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w, Output<S>& out) noexcept {
+  static void run(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
+                  Output<S>& out) noexcept {
     step(par, in, x, w, out);
   }
 
@@ -33,7 +34,8 @@ struct Probe {
 
   static Real energy(const Params<S>& par, const State<S>& x) noexcept {
     Real E = kinetic_energy(par.bodies[0].body, x.bodies[0].x);
-    if constexpr (uses<typename S::Coupling>) E += coupling_energy(par, x, 0) + coupling_wrench(par, x, 0).f.x();
+    if constexpr (uses<typename S::Coupling>)
+      E += coupling_energy(par, x, 0) + coupling_wrench(par, x, 0).f.x();
     return E;
   }
 };

@@ -20,7 +20,8 @@ DriveParams params() {
   return p;
 }
 
-CanFrame status(cia402::DriveState state, std::int32_t position_counts = 0, std::int16_t torque_per_mille = 0) {
+CanFrame status(cia402::DriveState state, std::int32_t position_counts = 0,
+                std::int16_t torque_per_mille = 0) {
   return cia402::make_status(7, {.statusword = cia402::encode_state(state),
                                  .position_counts = position_counts,
                                  .actual_torque_per_mille = torque_per_mille});

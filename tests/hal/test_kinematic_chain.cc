@@ -20,7 +20,8 @@ ChainParams oblique_chain() {
     ChainJoint joint;
     joint.name = "joint" + std::to_string(i);
     joint.kind = kinds[i];
-    joint.X_PJ = {Vec3(0.1 * i, 0.05, -0.02 * i), Quat(Eigen::AngleAxisd(0.3 * i, Vec3(i, 1, -1).normalized()))};
+    joint.X_PJ = {Vec3(0.1 * i, 0.05, -0.02 * i),
+                  Quat(Eigen::AngleAxisd(0.3 * i, Vec3(i, 1, -1).normalized()))};
     joint.axis_J = Vec3(1, i - 2.5, 0.5 * i).normalized();
     chain.joints.push_back(joint);
   }

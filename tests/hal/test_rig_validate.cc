@@ -38,8 +38,10 @@ TEST_P(RigValidateEach, NamesWhatIsWrong) {
 }
 
 const BrokenRule broken_rules[] = {
-    {"encoder of joint 'roll': the chain has no such joint", [](RigParams& r) { r.encoders[0].joint = "roll"; }},
-    {"drive of joint 'yaw': node_id 1 is taken by another device", [](RigParams& r) { r.drives[0].node_id = 1; }},
+    {"encoder of joint 'roll': the chain has no such joint",
+     [](RigParams& r) { r.encoders[0].joint = "roll"; }},
+    {"drive of joint 'yaw': node_id 1 is taken by another device",
+     [](RigParams& r) { r.drives[0].node_id = 1; }},
     {"node_id is 0, must be 1..127", [](RigParams& r) { r.encoders[0].node_id = 0; }},
     {"node_id is 200, must be 1..127", [](RigParams& r) { r.drives[1].node_id = 200; }},
     {"is the host's own", [](RigParams& r) { r.drives[0].node_id = 127; }},
@@ -51,15 +53,18 @@ const BrokenRule broken_rules[] = {
     {"joint 'pitch': name must be given, and only once",
      [](RigParams& r) { r.chain.joints.push_back({.name = "pitch"}); }},
     {"axis must have unit length", [](RigParams& r) { r.chain.joints[0].axis_J = Vec3(1, 1, 0); }},
-    {"handle pose must be finite", [](RigParams& r) { r.chain.X_LH.p.x() = std::numeric_limits<double>::quiet_NaN(); }},
+    {"handle pose must be finite",
+     [](RigParams& r) { r.chain.X_LH.p.x() = std::numeric_limits<double>::quiet_NaN(); }},
     {"base pose must be finite, with a unit quaternion", [](RigParams& r) { r.chain.X_WB.q.w() = 2; }},
     {"the chain has 0 joints, must be 1..8", [](RigParams& r) { r.chain.joints.clear(); }},
     {"the chain has 9 joints, must be 1..8", [](RigParams& r) { r.chain.joints.resize(9); }},
     {"the rig has 0 buses", [](RigParams& r) { r.buses.clear(); }},
     {"bus 'can1': bit_rate is 0, must be > 0", [](RigParams& r) { r.buses[1].bit_rate = 0; }},
-    {"counts_per_unit is -5, must be > 0", [](RigParams& r) { r.encoders[0].calibration.counts_per_unit = -5; }},
+    {"counts_per_unit is -5, must be > 0",
+     [](RigParams& r) { r.encoders[0].calibration.counts_per_unit = -5; }},
     {"sign is 0, must be 1 or -1", [](RigParams& r) { r.encoders[0].calibration.sign = 0; }},
-    {"modulus_counts is 8589934592", [](RigParams& r) { r.encoders[0].calibration.modulus_counts = 1ull << 33; }},
+    {"modulus_counts is 8589934592",
+     [](RigParams& r) { r.encoders[0].calibration.modulus_counts = 1ull << 33; }},
     {"half of modulus_counts within stale_after_s",
      [](RigParams& r) {
        r.encoders[0].calibration.counts_per_unit = 1000;

@@ -20,7 +20,8 @@ struct Errors {
 };
 
 // Errors of the estimator and of plain differences on a quantised x(t), after the window has filled.
-Errors errors_on(const std::function<double(double)>& x, const std::function<double(double)>& x_dot, int samples) {
+Errors errors_on(const std::function<double(double)>& x, const std::function<double(double)>& x_dot,
+                 int samples) {
   VelocityEstimator estimator(quantum);
   double last = quantised(x(0)), sum_estimator = 0, sum_difference = 0;
   int count = 0;

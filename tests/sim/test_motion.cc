@@ -65,7 +65,7 @@ Twist difference_twist(const Motion& motion, double t, double e) {
 std::string row(double t, const Pose& X) {
   std::string text = shortest(t);
   for (const double x : {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()})
-    text += "," + shortest(x);
+    text.append(",").append(shortest(x));
   return text + "\n";
 }
 

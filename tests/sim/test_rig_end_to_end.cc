@@ -278,7 +278,8 @@ TEST(RigEndToEnd, StopSwitchesTheDrivesOff) {
   sim.cycles(5);
   EXPECT_EQ(sim.rig->state(), RigState::off);
   for (const auto& drive : sim.drives) EXPECT_NE(drive->drive_state(), cia402::DriveState::operation_enabled);
-  for (const auto& encoder : sim.encoders) EXPECT_EQ(encoder->nmt_state(), canopen::NmtState::pre_operational);
+  for (const auto& encoder : sim.encoders)
+    EXPECT_EQ(encoder->nmt_state(), canopen::NmtState::pre_operational);
 }
 
 TEST(RigEndToEnd, TheCycleDoesNotAllocate) {

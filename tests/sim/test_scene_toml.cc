@@ -173,9 +173,9 @@ TEST(SceneToml, DuplicateNamesAreRefused) {
 
 TEST(SceneToml, UnknownChoiceNamesTheNearest) {
   const LoadResult result =
-      parse(replaced(minimal, "name = \"test\"", "name = \"test\"\nintegrator = \"sdirk\""));
-  EXPECT_THAT(result.errors, ElementsAre(AllOf(HasSubstr("\"implicit-euler\", \"sdirk2\""),
-                                               HasSubstr("nearest is \"sdirk2\""))));
+      parse(replaced(minimal, "name = \"test\"", "name = \"test\"\nintegrator = \"tr-bdf\""));
+  EXPECT_THAT(result.errors, ElementsAre(AllOf(HasSubstr("\"implicit-euler\", \"tr-bdf2\""),
+                                               HasSubstr("nearest is \"tr-bdf2\""))));
 }
 
 TEST(SceneToml, RigIsRead) {

@@ -1,0 +1,80 @@
+// godobject study: error against run time, stability map, footprint, and the report on them.
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+
+#include "platform/cli/verbs.h"
+#include "platform/machine.h"
+#include "sim/study/study.h"
+
+namespace godobject {
+namespace {
+
+struct StudyArguments {
+  std::string part = "all";
+  bool quick = false;
+  std::string out, report;
+};
+
+/// The command line that gives these arguments.
+std::string command_of(const StudyArguments& a) {
+  std::string command = "godobject study " + a.part;
+  if (a.quick) command += " --quick";
+  command += " --out " + a.out;
+  if (!a.report.empty()) command += " --report " + a.report;
+  return command;
+}
+
+std::string machine_text() {
+  const Machine machine = this_machine();
+  return machine.cpu + " (" + std::to_string(machine.num_cpus) + " CPUs), Linux " + machine.kernel;
+}
+
+study::StudyOptions options_of(const StudyArguments& a) {
+  const char* const shared = std::getenv("GODOBJECT_SHARED");
+  study::StudyOptions options;
+  options.error = a.part == "all" || a.part == "error";
+  options.stability = a.part == "all" || a.part == "stability";
+  options.footprint = a.part == "all" || a.part == "footprint";
+  options.quick = a.quick;
+  options.out = a.out;
+  options.report = a.report;
+  options.shared = shared != nullptr ? shared : "../shared";
+  options.machine = machine_text();
+  options.command = command_of(a);
+  return options;
+}
+
+ExitCode run(const StudyArguments& a) {
+  if (!a.report.empty() && a.part != "all") {
+    std::fprintf(stderr, "--report needs the results of all parts: godobject study all --report ...\n");
+    return ExitCode::usage;
+  }
+  try {
+    const study::StudyResults results =
+        run_study(options_of(a), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
+    for (const std::string& note : results.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "study: %s\n", error.what());
+    return ExitCode::fault;
+  }
+  std::printf("results in %s\n", a.out.c_str());
+  if (!a.report.empty()) std::printf("report in %s\n", a.report.c_str());
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, ExitCode& code) {
+  CLI::App* verb = app.add_subcommand("study", "Measure error against run time, stability and footprint.");
+  const auto arguments = std::make_shared<StudyArguments>();
+  verb->add_option("PART", arguments->part, "error, stability, footprint or all (default)")
+      ->check(CLI::IsMember({"error", "stability", "footprint", "all"}));
+  verb->add_flag("--quick", arguments->quick, "small grids, well under a minute");
+  verb->add_option("--out", arguments->out, "folder for CSV files and figures")->required();
+  verb->add_option("--report", arguments->report, "report (Markdown) to write; figures go beside it");
+  verb->callback([arguments, &code] { code = run(*arguments); });
+}
+
+}  // namespace godobject

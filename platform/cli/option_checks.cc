@@ -1,0 +1,26 @@
+#include "platform/cli/option_checks.h"
+
+#include <charconv>
+#include <string>
+
+#include "sim/key.h"
+
+namespace godobject {
+namespace {
+
+CLI::Validator number(const Range& range) {
+  const auto check = [range](const std::string& text) -> std::string {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool complete = error == std::errc() && end == text.data() + text.size();
+    return complete && range.contains(value) ? "" : "'" + text + "' is not a number " + to_string(range);
+  };
+  return {check, to_string(range), "number"};
+}
+
+}  // namespace
+
+CLI::Validator number_in(double min, double max) { return number({.min = min, .max = max}); }
+CLI::Validator number_above(double min, double max) { return number({.min = min, .max = max, .min_open = true}); }
+
+}  // namespace godobject

@@ -1,0 +1,101 @@
+#include "sim/study/study.h"
+
+#include <sstream>
+#include <stdexcept>
+
+#include "sim/study/plots.h"
+#include "sim/study/report.h"
+#include "sim/study/tool.h"
+
+namespace godobject::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Study {
+ public:
+  Study(const StudyOptions& options, const Progress& progress)
+      : options_(options),
+        progress_(progress),
+        probes_(options.probe_directory.empty() ? default_probe_directory() : options.probe_directory),
+        counter_((probes_ / "godobject_probe").string()),
+        can_draw_(tool_exists("gnuplot")) {
+    fs::create_directories(options.out);
+    if (!can_draw_) results_.notes.emplace_back("no figures: gnuplot is not installed");
+    if ((options.error || options.footprint) && !counter_.why_not().empty())
+      results_.notes.push_back("no instruction counts: " + counter_.why_not());
+  }
+
+  void error() {
+    const std::vector<ReferenceScene> scenes = reference_scenes(options_.shared, results_.notes);
+    results_.errors = study_error(scenes, options_.quick, counter_, progress_);
+    write_csv(options_.out / "error.csv", results_.errors);
+    write_error_script(options_.out, results_.errors);
+    figure("error");
+  }
+
+  void stability() {
+    const StabilityGrid grid = stability_grid(options_.quick);
+    results_.stability = study_stability(grid, progress_);
+    write_csv(options_.out / "stability.csv", results_.stability);
+    for (const double damping : grid.dampings)
+      results_.explicit_limits.push_back({damping, measured_explicit_limit(damping)});
+    for (std::size_t i = 0; i < stability_schemes.size(); ++i) {
+      write_stability_script(options_.out, i, grid);
+      figure(std::string("stability-") + stability_schemes[i]);
+    }
+  }
+
+  void footprint() {
+    std::string why_not;
+    results_.footprint = study_footprint(probes_, options_.quick, counter_, progress_, why_not);
+    if (!why_not.empty()) {
+      results_.notes.push_back("no footprint: " + why_not);
+      return;
+    }
+    write_csv(options_.out / "footprint.csv", results_.footprint);
+    write_footprint_script(options_.out);
+    figure("footprint");
+  }
+
+  StudyResults results() && { return std::move(results_); }
+
+ private:
+  void figure(const std::string& name) {
+    if (!can_draw_) return;
+    progress_("drawing " + name);
+    const std::string problem = draw(options_.out, name);
+    if (!problem.empty()) throw std::runtime_error(problem);
+  }
+
+  const StudyOptions& options_;
+  const Progress& progress_;
+  fs::path probes_;
+  InstructionCounter counter_;
+  bool can_draw_;
+  StudyResults results_;
+};
+
+}  // namespace
+
+StudyResults run_study(const StudyOptions& options, const Progress& progress) {
+  Study study(options, progress);
+  if (options.error) study.error();
+  if (options.stability) study.stability();
+  if (options.footprint) study.footprint();
+  StudyResults results = std::move(study).results();
+  if (!options.report.empty()) write_report(options, results);
+  return results;
+}
+
+fs::path default_probe_directory() { return GODOBJECT_PROBE_DIRECTORY; }
+
+std::string build_description() {
+  std::istringstream flags(GODOBJECT_FLAGS);
+  std::string text = GODOBJECT_COMPILER;
+  for (std::string flag; flags >> flag;)
+    if (!flag.starts_with("-W")) text += " " + flag;
+  return text;
+}
+
+}  // namespace godobject::study

@@ -1,0 +1,47 @@
+// The study: what the integrators cost and how good they are, as CSV files, figures and a report.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/study/error_study.h"
+#include "sim/study/footprint_study.h"
+#include "sim/study/stability_study.h"
+
+namespace godobject::study {
+
+struct StudyOptions {
+  bool error = true, stability = true, footprint = true;   // parts
+  bool quick = false;                    // small grids, well under a minute
+  std::filesystem::path out;             // folder of the results; made if absent
+  std::filesystem::path report;          // report.md to write; empty: none. Needs all parts.
+  std::filesystem::path shared;          // folder with reference/, may be absent
+  std::filesystem::path probe_directory; // of the probe program and archives; empty: default_probe_directory()
+  std::string machine;                   // for the report
+  std::string command;                   // for the report
+};
+
+struct ExplicitLimit {
+  double damping = 0, measured = 0;
+};
+
+struct StudyResults {
+  std::vector<ErrorRow> errors;
+  std::vector<StabilityResult> stability;
+  std::vector<ExplicitLimit> explicit_limits;
+  std::vector<FootprintRow> footprint;
+  std::vector<std::string> notes;        // what was left out, and why
+};
+
+/// Runs the parts, writes <part>.csv, <part>.gp, .png and .svg into `out`, and the report. Throws
+/// std::runtime_error when a file cannot be written.
+StudyResults run_study(const StudyOptions& options, const Progress& progress);
+
+/// Where the build puts the probe program and the archives.
+std::filesystem::path default_probe_directory();
+
+/// Compiler and flags of this build.
+std::string build_description();
+
+}  // namespace godobject::study

@@ -1,0 +1,45 @@
+#!/bin/sh
+# Builds state_hash_probe.cc with every compiler at hand and every optimisation level, with the flags of the
+# `deterministic` preset, and demands that all print the same.
+#   compare.sh SOURCE_DIR EIGEN_INCLUDE_DIR WORK_DIR
+set -eu
+source_dir=$1 eigen=$2 work=$3
+flags="-std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -fno-math-errno -ffp-contract=off"
+launcher=$(command -v ccache || true)
+rm -rf "$work"
+mkdir -p "$work"
+
+# All levels of one compiler, each leaving its output in a file of its own.
+run_all_levels() {
+  for level in -O0 -O2 -O3; do
+    name=$work/$1$level
+    # shellcheck disable=SC2086
+    $launcher "$1" $flags $level -I "$source_dir" -isystem "$eigen" \
+      -c "$source_dir/tests/determinism/state_hash_probe.cc" -o "$name.o"
+    "$1" "$name.o" -o "$name"
+    "$name" > "$name.txt"
+  done
+}
+
+running=""
+for compiler in g++ clang++; do
+  if command -v "$compiler" > /dev/null; then
+    run_all_levels "$compiler" &
+    running="$running $!"
+  else
+    echo "$compiler: not on this machine, left out"
+  fi
+done
+for pid in $running; do wait "$pid"; done
+
+reference=$(ls "$work"/*-O0.txt | head -n 1)
+cat "$reference"
+grep -q ' [0-9a-f]\{16\}$' "$reference"
+if grep fault "$reference"; then exit 1; fi
+for output in "$work"/*.txt; do
+  if ! diff "$reference" "$output"; then
+    echo "$(basename "$output" .txt): other bits than $(basename "$reference" .txt)"
+    exit 1
+  fi
+  echo "$(basename "$output" .txt): equal"
+done

@@ -1,0 +1,103 @@
+// Prints the state hash of a fixed run of each composition: every compiler and optimisation level must print
+// the same. The motion is made with + - * / alone, so no libm has a say.
+#include <cinttypes>
+#include <cstdio>
+
+#include "core/godobject.h"
+
+namespace {
+
+using namespace godobject;
+
+template <class IntegratorPart, class DevicePart, class CouplingPart, class FeedbackPart>
+struct Composition {
+  static constexpr int max_bodies = 2;
+  using Integrator = IntegratorPart;
+  using Device = DevicePart;
+  using Coupling = CouplingPart;
+  using Feedback = FeedbackPart;
+};
+
+constexpr Real h = 1e-3;
+constexpr int num_steps = 3000;
+
+/// Quarter-turn tangent of the motion at step n: to and fro between -1 and 1, once in 1.6 s.
+Real tangent(int n) {
+  const int phase = n % 1600;
+  return (phase < 800 ? phase - 400 : 1200 - phase) / 400.0;
+}
+
+/// The target turns about a fixed axis by angles of up to half a turn and moves on a parabola.
+void move(PoseDevice::Input& in, int n) {
+  const Real t = tangent(n), t_dot = (n % 1600 < 800 ? 1 : -1) / (400 * h);
+  const Vec3 u_W(0.36, 0.48, 0.8);
+  const Real c = 1 / (1 + t * t);
+  in.X_WD = {.p = Vec3(0.1 * t, 0.05 * t * t, -0.02 * t),
+             .q = Quat((1 - t * t) * c, 2 * t * c * u_W.x(), 2 * t * c * u_W.y(), 2 * t * c * u_W.z())};
+  in.V_WD = {.w = 4 * t_dot * c * u_W, .v = t_dot * Vec3(0.1, 0.1 * t, -0.02)};
+  in.valid = n % 37 != 0;
+  in.engaged = n % 900 > 30;
+}
+void move(RelativeDevice::Input& in, int n) {
+  in.dp_W = 1e-4 * Vec3(tangent(n), tangent(n + 400), 0.3);
+  in.dphi_W = 3e-3 * Vec3(0.2, tangent(n + 100), tangent(n));
+  in.clutch = n % 500 > 50;
+}
+void move(AdmittanceDevice::Input& in, int n) {
+  in.F_WB = {.tau = 1e-2 * Vec3(tangent(n), 0.1, 0), .f = Vec3(0.5, tangent(n + 300), tangent(n))};
+}
+void move(Empty&, int) {}
+
+template <Scene S>
+void set_up(Params<S>& par, State<S>& x) {
+  par.h = h;
+  par.num_bodies = 2;
+  par.gravity_W = Vec3(0, 0, -9.81);
+  Mat3 I_B;
+  I_B << 5e-3, 1e-3, -5e-4,
+         1e-3, 3e-3, 4e-4,
+        -5e-4, 4e-4, 6e-3;
+  for (std::size_t i = 0; i < 2; ++i) {
+    BodyParams<S>& body = par.bodies[i];
+    body.body = rigid_body(i == 0 ? 0.2 : 0.7, I_B);
+    if constexpr (uses<typename S::Coupling>) body.coupling = {.k = 1500, .g = 30, .k_r = 4, .g_r = 0.2};
+    if constexpr (uses<typename S::Feedback>) body.feedback.gains = {.k = 800, .g = 1, .k_r = 1, .g_r = 0.02};
+    place(x, i, {.X_WB = {.p = Vec3(0.1, 0.2, 0.3), .q = Quat(0.5, 0.5, -0.5, 0.5)},
+                 .V_WB = {.w = Vec3(1, 9, 2), .v = Vec3(0.1, 0, 0.2)}});
+  }
+}
+
+template <Scene S>
+void print_hash(const char* name) {
+  Params<S> par;
+  State<S> x;
+  Scratch<S> w;
+  Input<S> in;
+  Output<S> out;
+  set_up(par, x);
+  Hash outputs;
+  for (int n = 0; n < num_steps; ++n) {
+    for (std::size_t i = 0; i < 2; ++i) move(in.devices[i], n + 250 * static_cast<int>(i));
+    step(par, in, x, w, out);
+    if (any(out.fault)) std::printf("fault in step %d\n", n);
+    outputs.add(out.bodies[1].X_WB);
+    outputs.add(out.bodies[1].V_WB);
+  }
+  std::printf("%-45s %016" PRIx64 " %016" PRIx64 "\n", name, state_hash(par, x), outputs.value());
+}
+
+template <class Integrator>
+void print_hashes() {
+  std::printf("%s\n", Integrator::name);
+  print_hash<Composition<Integrator, None, None, None>>("  free");
+  print_hash<Composition<Integrator, PoseDevice, DampedSpring, LimitedFeedback>>("  pose, feedback");
+  print_hash<Composition<Integrator, RelativeDevice, DampedSpring, LimitedFeedback>>("  relative, feedback");
+  print_hash<Composition<Integrator, AdmittanceDevice, None, None>>("  admittance");
+}
+
+}  // namespace
+
+int main() {
+  print_hashes<ImplicitEuler>();
+  print_hashes<TrBdf2>();
+}

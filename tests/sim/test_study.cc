@@ -1,0 +1,220 @@
+#include "sim/study/study.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "sim/engine.h"
+#include "sim/study/tool.h"
+
+namespace godobject::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+void say_nothing(const std::string&) {}
+
+/// A folder that goes away with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "godobject-study-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::vector<std::string> lines_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::string text_of(const fs::path& file) {
+  std::string text;
+  for (const std::string& line : lines_of(file)) text += line + '\n';
+  return text;
+}
+
+StabilityCell cell_at(double wh, double damping) {
+  StabilityCell cell{.k = 1000, .h = 0, .damping = damping, .inertia_ratio = 1};
+  cell.h = 1;
+  cell.h = wh / cell.wh();
+  return cell;
+}
+
+/// A quick run of everything, once, and what it left behind.
+struct QuickRun {
+  QuickRun() {
+    StudyOptions options;
+    options.quick = true;
+    options.out = folder.path() / "out";
+    options.report = folder.path() / "docs" / "report.md";
+    options.machine = "a test";
+    options.command = "the test's command";
+    results = run_study(options, say_nothing);
+  }
+
+  fs::path out(const std::string& file) const { return folder.path() / "out" / file; }
+  fs::path docs(const std::string& file) const { return folder.path() / "docs" / file; }
+
+  Folder folder;
+  StudyResults results;
+};
+
+void expect_sane_errors(const QuickRun& run) {
+  ASSERT_FALSE(run.results.errors.empty());
+  EXPECT_EQ(lines_of(run.out("error.csv")).size(), run.results.errors.size() + 1);
+  for (const ErrorRow& r : run.results.errors) {
+    SCOPED_TRACE(r.scene + " " + r.integrator);
+    EXPECT_TRUE(std::isfinite(r.errors.position) && r.errors.position < 1e-2) << r.errors.position;
+    EXPECT_TRUE(std::isfinite(r.errors.rotation) && r.errors.rotation < 1) << r.errors.rotation;
+    EXPECT_GT(r.ns_per_step, 0);
+    EXPECT_GT(r.order_position.value_or(1), 0.7);
+  }
+}
+
+void expect_figures(const QuickRun& run) {
+  std::vector<std::string> figures{"error", "stability-implicit-euler", "stability-tr-bdf2", "stability-explicit"};
+  if (!run.results.footprint.empty()) figures.emplace_back("footprint");
+  for (const std::string& figure : figures) {
+    EXPECT_TRUE(fs::exists(run.out(figure + ".gp"))) << figure;
+    if (!tool_exists("gnuplot")) continue;
+    for (const char* format : {".png", ".svg"}) {
+      ASSERT_TRUE(fs::exists(run.out(figure + format))) << figure;
+      EXPECT_GT(fs::file_size(run.out(figure + format)), 1000u) << figure << format;
+    }
+    EXPECT_TRUE(fs::exists(run.docs("figures/" + figure + ".png"))) << figure;
+  }
+}
+
+void expect_report(const QuickRun& run) {
+  const std::string report = text_of(run.docs("report.md"));
+  for (const char* text : {"the test's command", "## What was asked", "## Result", "### 1.", "### 2.", "### 3.", "## How",
+                           "| S1 | tr-bdf2 |", "coupling-lissajous: its motion file was not found"})
+    EXPECT_NE(report.find(text), std::string::npos) << text;
+  EXPECT_EQ(report.find("nan"), std::string::npos);
+}
+
+TEST(Study, QuickRunWritesTablesFiguresAndReport) {
+  const QuickRun run;
+  expect_sane_errors(run);
+  EXPECT_EQ(lines_of(run.out("stability.csv")).size(), run.results.stability.size() + 1);
+  expect_figures(run);
+  expect_report(run);
+}
+
+/// The compositions with one body.
+std::vector<FootprintRow> quick_footprint() {
+  InstructionCounter counter((default_probe_directory() / "godobject_probe").string());
+  std::string why_not;
+  return study_footprint(default_probe_directory(), true, counter, say_nothing, why_not);
+}
+
+TEST(FootprintStudy, AgreesWithTheProgramsCompositions) {
+  const std::vector<FootprintRow> rows = quick_footprint();
+  if (rows.empty()) GTEST_SKIP() << "target godobject_probe is not built";
+  int num_shared = 0;
+  for (const Composition& c : compositions()) {
+    const FootprintRow* const r = find(rows, c.name);
+    if (r == nullptr) continue;
+    ++num_shared;
+    EXPECT_EQ(r->params_bytes, c.params_bytes) << c.name;
+    EXPECT_EQ(r->state_bytes, c.state_bytes) << c.name;
+    EXPECT_EQ(r->scratch_bytes, c.scratch_bytes) << c.name;
+  }
+  EXPECT_EQ(num_shared, 10);  // 5 scenes with 2 integrators
+}
+
+TEST(FootprintStudy, LeavingAPartOutLeavesItsDataAndCodeOut) {
+  const std::vector<FootprintRow> rows = quick_footprint();
+  if (rows.empty()) GTEST_SKIP() << "target godobject_probe is not built";
+  const FootprintRow* smaller = nullptr;
+  for (const char* name : {"free-1 tr-bdf2", "device-1 tr-bdf2", "pose-1 tr-bdf2", "haptic-1 tr-bdf2"}) {
+    const FootprintRow* const row = find(rows, name);
+    ASSERT_NE(row, nullptr) << name;
+    if (smaller != nullptr) {
+      EXPECT_GT(row->state_bytes + row->params_bytes, smaller->state_bytes + smaller->params_bytes) << name;
+      // Where size or valgrind is missing neither has a number.
+      EXPECT_TRUE(!row->code_bytes || *row->code_bytes > smaller->code_bytes) << name;
+      EXPECT_TRUE(!row->instructions || *row->instructions > smaller->instructions) << name;
+    }
+    smaller = row;
+  }
+}
+
+TEST(StabilityStudy, ImplicitIntegratorsGainNoEnergyOnTheMap) {
+  for (const StabilityResult& r : study_stability(stability_grid(true), say_nothing)) {
+    if (r.scheme == explicit_name) continue;
+    if (r.cell.damping == 0 && r.stability == Stability::energy_gaining) {
+      EXPECT_LT(r.rise, 1e-5);  // nothing takes it out: the error of a second-order scheme swings
+      continue;
+    }
+    EXPECT_TRUE(r.stability == Stability::stable || r.stability == Stability::dissipative)
+        << r.scheme << " k " << r.cell.k << " h " << r.cell.h << " damping " << r.cell.damping << " inertia ratio "
+        << r.cell.inertia_ratio << " rise " << r.rise;
+  }
+}
+
+TEST(StabilityStudy, ExplicitCouplingFailsAboveItsLimit) {
+  for (const double damping : {0.0, 0.2, 1.4, 2.0})
+    for (const double factor : {1.1, 3.0, 100.0})
+      EXPECT_EQ(classify(explicit_name, cell_at(factor * explicit_limit(damping), damping)).stability,
+                Stability::failed)
+          << damping << ' ' << factor;
+}
+
+TEST(StabilityStudy, MeasuredExplicitLimitIsTheTheorys) {
+  for (const double damping : {0.0, 0.2, 1.4, 2.0})
+    EXPECT_NEAR(measured_explicit_limit(damping), explicit_limit(damping), 1e-3) << damping;
+}
+
+TEST(StabilityStudy, KnowsTheFourClasses) {
+  const double limit = explicit_limit(1.4);
+  EXPECT_EQ(classify(explicit_name, cell_at(1.2 * limit, 1.4)).stability, Stability::failed);
+  EXPECT_EQ(classify(explicit_name, cell_at(0.01 * limit, 1.4)).stability, Stability::stable);
+  // Undamped, the explicit scheme's energy swings by about wh / 2 and stays bounded.
+  const StabilityResult swinging = classify(explicit_name, cell_at(0.1, 0));
+  EXPECT_EQ(swinging.stability, Stability::energy_gaining);
+  EXPECT_NEAR(swinging.rise, 0.1, 0.05);
+  EXPECT_EQ(classify("implicit-euler", cell_at(1e-3, 0)).stability, Stability::stable);
+  EXPECT_EQ(classify("implicit-euler", cell_at(1, 0)).stability, Stability::dissipative);
+}
+
+TEST(StabilityStudy, ImplicitEulerLosesWhatItsTheorySays) {
+  // One step from rest: the energy falls to 1 / (1 + (wh)^2) of the first, the exact one stays.
+  const double wh = 10;
+  EXPECT_NEAR(classify("implicit-euler", cell_at(wh, 0)).loss, 1 - 1 / (1 + wh * wh), 1e-9);
+}
+
+TEST(ErrorStudy, SecondOrderIsSecondOrder) {
+  ReferenceScene scene = scene_s1();
+  scene.duration = 1;
+  const Errors coarse = measure_errors(scene, "tr-bdf2", 1e-3), fine = measure_errors(scene, "tr-bdf2", 0.5e-3);
+  EXPECT_GT(std::log2(coarse.position / fine.position), 1.9);
+  EXPECT_LT(fine.position, measure_errors(scene, "implicit-euler", 0.5e-3).position / 100);
+}
+
+TEST(InstructionCount, SaysWhyThereIsNone) {
+  InstructionCounter counter("/nowhere/godobject_probe");
+  EXPECT_FALSE(counter.why_not().empty());
+  EXPECT_FALSE(counter.per_step("pose-1 tr-bdf2"));
+}
+
+TEST(Tool, ReportsStatusAndKeepsArgumentsWhole) {
+  EXPECT_EQ(run_tool({"printf", "%s|", "a b", "it's", "$HOME"}).output, "a b|it's|$HOME|");
+  EXPECT_EQ(run_tool({"sh", "-c", "exit 3"}).status, 3);
+  EXPECT_EQ(run_tool({"no-such-program"}).status, 127);
+}
+
+}  // namespace
+}  // namespace godobject::study
