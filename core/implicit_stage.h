@@ -31,22 +31,34 @@ inline Vec3 solve3(const Mat3& A, const Vec3& b) noexcept {
   return Vec3(c0.dot(b), c1.dot(b), c2.dot(b)) * (1 / a0.dot(c0));
 }
 
-/// Translation: (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
-inline Vec3 implicit_translation(Real m, const SpringParams& spring, const Vec3& v_W, const Vec3& e_W,
-                                 const Vec3& v_D, const Vec3& F_W, Real h) noexcept {
+/// (10) as M v+ = b, world axes.
+struct TranslationSystem {
+  Real M = 1;
+  Vec3 b_W = Vec3::Zero();
+};
+
+/// (11) as A w+ = b, body axes.
+struct RotationSystem {
+  Mat3 A_B = Mat3::Identity();
+  Vec3 b_B = Vec3::Zero();
+};
+
+/// (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
+inline TranslationSystem implicit_translation(Real m, const SpringParams& spring, const Vec3& v_W, const Vec3& e_W,
+                                              const Vec3& v_D, const Vec3& F_W, Real h) noexcept {
   const Real hk = h * spring.k;
-  const Real M = m + h * (spring.g + hk);
-  return (m * v_W + h * (F_W + spring.g * v_D) + hk * e_W) * (1 / M);
+  return {.M = m + h * (spring.g + hk), .b_W = m * v_W + h * (F_W + spring.g * v_D) + hk * e_W};
 }
 
-/// Rotation, everything in body axes. With L = I w^ the terms of (11), linearised in w+:
+/// Everything in body axes. With L = I w^ the terms of (11), linearised in w+:
 ///   gyroscopic    w x I w    ->  w+ x L                    (never does work on w+)
 ///                                + rho w^ x (I w+ - L)     (makes it Newton's: second order)
 ///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + c [phi]x^2
 ///   damping       R+^T w_D   ->  w_D + h w_D x w+
 /// rho = 1 unless a step turns the body so far that the Newton term could do work.
-inline Vec3 implicit_rotation(const RigidBodyParams& body, const SpringParams& spring, const Vec3& w_B,
-                              const RotationError& error, const Vec3& w_D_B, const Vec3& T_B, Real h) noexcept {
+inline RotationSystem implicit_rotation(const RigidBodyParams& body, const SpringParams& spring, const Vec3& w_B,
+                                        const RotationError& error, const Vec3& w_D_B, const Vec3& T_B,
+                                        Real h) noexcept {
   const Vec3& phi = error.phi_B;
   const Vec3 L = body.I_B * w_B;
   const Real hk = h * spring.k_r;
@@ -60,12 +72,13 @@ inline Vec3 implicit_rotation(const RigidBodyParams& body, const SpringParams& s
   const Vec3 turn = h * (L + Real(0.5) * hk * phi + h * spring.g_r * w_D_B);
   const Vec3 bent = (h * hk * error.curvature) * phi;
   const Real diagonal = h * (spring.g_r + hk) - bent.dot(phi);
-  Mat3 A;
+  RotationSystem system;
+  Mat3& A = system.A_B;
   for (int j = 0; j < 3; ++j) A.col(j) = body.I_B.col(j) + hw.cross(body.I_B.col(j)) + phi[j] * bent;
   A += skew(-turn);
   A.diagonal().array() += diagonal;
-  const Vec3 b = L + hw.cross(L) + h * (T_B + spring.g_r * w_D_B) + hk * phi;
-  return solve3(A, b);
+  system.b_B = L + hw.cross(L) + h * (T_B + spring.g_r * w_D_B) + hk * phi;
+  return system;
 }
 
 }  // namespace godobject

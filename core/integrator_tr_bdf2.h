@@ -20,6 +20,8 @@ struct TrBdf2 {
     Vec3 a_W = Vec3::Zero();      // K_0: acceleration, m/s^2
     Vec3 alpha_B = Vec3::Zero();  // K_0: angular acceleration in body axes, rad/s^2
     bool known = false;           // false before the first step and when the force has jumped
+
+    friend Real sum(const Memory& m) noexcept { return m.a_W.sum() + m.alpha_B.sum(); }
   };
 
   static constexpr Real d = 0.29289321881345248;
@@ -59,7 +61,7 @@ struct TrBdf2 {
       }
       if constexpr (uses<typename S::Device>) w.targets[i] = w.pulls[i].to;
     }
-    solve_stage(par, x, h_2, w);
+    solve_stage(par, w.next, h_2, w);
 
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       BodyState<S>& next = w.next.bodies[i];

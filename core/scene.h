@@ -34,6 +34,10 @@ struct None {
 /// must have two addresses, and so storage.
 template <int slot>
 struct Absent {};
+template <int slot>
+constexpr Real sum(const Absent<slot>&) noexcept {
+  return 0;
+}
 template <class T, int slot>
 using Slot = std::conditional_t<std::is_empty_v<T>, Absent<slot>, T>;
 

@@ -20,7 +20,7 @@ inline Mat3 skew(const Vec3& a) noexcept {
   return s;
 }
 
-/// q scaled back to unit length; for |q| within 1e-5 of 1 exact to rounding: one Newton step of 1/sqrt.
+/// q scaled back to unit length; one Newton step of 1/sqrt: an error d of the length becomes 3/2 d^2.
 inline Quat renormalized(const Quat& q) noexcept {
   const Real s = Real(0.5) * (3 - q.coeffs().squaredNorm());
   Quat r;

@@ -10,13 +10,14 @@ namespace godobject {
 template <class S>
 struct Scratch {
   State<S> next;                                        // the state being built; committed if finite
-  std::array<Pull, S::max_bodies> pulls;               // from the devices
+  std::array<Pull, S::max_bodies> pulls;                // from the devices
   std::array<Target, S::max_bodies> targets;            // at the end of the stage
   std::array<RigidBodyState, S::max_bodies> bases;      // where the stage starts
   std::array<StageVelocity, S::max_bodies> velocities;  // what the stage solves for
 };
 
-/// Solves (10) and (11) for every body over a time h from w.bases to w.targets; x is the state before the step.
+/// Solves (10) and (11) for every body over a time h from w.bases to w.targets; x holds the attitude error of
+/// the stage before.
 template <Scene S>
 void solve_stage(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
@@ -41,8 +42,9 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w)
       w.next.bodies[i].coupling.phi_B = error.phi_B;
     }
 
-    w.velocities[i].v_W = implicit_translation(body.m, spring, base.v_W, e_W, v_D, F.f, h);
-    w.velocities[i].w_B = implicit_rotation(body, spring, base.w_B, error, w_D_B, F.tau, h);
+    const TranslationSystem translation = implicit_translation(body.m, spring, base.v_W, e_W, v_D, F.f, h);
+    const RotationSystem rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, F.tau, h);
+    w.velocities[i] = {.v_W = translation.b_W * (1 / translation.M), .w_B = solve3(rotation.A_B, rotation.b_B)};
   }
 }
 

@@ -28,7 +28,7 @@ template <class S>
 bool is_finite(const Params<S>& par, const State<S>& x) noexcept {
   Real all = 0;
   for (std::size_t i = 0; i < num_bodies(par); ++i)
-    all += sum(x.bodies[i].x.X_WB) + x.bodies[i].x.v_W.sum() + x.bodies[i].x.w_B.sum();
+    all += sum(x.bodies[i].x.X_WB) + x.bodies[i].x.v_W.sum() + x.bodies[i].x.w_B.sum() + sum(x.bodies[i].memory);
   return is_finite(all);
 }
 

@@ -8,8 +8,8 @@
 namespace godobject {
 
 struct CyclicStatistics {
-  Histogram wake_ns;          // from the time a cycle was to start to its start
-  Histogram compute_ns;       // from the start of a cycle to its end
+  Histogram wake_ns;     // from the time a cycle was to start to its start
+  Histogram compute_ns;  // from the start of a cycle to its end
   std::uint64_t cycles = 0;
   std::uint64_t late = 0;     // cycles that ended after their period
   std::uint64_t skipped = 0;  // whole periods in which no cycle ran

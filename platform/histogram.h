@@ -39,7 +39,8 @@ class Histogram {
     return static_cast<std::int64_t>(((step + 1) << shift) - 1);
   }
 
-  /// A bound that at least this share (0 to 1) of the values does not exceed, within a bin's width; 0 when empty.
+  /// A bound that at least this share (0 to 1) of the values does not exceed, within a bin's width;
+  /// 0 when empty.
   std::int64_t percentile(double share) const noexcept {
     const double rank = std::ceil(std::clamp(share, 0.0, 1.0) * static_cast<double>(count_));
     std::uint64_t seen = 0;

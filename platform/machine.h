@@ -6,9 +6,9 @@
 namespace godobject {
 
 struct Machine {
-  std::string cpu;         // model name
+  std::string cpu;  // model name
   unsigned num_cpus = 0;
-  std::string kernel;      // release and version
+  std::string kernel;  // release and version
 };
 
 Machine this_machine();

@@ -13,7 +13,8 @@ namespace godobject {
 /// One thread pushes, one other thread pops. A record that finds the ring full is lost and counted.
 template <class T>
 class Ring {
-  static_assert(std::is_trivially_destructible_v<T>, "copying a record must not allocate: it may own nothing");
+  static_assert(std::is_trivially_destructible_v<T>,
+                "copying a record must not allocate: it may own nothing");
   static_assert(std::atomic<std::size_t>::is_always_lock_free);
 
  public:

@@ -37,7 +37,10 @@ RtStep lock_memory() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
   const bool unlimited = limit.rlim_cur == RLIM_INFINITY || geteuid() == 0;
-  RtStep step{.name = "lock memory", .result = RtResult::ok, .detail = "all of it, also what is yet to come", .remedy = ""};
+  RtStep step{.name = "lock memory",
+              .result = RtResult::ok,
+              .detail = "all of it, also what is yet to come",
+              .remedy = ""};
   if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) != 0) {
     step.result = RtResult::failed;
     step.detail = "mlockall: " + error_text(errno);
@@ -53,7 +56,11 @@ RtStep lock_memory() {
 /// Memory given back to the system would cost a page fault when it is needed again.
 RtStep keep_heap() {
   const bool kept = mallopt(M_TRIM_THRESHOLD, -1) == 1 && mallopt(M_MMAP_MAX, 0) == 1;
-  if (kept) return {.name = "keep heap", .result = RtResult::ok, .detail = "freed memory stays in the process", .remedy = ""};
+  if (kept)
+    return {.name = "keep heap",
+            .result = RtResult::ok,
+            .detail = "freed memory stays in the process",
+            .remedy = ""};
   return {.name = "keep heap",
           .result = RtResult::degraded,
           .detail = "the allocator refused",
@@ -99,9 +106,11 @@ RtProcess::~RtProcess() {
   munlockall();
 }
 
-/// Documentation/power/pm_qos_interface.rst: the longest wake-up of a processor, in us, while the file is open.
+/// Documentation/power/pm_qos_interface.rst of Linux: the longest wake-up of a processor, in us, while the
+/// file is open.
 RtStep RtProcess::forbid_deep_sleep() {
-  RtStep step{.name = "processor sleep", .result = RtResult::ok, .detail = "no deep idle states", .remedy = ""};
+  RtStep step{
+      .name = "processor sleep", .result = RtResult::ok, .detail = "no deep idle states", .remedy = ""};
   latency_fd_ = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
   const std::int32_t longest_us = 0;
   if (latency_fd_ < 0 || write(latency_fd_, &longest_us, sizeof longest_us) != sizeof longest_us) {

@@ -25,7 +25,7 @@ struct RtStep {
 /// Set-up of the process, undone when it goes. Not for the loop.
 class RtProcess {
  public:
-  /// The kernel's preemption is looked at, memory locked and kept, deep sleep states of the processor forbidden.
+  /// Looks at the kernel's preemption, locks memory and keeps it, forbids deep sleep states of the processor.
   RtProcess();
   ~RtProcess();
   RtProcess(const RtProcess&) = delete;

@@ -19,8 +19,8 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
   Made made;
   std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
   if (scene.bodies.size() > max_session_bodies)
-    made.errors.push_back("the scene has " + std::to_string(scene.bodies.size()) + " bodies, a session holds " +
-                          std::to_string(max_session_bodies));
+    made.errors.push_back("the scene has " + std::to_string(scene.bodies.size()) +
+                          " bodies, a session holds " + std::to_string(max_session_bodies));
   s->period_ns_ = std::llround(scene.step * 1e9);
   s->driven_ = driven_bodies(scene);
   s->samples_.resize(scene.bodies.size());
@@ -28,8 +28,9 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
 
   if (bus == BusChoice::sim && !s->driven_.empty()) {
     if (!scene.device || !scene.device->rig) {
-      made.errors.push_back("scene '" + scene.name +
-                            "' describes no buses, encoders and joints: add them, or run it with --bus direct");
+      made.errors.push_back(
+          "scene '" + scene.name +
+          "' describes no buses, encoders and joints: add them, or run it with --bus direct");
       return made;
     }
     RigParams rig = *scene.device->rig;
@@ -124,7 +125,8 @@ DeviceSample Session::exchange(double motion_time) noexcept {
 
   rig_->sync(t_bus_ns_);
   t_now_ns_ = t_bus_ns_;
-  const Nanoseconds poll = static_cast<Nanoseconds>(gather_share * static_cast<double>(period_ns_)) / gather_polls;
+  const Nanoseconds poll =
+      static_cast<Nanoseconds>(gather_share * static_cast<double>(period_ns_)) / gather_polls;
   for (int i = 0; i < gather_polls && !rig_->complete(); ++i) {
     t_now_ns_ += poll;
     sim_rig_->run_wires(t_now_ns_);

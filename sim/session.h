@@ -28,25 +28,25 @@ struct PoseError {
 
 /// What one cycle did; plain data, so that a real-time thread can hand it to another.
 struct CycleRecord {
-  std::uint64_t cycle = 0;                  // from 1
-  double t = 0;                             // of the state, s
+  std::uint64_t cycle = 0;  // from 1
+  double t = 0;             // of the state, s
   std::size_t num_bodies = 0;
   std::array<BodyView, max_session_bodies> bodies;
   Fault fault = Fault::none;
   Limited limited = Limited::none;
   RigFault rig_faults = RigFault::none;
-  CommandReport drives;                     // bounds on the motor commands
+  CommandReport drives;  // bounds on the motor commands
   // Of the first driven body. The handle is where the device really is; without a bus, where the motion is.
-  PoseError following;                      // body against handle (relative devices: against its target)
-  PoseError sensing;                        // sample the core got against handle
-  PoseError encoders;                       // body against the body of an engine that is told the handle exactly
-  double energy = 0;                        // J
+  PoseError following;  // body against handle (relative devices: against its target)
+  PoseError sensing;    // sample the core got against handle
+  PoseError encoders;   // body against the body of an engine that is told the handle exactly
+  double energy = 0;    // J
 };
 
 class Session {
  public:
   struct Made {
-    std::unique_ptr<Session> session;       // null: see errors
+    std::unique_ptr<Session> session;  // null: see errors
     std::vector<std::string> errors;
   };
   /// The motion is moved in.
@@ -71,7 +71,9 @@ class Session {
   /// Mean load of each simulated bus so far, percent; empty without a bus.
   std::vector<double> bus_load_percent() const;
   /// Time on the buses' clock at which the motion begins, after boot().
-  Nanoseconds motion_start_ns() const noexcept { return t_bus_ns_ - static_cast<Nanoseconds>(cycle_) * period_ns_; }
+  Nanoseconds motion_start_ns() const noexcept {
+    return t_bus_ns_ - static_cast<Nanoseconds>(cycle_) * period_ns_;
+  }
   void set_bus_observer(const BusObserver& observer) noexcept {
     if (sim_rig_) sim_rig_->set_observer(observer);
   }
@@ -91,16 +93,16 @@ class Session {
 
   SceneConfig scene_;
   Motion motion_;
-  std::vector<std::size_t> driven_;         // bodies with a target
-  std::vector<BodySample> samples_;         // one per body, as the core gets them
-  std::vector<BodySample> exact_samples_;   // the same with the handle as it really is
+  std::vector<std::size_t> driven_;        // bodies with a target
+  std::vector<BodySample> samples_;        // one per body, as the core gets them
+  std::vector<BodySample> exact_samples_;  // the same with the handle as it really is
   std::unique_ptr<Engine> engine_;
-  std::unique_ptr<Engine> exact_engine_;    // runs beside it on exact_samples_, with a bus only
+  std::unique_ptr<Engine> exact_engine_;  // runs beside it on exact_samples_, with a bus only
   std::unique_ptr<SimRig> sim_rig_;
   std::optional<Rig> rig_;
   Nanoseconds period_ns_ = 0;
-  Nanoseconds t_bus_ns_ = 0;                // bus time at the start of this cycle
-  Nanoseconds t_now_ns_ = 0;                // bus time after the answers to SYNC
+  Nanoseconds t_bus_ns_ = 0;  // bus time at the start of this cycle
+  Nanoseconds t_now_ns_ = 0;  // bus time after the answers to SYNC
   std::uint64_t cycle_ = 0;
 };
 

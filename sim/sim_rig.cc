@@ -42,7 +42,8 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
                        .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad});
   }
   const JointTarget start = hand_at(0);
-  const bool haptic = scene.device->kind == DeviceKind::impedance || scene.device->kind == DeviceKind::relative;
+  const bool haptic =
+      scene.device->kind == DeviceKind::impedance || scene.device->kind == DeviceKind::relative;
   plant_ = std::make_unique<SimPlant>(scene.device->plant, params_.chain.joints.size(),
                                       haptic && !drives_.empty(), start.q, 0);
   show_joints();

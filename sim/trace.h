@@ -24,7 +24,7 @@ struct TraceBody {
 struct TraceDriven {
   Wrench coupling;  // on the body, about its origin
   Wrench feedback;  // on the hand, about the target's origin
-  Pose X_WD;  // the target
+  Pose X_WD;        // the target
 };
 
 /// Writes rows into a buffer and the buffer to the file when it is full. Not for the real-time thread.

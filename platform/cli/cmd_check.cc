@@ -29,8 +29,8 @@ void print_bus_load(const BusLoad& load, const BusParams& bus) {
               load.nominal_percent, load.worst_percent);
   std::printf("#   %-32s %6s %10s %8s %6s\n", "message", "id", "period ms", "bits", "worst");
   for (const BusMessage& m : load.messages)
-    std::printf("#   %-32s  0x%03X %10g %8d %6d\n", m.name.c_str(), static_cast<unsigned>(m.cob_id), 1e3 * m.period_s,
-                m.nominal_bits, m.worst_bits);
+    std::printf("#   %-32s  0x%03X %10g %8d %6d\n", m.name.c_str(), static_cast<unsigned>(m.cob_id),
+                1e3 * m.period_s, m.nominal_bits, m.worst_bits);
 }
 
 /// False when the bus cannot carry its messages.
@@ -78,7 +78,8 @@ ExitCode check(const std::string& path) {
 
 void add_check(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
-      "check", "Validate a scene file; print what is in effect, the parts it uses with their memory, the bus load.");
+      "check",
+      "Validate a scene file; print what is in effect, the parts it uses with their memory, the bus load.");
   const auto scene = std::make_shared<std::string>();
   verb->add_option("SCENE", *scene, "scene file (TOML), see docs/scenes.md")->required();
   verb->callback([scene, &code] { code = check(*scene); });

@@ -48,12 +48,15 @@ void add_options(CLI::App& verb, RunOptions& options, bool& fast) {
   verb.add_option("SCENE", options.scene, "scene file (TOML), see docs/scenes.md")->required();
   auto* realtime = verb.add_flag("--realtime", options.realtime,
                                  "one cycle a period on a real-time thread, with a live status line");
-  verb.add_flag("--fast", fast, "simulated clock, as fast as the machine allows, bit-identical each time (default)")
+  verb.add_flag("--fast", fast,
+                "simulated clock, as fast as the machine allows, bit-identical each time (default)")
       ->excludes(realtime);
-  verb.add_option("--duration", options.duration, "s; default: the motion file's end, else the scene's duration")
+  verb.add_option("--duration", options.duration,
+                  "s; default: the motion file's end, else the scene's duration")
       ->check(number_above(0, 1e6));
   verb.add_option_function<std::string>(
-          "--bus", [&](const std::string& bus) { options.bus = bus == "sim" ? BusChoice::sim : BusChoice::direct; },
+          "--bus",
+          [&](const std::string& bus) { options.bus = bus == "sim" ? BusChoice::sim : BusChoice::direct; },
           "sim: through simulated encoders, wires and drives (default); direct: the motion as it is")
       ->check(CLI::IsMember({"sim", "direct"}));
   verb.add_option("--motion", options.motion, "CSV of the target's poses or the device's joints over time");
@@ -62,7 +65,8 @@ void add_options(CLI::App& verb, RunOptions& options, bool& fast) {
   verb.add_option("--step", options.step, "s, in place of the scene's")->check(number_in(1e-6, 0.1));
   verb.add_option("--trace", options.trace, "CSV to write: bodies, wrenches, target, faults at every step");
   verb.add_option("--record", options.record, "log to write: every frame on every bus, in candump's format");
-  verb.add_option("--report", options.report, "JSON to write: everything the summary shows, and the histograms");
+  verb.add_option("--report", options.report,
+                  "JSON to write: everything the summary shows, and the histograms");
 }
 
 }  // namespace

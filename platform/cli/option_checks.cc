@@ -21,6 +21,8 @@ CLI::Validator number(const Range& range) {
 }  // namespace
 
 CLI::Validator number_in(double min, double max) { return number({.min = min, .max = max}); }
-CLI::Validator number_above(double min, double max) { return number({.min = min, .max = max, .min_open = true}); }
+CLI::Validator number_above(double min, double max) {
+  return number({.min = min, .max = max, .min_open = true});
+}
 
 }  // namespace godobject

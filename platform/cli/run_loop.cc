@@ -13,23 +13,27 @@
 namespace godobject {
 namespace {
 
-constexpr double boot_limit_s = 10;  // of bus time; the rig's own boot_timeout_s is shorter and says which node
+constexpr double boot_limit_s =
+    10;  // of bus time; the rig's own boot_timeout_s is shorter and says which node
 // About three seconds at 1 kHz: so long may the disk stall.
 constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
 constexpr std::chrono::milliseconds drain_interval{10};
 
 /// Frames straight to the files, while the thread that runs the wires may write.
 BusObserver observer_into(RunFiles& files) {
-  return {.on_frame = [](void* context, std::size_t bus, const ReceivedFrame& frame) {
-            static_cast<RunFiles*>(context)->add(BusFrame{.bus = bus, .received = frame});
-          },
+  return {.on_frame =
+              [](void* context, std::size_t bus, const ReceivedFrame& frame) {
+                static_cast<RunFiles*>(context)->add(BusFrame{.bus = bus, .received = frame});
+              },
           .context = &files};
 }
 
 BusObserver observer_into(Ring<BusFrame>& ring) {
-  return {.on_frame = [](void* context, std::size_t bus, const ReceivedFrame& frame) {
-            static_cast<void>(static_cast<Ring<BusFrame>*>(context)->try_push({.bus = bus, .received = frame}));
-          },
+  return {.on_frame =
+              [](void* context, std::size_t bus, const ReceivedFrame& frame) {
+                static_cast<void>(
+                    static_cast<Ring<BusFrame>*>(context)->try_push({.bus = bus, .received = frame}));
+              },
           .context = &ring};
 }
 

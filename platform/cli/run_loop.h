@@ -15,10 +15,10 @@
 namespace godobject {
 
 struct RunResult {
-  bool ready = false;                // the device came up; otherwise no cycle was run
+  bool ready = false;  // the device came up; otherwise no cycle was run
   RunStatistics statistics;
-  CyclicStatistics timing;           // wake-up, late, skipped: --realtime only
-  std::vector<RtStep> setup;         // --realtime only
+  CyclicStatistics timing;                         // wake-up, late, skipped: --realtime only
+  std::vector<RtStep> setup;                       // --realtime only
   std::uint64_t lost_cycles = 0, lost_frames = 0;  // of the files: their writer was too slow
 };
 
@@ -37,7 +37,8 @@ struct CycleEntry {
 /// What the real-time thread does once a period: no allocation, no lock, no system call.
 class RealtimeCycle {
  public:
-  RealtimeCycle(Session& session, std::uint64_t num_cycles, const std::atomic<bool>& stop, Ring<CycleEntry>& out) noexcept
+  RealtimeCycle(Session& session, std::uint64_t num_cycles, const std::atomic<bool>& stop,
+                Ring<CycleEntry>& out) noexcept
       : session_(session), left_(num_cycles), stop_(stop), out_(out) {}
 
   /// False after the last cycle.

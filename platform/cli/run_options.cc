@@ -30,7 +30,8 @@ void add(std::vector<std::string>& to, const std::vector<std::string>& from) {
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
-  return fs::equivalent(a, b, ignored) || fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
 }
 
 /// Empty, or why `path` could not be written.

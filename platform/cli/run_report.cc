@@ -28,11 +28,13 @@ void add_rig_faults(const Rig& rig, std::vector<FaultReport>& faults) {
 void add_file_faults(const RunReport& report, const std::vector<std::string>& incomplete_files,
                      std::vector<FaultReport>& faults) {
   for (const std::string& file : incomplete_files)
-    faults.push_back({.name = "file_incomplete", .text = file + " could not be written in full: is the disk full?"});
+    faults.push_back(
+        {.name = "file_incomplete", .text = file + " could not be written in full: is the disk full?"});
   const auto lost = [&](const std::string& file, std::uint64_t count) {
     if (!file.empty() && count > 0)
-      faults.push_back({.name = "records_lost",
-                        .text = file + " lacks " + std::to_string(count) + " records: the disk could not keep up"});
+      faults.push_back(
+          {.name = "records_lost",
+           .text = file + " lacks " + std::to_string(count) + " records: the disk could not keep up"});
   };
   lost(report.options.trace, report.result.lost_cycles);
   lost(report.options.record, report.result.lost_frames);
@@ -49,7 +51,8 @@ RunReport make_report(const RunOptions& options, const Session& session, const R
     for (std::size_t i = 0; i < computed.size(); ++i) report.buses.push_back({computed[i], measured[i]});
     add_rig_faults(*rig, report.faults);
     if (!result.ready && report.faults.empty())
-      report.faults.push_back({.name = "not_ready", .text = "the device did not come up in time: see boot_timeout"});
+      report.faults.push_back(
+          {.name = "not_ready", .text = "the device did not come up in time: see boot_timeout"});
   }
   if (!session.reachable())
     report.faults.push_back({.name = "unreachable",

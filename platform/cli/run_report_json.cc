@@ -33,7 +33,10 @@ Json to_json(const BusReport& bus) {
 }
 
 Json to_json(const RtStep& step) {
-  return {{"step", step.name}, {"result", name_of(step.result)}, {"detail", step.detail}, {"remedy", step.remedy}};
+  return {{"step", step.name},
+          {"result", name_of(step.result)},
+          {"detail", step.detail},
+          {"remedy", step.remedy}};
 }
 
 Json to_json(const FaultReport& fault) {
@@ -61,8 +64,11 @@ Json machine(const std::vector<RtStep>& setup) {
 }
 
 Json answers(const RigCounters& c) {
-  return {{"syncs", c.syncs}, {"incomplete_syncs", c.incomplete_syncs}, {"frames", c.frames},
-          {"malformed", c.malformed}, {"foreign", c.foreign}};
+  return {{"syncs", c.syncs},
+          {"incomplete_syncs", c.incomplete_syncs},
+          {"frames", c.frames},
+          {"malformed", c.malformed},
+          {"foreign", c.foreign}};
 }
 
 Json limits(const RunStatistics& statistics) {

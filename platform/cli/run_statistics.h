@@ -34,16 +34,18 @@ class PoseErrorStatistics {
 
 /// Bounds that were met on purpose.
 inline constexpr std::array<std::string_view, 10> limit_names{
-    "force",      "torque",       "force_rate",        "torque_rate",          "ramp",
-    "held",       "drive_torque", "drive_torque_rate", "drive_internal_limit", "drive_command_not_sent"};
+    "force", "torque",       "force_rate",        "torque_rate",          "ramp",
+    "held",  "drive_torque", "drive_torque_rate", "drive_internal_limit", "drive_command_not_sent"};
 
 struct FaultName {
   Fault fault;
   std::string_view name, meaning;
 };
 inline constexpr std::array<FaultName, 3> fault_names{{
-    {Fault::input_not_finite, "input_not_finite", "an input was not a finite number; those steps were not taken"},
-    {Fault::input_not_unit, "input_not_unit", "a target's quaternion was not of unit length; those steps were not taken"},
+    {Fault::input_not_finite, "input_not_finite",
+     "an input was not a finite number; those steps were not taken"},
+    {Fault::input_not_unit, "input_not_unit",
+     "a target's quaternion was not of unit length; those steps were not taken"},
     {Fault::state_not_finite, "state_not_finite",
      "a step's result was not finite and was not taken; lower the stiffness or the step"},
 }};

@@ -9,13 +9,13 @@ namespace {
 void print_timing(std::FILE* out, const char* label, const Histogram& h) {
   if (h.count() == 0) return;
   const auto us = [&](double share) { return 1e-3 * static_cast<double>(h.percentile(share)); };
-  std::fprintf(out, "  %-18s p50 %.1f, p99 %.1f, p99.9 %.1f, max %.1f us\n", label, us(0.5), us(0.99), us(0.999),
-               1e-3 * static_cast<double>(h.max()));
+  std::fprintf(out, "  %-18s p50 %.1f, p99 %.1f, p99.9 %.1f, max %.1f us\n", label, us(0.5), us(0.99),
+               us(0.999), 1e-3 * static_cast<double>(h.max()));
 }
 
 void print_error(std::FILE* out, const char* label, const PoseErrorStatistics& e) {
-  std::fprintf(out, "  %-18s rms %.3g m, max %.3g m; rms %.3g rad, max %.3g rad\n", label, e.rms().m, e.max().m,
-               e.rms().rad, e.max().rad);
+  std::fprintf(out, "  %-18s rms %.3g m, max %.3g m; rms %.3g rad, max %.3g rad\n", label, e.rms().m,
+               e.max().m, e.rms().rad, e.max().rad);
 }
 
 void print_errors(std::FILE* out, const RunReport& report) {
@@ -26,8 +26,8 @@ void print_errors(std::FILE* out, const RunReport& report) {
   print_error(out, "sensing error", statistics.sensing);
   print_error(out, "due to encoders", statistics.encoders);
   const PoseError share = encoder_share(statistics);
-  std::fprintf(out, "  %-18s %.1f %% of the following error in position, %.1f %% in attitude\n", "", 100 * share.m,
-               100 * share.rad);
+  std::fprintf(out, "  %-18s %.1f %% of the following error in position, %.1f %% in attitude\n", "",
+               100 * share.m, 100 * share.rad);
 }
 
 void print_limits(std::FILE* out, const RunStatistics& statistics) {
@@ -82,16 +82,16 @@ void print_summary(std::FILE* out, const RunReport& report) {
   print_timing(out, "compute", result.timing.compute_ns);
   print_errors(out, report);
   for (const BusReport& bus : report.buses)
-    std::fprintf(out, "  %-18s %s: %.1f %% measured, %.1f %% worst case\n", "bus load", bus.computed.bus.c_str(),
-                 bus.measured_percent, bus.computed.worst_percent);
+    std::fprintf(out, "  %-18s %s: %.1f %% measured, %.1f %% worst case\n", "bus load",
+                 bus.computed.bus.c_str(), bus.measured_percent, bus.computed.worst_percent);
   if (const Rig* rig = report.session.rig())
-    std::fprintf(out, "  %-18s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers", rig->counters().incomplete_syncs,
-                 rig->counters().syncs);
+    std::fprintf(out, "  %-18s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers",
+                 rig->counters().incomplete_syncs, rig->counters().syncs);
   print_limits(out, result.statistics);
   print_faults(out, report.faults);
   if (report.options.realtime)
-    std::fprintf(out, "  %-18s %" PRIu64 " cycles, %" PRIu64 " frames\n", "lost to the files", result.lost_cycles,
-                 result.lost_frames);
+    std::fprintf(out, "  %-18s %" PRIu64 " cycles, %" PRIu64 " frames\n", "lost to the files",
+                 result.lost_cycles, result.lost_frames);
   std::fprintf(out, "  %-18s %s\n", "state hash", hash_text(report.session.engine().state_hash()).c_str());
   print_files(out, report.options);
 }

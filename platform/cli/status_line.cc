@@ -21,9 +21,10 @@ void StatusLine::update(const CycleRecord& record, Nanoseconds wake_ns) {
 
 void StatusLine::show(const CycleRecord& record) {
   const bool fault = any(record.fault) || any(record.rig_faults);
-  std::fprintf(stderr, "%st %7.2f s   wake-up <= %6.0f us   following %7.3f mm %7.4f rad   energy %8.2e J   %s%s",
-               terminal_ ? "\r" : "", record.t, worst_wake_us_, 1e3 * record.following.m, record.following.rad,
-               record.energy, fault ? "FAULT" : "ok", terminal_ ? "\033[K" : "\n");
+  std::fprintf(stderr,
+               "%st %7.2f s   wake-up <= %6.0f us   following %7.3f mm %7.4f rad   energy %8.2e J   %s%s",
+               terminal_ ? "\r" : "", record.t, worst_wake_us_, 1e3 * record.following.m,
+               record.following.rad, record.energy, fault ? "FAULT" : "ok", terminal_ ? "\033[K" : "\n");
   std::fflush(stderr);
 }
 

@@ -28,7 +28,8 @@ class StopSignals {
  private:
   static inline std::atomic<bool> requested_{false};
   static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler");
-  struct sigaction former_int_ {}, former_term_ {};
+  struct sigaction former_int_ {
+  }, former_term_{};
 };
 
 }  // namespace godobject

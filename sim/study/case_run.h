@@ -18,7 +18,8 @@ inline void set_input(const oracle::RigidState&, const oracle::RigidState& D_1, 
   const Target target = target_of(D_1);
   in = {.X_WD = target.X_WD, .V_WD = target.V_WD};
 }
-inline void set_input(const oracle::RigidState& D_0, const oracle::RigidState& D_1, RelativeDevice::Input& in) {
+inline void set_input(const oracle::RigidState& D_0, const oracle::RigidState& D_1,
+                      RelativeDevice::Input& in) {
   const Eigen::AngleAxisd turn(D_1.q * D_0.q.conjugate());
   in = {.dp_W = D_1.p - D_0.p, .dphi_W = turn.angle() * turn.axis()};
 }
@@ -44,8 +45,9 @@ class CaseRun {
     x_ = State<S>{};
     const oracle::Body& body = problem_.bodies.front();
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
-      place(x_, i, {.X_WB = {.p = body.start.p, .q = Quat(body.start.q)},
-                    .V_WB = {.w = body.start.w, .v = body.start.v}});
+      place(x_, i,
+            {.X_WB = {.p = body.start.p, .q = Quat(body.start.q)},
+             .V_WB = {.w = body.start.w, .v = body.start.v}});
       if constexpr (uses<typename S::Device>) engage_at(x_, i, target_of(body.coupling->target->at(0)));
     }
   }

@@ -28,7 +28,9 @@ class CsvWriter {
 
  private:
   template <class T>
-  void field(const T& value) { stream_ << value; }
+  void field(const T& value) {
+    stream_ << value;
+  }
   void field(double value) {
     if (std::isfinite(value)) stream_ << value;
   }

@@ -13,10 +13,12 @@
 namespace godobject::study {
 namespace {
 
-constexpr double comparison_step = 4e-3;   // s
-constexpr double resolvable_error = 1e-12; // m, rad: below it an order is an order of rounding
+constexpr double comparison_step = 4e-3;    // s
+constexpr double resolvable_error = 1e-11;  // m, rad: below it an order is an order of rounding
 
-std::size_t steps_in(double duration, double h) { return static_cast<std::size_t>(std::lround(duration / h)); }
+std::size_t steps_in(double duration, double h) {
+  return static_cast<std::size_t>(std::lround(duration / h));
+}
 
 oracle::Solution reference_of(const ReferenceScene& scene) {
   const std::vector<double> times = oracle::uniform_times(scene.duration, comparison_step);
@@ -46,7 +48,8 @@ Errors compare(const ReferenceScene& scene, const oracle::Solution& reference, C
   for (std::size_t n = 1; n <= inputs.size(); ++n) {
     run.step(inputs[n - 1]);
     if (any(run.output().fault)) throw std::runtime_error(scene.name + ": the step reported a fault");
-    if (n % every != 0 || n / every >= reference.times.size() || reference.times[n / every] < scene.from) continue;
+    if (n % every != 0 || n / every >= reference.times.size() || reference.times[n / every] < scene.from)
+      continue;
     const RigidBodyState& x = run.body();
     const oracle::RigidState& exact = reference.states[n / every][0];
     worst.position = std::max(worst.position, (x.X_WB.p - exact.p).norm());
@@ -59,20 +62,27 @@ Errors compare(const ReferenceScene& scene, const oracle::Solution& reference, C
   return worst;
 }
 
-/// Median time of one step, ns; the inputs are there before the clock starts.
+/// Median time of one step, ns, over stretches of up to 1000 steps: long enough for the clock, short
+/// enough that most are not interrupted. The inputs are there before the clock starts.
 template <Scene S>
-double time_step(const ReferenceScene& scene, CaseRun<S>& run, double h, int repeats) {
+double time_step(const ReferenceScene& scene, CaseRun<S>& run, double h, std::size_t min_steps) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::size_t stretch = 1000;
   const std::vector<Input<S>> inputs = run.inputs(steps_in(scene.duration, h), scene.duration);
   std::vector<double> times;
-  for (int r = 0; r < repeats; ++r) {
+  for (std::size_t done = 0; done < min_steps; done += inputs.size()) {
     run.restart();
-    const auto start = std::chrono::steady_clock::now();
-    for (const Input<S>& in : inputs) run.step(in);
-    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - start;
-    times.push_back(elapsed.count() / static_cast<double>(inputs.size()));
+    for (std::size_t n = 0; n < inputs.size();) {
+      const std::size_t first = n, end = std::min(inputs.size(), n + stretch);
+      const Clock::time_point start = Clock::now();
+      for (; n < end; ++n) run.step(inputs[n]);
+      const std::chrono::duration<double, std::nano> elapsed = Clock::now() - start;
+      times.push_back(elapsed.count() / static_cast<double>(end - first));
+    }
   }
-  std::nth_element(times.begin(), times.begin() + repeats / 2, times.end());
-  return times[static_cast<std::size_t>(repeats / 2)];
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
 }
 
 std::optional<double> order(double coarse, double fine) {
@@ -88,14 +98,15 @@ void add_rows(const ReferenceScene& scene, const oracle::Solution& reference, bo
   const std::vector<double> steps = error_steps(quick);
   rows.reserve(rows.size() + steps.size());
   for (const double h : steps) {
-    progress("error: " + scene.name + ", " + S::Integrator::name + ", " + std::to_string(std::lround(h * 1e6)) + " us");
+    progress("error: " + scene.name + ", " + S::Integrator::name + ", " +
+             std::to_string(std::lround(h * 1e6)) + " us");
     CaseRun<S> run(scene.problem, h);
     ErrorRow row;
     row.scene = scene.name;
     row.integrator = S::Integrator::name;
     row.h = h;
     row.errors = compare(scene, reference, run, h);
-    row.ns_per_step = time_step(scene, run, h, quick ? 3 : 9);
+    row.ns_per_step = time_step(scene, run, h, quick ? 20'000 : 200'000);
     row.instructions_per_step = instructions;
     if (coarser != nullptr) {
       row.order_position = order(coarser->errors.position, row.errors.position);
@@ -113,9 +124,11 @@ void add_integrator(const ReferenceScene& scene, const oracle::Solution& referen
                     InstructionCounter& counter, const Progress& progress, std::vector<ErrorRow>& rows) {
   const std::string name = Integrator::name;
   if (is_coupled(scene))
-    add_rows<Follower<Integrator, 1>>(scene, reference, quick, counter.per_step("pose-1 " + name), progress, rows);
+    add_rows<Follower<Integrator, 1>>(scene, reference, quick, counter.per_step("pose-1 " + name), progress,
+                                      rows);
   else
-    add_rows<Free<Integrator, 1>>(scene, reference, quick, counter.per_step("free-1 " + name), progress, rows);
+    add_rows<Free<Integrator, 1>>(scene, reference, quick, counter.per_step("free-1 " + name), progress,
+                                  rows);
 }
 
 template <class Integrator>
@@ -141,8 +154,8 @@ std::vector<double> error_steps(bool quick) {
   return {4e-3, 2e-3, 1e-3, 0.5e-3, 0.25e-3, 0.125e-3};
 }
 
-std::vector<ErrorRow> study_error(const std::vector<ReferenceScene>& scenes, bool quick, InstructionCounter& counter,
-                                  const Progress& progress) {
+std::vector<ErrorRow> study_error(const std::vector<ReferenceScene>& scenes, bool quick,
+                                  InstructionCounter& counter, const Progress& progress) {
   std::vector<ErrorRow> rows;
   for (ReferenceScene scene : scenes) {
     if (quick) scene.duration = std::min(scene.duration, 2.0);
@@ -164,9 +177,9 @@ void write_csv(const std::filesystem::path& file, const std::vector<ErrorRow>& r
                 "position_order,rotation_order,ns_per_step,ns_per_simulated_s,instructions_per_step,"
                 "instructions_per_simulated_s");
   for (const ErrorRow& r : rows)
-    csv.row(r.scene, r.integrator, r.h, r.errors.position, r.errors.rotation, r.errors.energy, r.errors.momentum,
-            r.order_position, r.order_rotation, r.ns_per_step, r.ns_per_second(), r.instructions_per_step,
-            r.instructions_per_second());
+    csv.row(r.scene, r.integrator, r.h, r.errors.position, r.errors.rotation, r.errors.energy,
+            r.errors.momentum, r.order_position, r.order_rotation, r.ns_per_step, r.ns_per_second(),
+            r.instructions_per_step, r.instructions_per_second());
 }
 
 }  // namespace godobject::study

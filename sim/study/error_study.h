@@ -16,20 +16,20 @@ using Progress = std::function<void(const std::string& line)>;
 
 /// Largest differences from the oracle, at multiples of 4 ms from the scene's `from` on.
 struct Errors {
-  double position = 0;               // m
-  double rotation = 0;               // rad, angle between the attitudes
-  std::optional<double> energy;      // free bodies: |E(t) / E(0) - 1|
-  std::optional<double> momentum;    // free bodies: |L(t) - L(0)| / |L(0)|, angular momentum in world axes
+  double position = 0;             // m
+  double rotation = 0;             // rad, angle between the attitudes
+  std::optional<double> energy;    // free bodies: |E(t) / E(0) - 1|
+  std::optional<double> momentum;  // free bodies: |L(t) - L(0)| / |L(0)|, angular momentum in world axes
 };
 
 struct ErrorRow {
   std::string scene;
   std::string integrator;
-  double h = 0;                                // s
+  double h = 0;  // s
   Errors errors;
-  std::optional<double> order_position;        // log2 of the error at 2 h over the error at h
+  std::optional<double> order_position;  // log2 of the error at 2 h over the error at h
   std::optional<double> order_rotation;
-  double ns_per_step = 0;                      // median of the repeats
+  double ns_per_step = 0;  // median
   std::optional<double> instructions_per_step;
 
   double ns_per_second() const { return ns_per_step / h; }  // of simulated time
@@ -40,10 +40,11 @@ struct ErrorRow {
 std::vector<double> error_steps(bool quick);
 
 /// Every scene with every integrator and step.
-std::vector<ErrorRow> study_error(const std::vector<ReferenceScene>& scenes, bool quick, InstructionCounter& counter,
-                                  const Progress& progress);
+std::vector<ErrorRow> study_error(const std::vector<ReferenceScene>& scenes, bool quick,
+                                  InstructionCounter& counter, const Progress& progress);
 
-/// Errors of one integrator ("implicit-euler", "tr-bdf2") on one scene. Throws std::runtime_error for a fault.
+/// Errors of one integrator ("implicit-euler", "tr-bdf2") on one scene. Throws
+/// std::runtime_error for a fault.
 Errors measure_errors(const ReferenceScene& scene, const std::string& integrator, double h);
 
 void write_csv(const std::filesystem::path& file, const std::vector<ErrorRow>& rows);

@@ -1,5 +1,5 @@
-// The contrast of the stability map: semi-implicit Euler, the spring's force taken at the start of the step, as a
-// general-purpose physics engine treats a force that is handed to it. Not for use.
+// The contrast of the stability map: semi-implicit Euler, the spring's force taken at the start of the step,
+// as a general-purpose physics engine treats a force that is handed to it. Not for use.
 #pragma once
 
 #include "core/coupling.h"

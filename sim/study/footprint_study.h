@@ -11,17 +11,17 @@
 namespace godobject::study {
 
 struct FootprintRow {
-  std::string composition;                        // "haptic-1 tr-bdf2"
+  std::string composition;  // "haptic-1 tr-bdf2"
   std::size_t max_bodies = 0;
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
-  std::optional<double> code_bytes;               // of the step: machine code
-  std::optional<double> constant_bytes;           // of the step: read-only data
-  std::optional<double> instructions;             // of a step with one body
-  std::optional<double> instructions_full;        // of a step with max_bodies bodies
+  std::optional<double> code_bytes;         // of the step: machine code
+  std::optional<double> constant_bytes;     // of the step: read-only data
+  std::optional<double> instructions;       // of a step with one body
+  std::optional<double> instructions_full;  // of a step with max_bodies bodies
 };
 
-/// Every composition the probe program has. Empty, with the reason in `why_not`, where it is not built; numbers
-/// whose tool is missing are absent. `quick`: only compositions with one body.
+/// Every composition the probe program has. Empty, with the reason in `why_not`, where it is not built;
+/// numbers whose tool is missing are absent. `quick`: only compositions with one body.
 std::vector<FootprintRow> study_footprint(const std::filesystem::path& probe_directory, bool quick,
                                           InstructionCounter& counter, const Progress& progress,
                                           std::string& why_not);

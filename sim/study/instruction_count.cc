@@ -8,10 +8,8 @@
 namespace godobject::study {
 
 InstructionCounter::InstructionCounter(std::string probe) : probe_(std::move(probe)) {
-  if (!std::filesystem::exists(probe_))
-    why_not_ = "the probe program is not built (target godobject_probe)";
-  else if (!tool_exists("valgrind"))
-    why_not_ = "valgrind is not installed";
+  if (!std::filesystem::exists(probe_)) why_not_ = "the probe program is not built (target godobject_probe)";
+  else if (!tool_exists("valgrind")) why_not_ = "valgrind is not installed";
 }
 
 std::optional<double> InstructionCounter::per_step(const std::string& composition, std::size_t num_bodies) {
@@ -30,8 +28,8 @@ std::optional<double> InstructionCounter::per_step(const std::string& compositio
 std::optional<double> InstructionCounter::collected(const std::string& composition, std::size_t num_bodies,
                                                     std::size_t steps) {
   const ToolResult run = run_tool({"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
-                                   "--toggle-collect=*probe_step*", probe_, composition, std::to_string(steps),
-                                   std::to_string(num_bodies)});
+                                   "--toggle-collect=*probe_step*", probe_, composition,
+                                   std::to_string(steps), std::to_string(num_bodies)});
   // "==123== Collected : 45678"
   const std::string label = "Collected : ";
   const std::size_t at = run.output.find(label);

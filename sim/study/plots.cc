@@ -3,18 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include "sim/study/tool.h"
 
 namespace godobject::study {
 namespace {
 
-std::ofstream script(const std::filesystem::path& directory, const std::string& figure, int width, int height) {
+std::ofstream script(const std::filesystem::path& directory, const std::string& figure, int width,
+                     int height) {
   std::ofstream out(directory / (figure + ".gp"));
   out << "# gnuplot -e \"format='png'\" " << figure << ".gp, in this folder; also svg\n"
       << "if (!exists('format')) format = 'png'\n"
       << "if (format eq 'png') set terminal pngcairo size " << width << ',' << height << " font 'sans,9'\n"
-      << "if (format eq 'svg') set terminal svg size " << width << ',' << height << " font 'sans,9' background 'white'\n"
+      << "if (format eq 'svg') set terminal svg size " << width << ',' << height
+      << " font 'sans,9' background 'white'\n"
       << "set output '" << figure << ".'.format\n"
       << "set datafile separator ','\n";
   return out;
@@ -26,13 +29,15 @@ bool is_free(const std::vector<ErrorRow>& rows, const std::string& scene) {
 }
 
 /// One panel: column `error` against compute time, a line per integrator.
-void error_panel(std::ofstream& out, const std::string& scene, const std::string& error, const std::string& label) {
+void error_panel(std::ofstream& out, const std::string& scene, const std::string& error,
+                 const std::string& label) {
   out << "set title '" << scene << "'\nset ylabel '" << label << "'\nplot";
   const char* separator = " ";
-  for (const char* integrator : {"implicit-euler", "tr-bdf2"}) {
+  for (const auto& [integrator, colour] :
+       {std::pair{ImplicitEuler::name, "purple"}, {TrBdf2::name, "forest-green"}}) {
     out << separator << "'error.csv' using (strcol('scene') eq '" << scene << "' && strcol('integrator') eq '"
-        << integrator << "' ? column('ns_per_simulated_s')*1e-3 : NaN):(column('" << error << "')) with linespoints pt 7 ps 0.6 title '"
-        << integrator << "'";
+        << integrator << "' ? column('ns_per_simulated_s')*1e-3 : NaN):(column('" << error
+        << "')) with linespoints pt 7 ps 0.6 lc rgb '" << colour << "'";
     separator = ", ";
   }
   out << '\n';
@@ -54,14 +59,13 @@ void write_error_script(const std::filesystem::path& directory, const std::vecto
   for (const ErrorRow& r : rows)
     if (scenes.empty() || scenes.back() != r.scene) scenes.push_back(r.scene);
   std::ofstream out = script(directory, "error", 270 * static_cast<int>(scenes.size()), 560);
-  out << "set logscale xy\nset format y '10^{%T}'\nset grid\nset key top right samplen 1.5\n"
+  out << "set logscale xy\nset format y '10^{%T}'\nset grid\nunset key\n"
       << "set xlabel 'compute per simulated second, us'\n"
-      << "set multiplot layout 2," << scenes.size() << " columnsfirst\n";
+      << "set multiplot layout 2," << scenes.size() << " columnsfirst title 'purple: " << ImplicitEuler::name
+      << ", green: " << TrBdf2::name << "'\n";
   for (const std::string& scene : scenes) {
-    if (is_free(rows, scene))
-      error_panel(out, scene, "energy_error", "worst energy error, share");
-    else
-      error_panel(out, scene, "position_error_m", "worst position error, m");
+    if (is_free(rows, scene)) error_panel(out, scene, "energy_error", "worst energy error, share");
+    else error_panel(out, scene, "position_error_m", "worst position error, m");
     error_panel(out, scene, "rotation_error_rad", "worst rotation error, rad");
   }
   out << "unset multiplot\n";
@@ -78,10 +82,14 @@ void write_stability_script(const std::filesystem::path& directory, std::size_t 
       << "set xlabel 'log_{10} step, s' offset 0,0.5\nset ylabel 'log_{10} stiffness, N/m' offset 1,0\n"
       << "set xtics 1\nset ytics 3\n"
       << "set xrange [" << std::log10(grid.steps.front()) << ':' << std::log10(grid.steps.back()) << "]\n"
-      << "set yrange [" << std::log10(grid.stiffnesses.front()) << ':' << std::log10(grid.stiffnesses.back()) << "]\n"
-      << "set multiplot layout " << grid.inertia_ratios.size() << ',' << grid.dampings.size() << " title '" << scheme
-      << ":  green stable, yellow dissipative, orange energy-gaining, red failed;  line: limit of an explicit coupling'\n";
-  const std::size_t cells = grid.stiffnesses.size() * grid.steps.size();  // of a panel: consecutive rows of the file
+      << "set yrange [" << std::log10(grid.stiffnesses.front()) << ':' << std::log10(grid.stiffnesses.back())
+      << "]\n"
+      << "set multiplot layout " << grid.inertia_ratios.size() << ',' << grid.dampings.size() << " title '"
+      << scheme
+      << ":  green stable, yellow dissipative, orange energy-gaining, red failed;  line: limit of an "
+         "explicit coupling'\n";
+  const std::size_t cells =
+      grid.stiffnesses.size() * grid.steps.size();  // of a panel: consecutive rows of the file
   const std::size_t panels = grid.dampings.size() * grid.inertia_ratios.size();
   for (std::size_t j = 0; j < grid.inertia_ratios.size(); ++j)
     for (std::size_t i = 0; i < grid.dampings.size(); ++i) {
@@ -90,26 +98,31 @@ void write_stability_script(const std::filesystem::path& directory, std::size_t 
       out << "set title 'damping " << grid.dampings[i] << ", inertia " << grid.inertia_ratios[j]
           << "' offset 0,-0.7\n"
           << "plot 'stability.csv' skip " << first_row << " every ::0::" << cells - 1
-          << " using (log10($3)):(log10($2)):8 with image, -1 + 2*(log10(" << explicit_limit(grid.dampings[i], grid.inertia_ratios[j])
+          << " using (log10($3)):(log10($2)):8 with image, -1 + 2*(log10("
+          << explicit_limit(grid.dampings[i], grid.inertia_ratios[j])
           << ") - x) with lines lc 'black' lw 1.5\n";
     }
   out << "unset multiplot\n";
 }
 
-void write_footprint_script(const std::filesystem::path& directory) {
-  std::ofstream out = script(directory, "footprint", 1000, 620);
-  out << "set style fill solid 0.8 border\nset boxwidth 0.8\nset grid y\nset key top left\nset yrange [0:*]\n"
-      << "set xtics rotate by -60 noenhanced font 'sans,7'\n"
+void write_footprint_script(const std::filesystem::path& directory, const std::vector<FootprintRow>& rows) {
+  // Compositions for one body; in a full run every other row is one for eight.
+  const bool has_large =
+      std::any_of(rows.begin(), rows.end(), [](const FootprintRow& r) { return r.max_bodies > 1; });
+  const std::string from = std::string("'footprint.csv' skip 1 every ") + (has_large ? "2" : "1");
+  std::ofstream out = script(directory, "footprint", 960, 420);
+  out << "set style data histogram\nset style histogram rowstacked\nset style fill solid 0.8 border\n"
+      << "set boxwidth 0.8\nset grid y\nset key top left\nset yrange [0:*]\nset offsets 0,0,graph 0.2,0\n"
+      << "set xtics rotate by 60 right noenhanced font 'sans,7'\nset bmargin 10\n"
       << "set multiplot layout 1,3\n"
-      << "set style data histogram\nset style histogram rowstacked\n"
       << "set title 'data, bytes'\n"
-      << "plot 'footprint.csv' using 'params_bytes':xtic(1) title 'params', '' using 'state_bytes' title 'state', "
-      << "'' using 'scratch_bytes' title 'scratch'\n"
+      << "plot " << from << " using 3:xtic(1) title 'params', " << from << " using 4 title 'state', " << from
+      << " using 5 title 'scratch'\n"
       << "set title 'code of the step, bytes'\n"
-      << "plot 'footprint.csv' using 'code_bytes':xtic(1) title 'machine code', '' using 'constant_bytes' title "
-      << "'constants'\n"
-      << "set title 'instructions of a step, one body'\n"
-      << "plot 'footprint.csv' using 'instructions_one_body':xtic(1) notitle\n"
+      << "plot " << from << " using 6:xtic(1) title 'machine code', " << from
+      << " using 7 title 'constants'\n"
+      << "set title 'instructions of a step'\n"
+      << "plot " << from << " using 8:xtic(1) notitle\n"
       << "unset multiplot\n";
 }
 

@@ -16,7 +16,8 @@ std::string draw(const std::filesystem::path& directory, const std::string& figu
 
 /// Each writes its script for the rows of the CSV file of the same part.
 void write_error_script(const std::filesystem::path& directory, const std::vector<ErrorRow>& rows);
-void write_stability_script(const std::filesystem::path& directory, std::size_t scheme_index, const StabilityGrid& grid);
-void write_footprint_script(const std::filesystem::path& directory);
+void write_stability_script(const std::filesystem::path& directory, std::size_t scheme_index,
+                            const StabilityGrid& grid);
+void write_footprint_script(const std::filesystem::path& directory, const std::vector<FootprintRow>& rows);
 
 }  // namespace godobject::study

@@ -14,7 +14,8 @@ using oracle::Vector3d;
 ReferenceScene coupling_step() {
   oracle::RigidState target;
   target.p = Vector3d(0.05, -0.03, 0.02);
-  target.q = Quaterniond(0.796083798549056, 0.363111843441624, -0.387319299671065, 0.290489474753299).normalized();
+  target.q =
+      Quaterniond(0.796083798549056, 0.363111843441624, -0.387319299671065, 0.290489474753299).normalized();
 
   oracle::Body tool;
   tool.name = "tool";
@@ -23,7 +24,10 @@ ReferenceScene coupling_step() {
   tool.coupling = {.k_t = 1000, .g_t = 14, .k_r = 1, .g_r = 0.0383618734336};
   tool.coupling->target = std::make_shared<oracle::FunctionTarget>([target](double) { return target; });
 
-  ReferenceScene scene{.name = "coupling-step", .about = "a slender body released to a fixed target pose", .problem = {}, .duration = 1};
+  ReferenceScene scene{.name = "coupling-step",
+                       .about = "a slender body released to a fixed target pose",
+                       .problem = {},
+                       .duration = 1};
   scene.problem.bodies = {tool};
   return scene;
 }
@@ -37,7 +41,10 @@ ReferenceScene torque_free() {
   body.start.v = Vector3d(0.1, -0.2, 0.3);
   body.start.w = Vector3d(0.01, 12, 0.02);
 
-  ReferenceScene scene{.name = "torque-free", .about = "a free body tumbling about its intermediate axis", .problem = {}, .duration = 4};
+  ReferenceScene scene{.name = "torque-free",
+                       .about = "a free body tumbling about its intermediate axis",
+                       .problem = {},
+                       .duration = 4};
   scene.problem.bodies = {body};
   return scene;
 }

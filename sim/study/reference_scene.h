@@ -11,10 +11,10 @@ namespace godobject::study {
 
 struct ReferenceScene {
   std::string name;
-  std::string about;       // one line for the report
-  oracle::Case problem;    // one body
-  double duration = 0;     // s
-  double from = 0;         // s: errors count from here
+  std::string about;     // one line for the report
+  oracle::Case problem;  // one body
+  double duration = 0;   // s
+  double from = 0;       // s: errors count from here
 };
 
 /// S1: a free tool on an analytic target, 20 s, errors from 0.5 s on.

@@ -1,5 +1,5 @@
-// The stability map: coupling stiffness x step x damping ratio x inertia ratio, for each integrator and for an
-// explicit coupling as the contrast.
+// The stability map: coupling stiffness x step x damping ratio x inertia ratio, for each integrator and for
+// an explicit coupling as the contrast.
 #pragma once
 
 #include <array>
@@ -32,23 +32,24 @@ inline constexpr double max_energy_ratio = 1e6;
 inline constexpr const char* explicit_name = "explicit";
 inline constexpr std::array stability_schemes{ImplicitEuler::name, TrBdf2::name, explicit_name};
 
-/// Mass 0.1 kg; a rod with moments of inertia I, I, I / inertia_ratio, I = m (0.1 m)^2; k_r = k (0.1 m)^2, so that
-/// translation and the slow rotation have one frequency sqrt(k / m). Starts at rest 0.1 m and 1 rad away.
+/// Mass 0.1 kg; a rod with moments of inertia I, I, I / inertia_ratio, I = m (0.1 m)^2; k_r = k (0.1 m)^2,
+/// so that translation and the slow rotation have one frequency sqrt(k / m). Starts at rest, 0.1 m and 1 rad
+/// away.
 struct StabilityCell {
   double k = 0;              // N/m
   double h = 0;              // s
   double damping = 0;        // g / sqrt(m k) = g_r / sqrt(I k_r), 0..2
   double inertia_ratio = 1;  // >= 1
 
-  double wh() const;         // h sqrt(k / m)
+  double wh() const;  // h sqrt(k / m)
 };
 
 struct StabilityResult {
-  std::string scheme;        // one of stability_schemes
+  std::string scheme;  // one of stability_schemes
   StabilityCell cell;
   Stability stability = Stability::failed;
-  double rise = 0;           // largest rise of energy, share of the first; NaN where failed
-  double loss = 0;           // largest loss beyond the exact solution's, share of the first; NaN where failed
+  double rise = 0;  // largest rise of energy, share of the first; NaN where failed
+  double loss = 0;  // largest loss beyond the exact solution's, share of the first; NaN where failed
 };
 
 struct StabilityGrid {
@@ -63,8 +64,9 @@ StabilityResult classify(const std::string& scheme, const StabilityCell& cell);
 /// Every cell with every scheme: by scheme, damping, inertia ratio, stiffness, step, the last the quickest.
 std::vector<StabilityResult> study_stability(const StabilityGrid& grid, const Progress& progress);
 
-/// Largest stable h sqrt(k/m) of the explicit coupling by theory. Translation: 2 (sqrt(z^2 + 1) - z), z = damping / 2.
-/// Rotation about the rod's axis, where frequency and z are sqrt(inertia_ratio) times that, is the tighter one.
+/// Largest stable h sqrt(k/m) of the explicit coupling by theory. Translation: 2 (sqrt(z^2 + 1) - z), with
+/// z = damping / 2. Rotation about the rod's axis, where frequency and z are sqrt(inertia_ratio) times that,
+/// is the tighter one.
 double explicit_limit(double damping, double inertia_ratio = 1);
 
 /// The same, found by bisection on the energy after 100 000 steps, in translation.

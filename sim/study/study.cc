@@ -54,7 +54,7 @@ class Study {
       return;
     }
     write_csv(options_.out / "footprint.csv", results_.footprint);
-    write_footprint_script(options_.out);
+    write_footprint_script(options_.out, results_.footprint);
     figure("footprint");
   }
 

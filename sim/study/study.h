@@ -12,14 +12,15 @@
 namespace godobject::study {
 
 struct StudyOptions {
-  bool error = true, stability = true, footprint = true;   // parts
-  bool quick = false;                    // small grids, well under a minute
-  std::filesystem::path out;             // folder of the results; made if absent
-  std::filesystem::path report;          // report.md to write; empty: none. Needs all parts.
-  std::filesystem::path shared;          // folder with reference/, may be absent
-  std::filesystem::path probe_directory; // of the probe program and archives; empty: default_probe_directory()
-  std::string machine;                   // for the report
-  std::string command;                   // for the report
+  bool error = true, stability = true, footprint = true;  // parts
+  bool quick = false;                                     // small grids, well under a minute
+  std::filesystem::path out;                              // folder of the results; made if absent
+  std::filesystem::path report;                           // report.md to write; empty: none. Needs all parts.
+  std::filesystem::path shared;                           // folder with reference/, may be absent
+  std::filesystem::path
+      probe_directory;  // of the probe program and archives; empty: default_probe_directory()
+  std::string machine;  // for the report
+  std::string command;  // for the report
 };
 
 struct ExplicitLimit {
@@ -31,7 +32,7 @@ struct StudyResults {
   std::vector<StabilityResult> stability;
   std::vector<ExplicitLimit> explicit_limits;
   std::vector<FootprintRow> footprint;
-  std::vector<std::string> notes;        // what was left out, and why
+  std::vector<std::string> notes;  // what was left out, and why
 };
 
 /// Runs the parts, writes <part>.csv, <part>.gp, .png and .svg into `out`, and the report. Throws

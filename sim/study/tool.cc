@@ -12,10 +12,8 @@ namespace {
 std::string quoted(const std::string& argument) {
   std::string result = "'";
   for (const char c : argument) {
-    if (c == '\'')
-      result += "'\\''";
-    else
-      result += c;
+    if (c == '\'') result += "'\\''";
+    else result += c;
   }
   return result + "'";
 }

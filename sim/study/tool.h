@@ -7,8 +7,8 @@
 namespace godobject::study {
 
 struct ToolResult {
-  int status = -1;        // exit status; 127 where there is no such program, -1 where it could not be started
-  std::string output;     // standard output and standard error
+  int status = -1;     // exit status; 127 where there is no such program, -1 where it could not be started
+  std::string output;  // standard output and standard error
 
   bool ok() const { return status == 0; }
 };

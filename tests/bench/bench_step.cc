@@ -14,8 +14,8 @@
 namespace godobject::study {
 namespace {
 
-constexpr double h = 1e-3;               // s
-constexpr std::size_t num_steps = 20000; // one run of S1
+constexpr double h = 1e-3;                // s
+constexpr std::size_t num_steps = 20000;  // one run of S1
 
 /// Times of one step in ns, sorted: means over chunks long enough for the clock's own time not to matter.
 template <Scene S>
@@ -67,7 +67,8 @@ void step_s1(benchmark::State& state, const std::string& composition) {
   const std::vector<double> times = chunk_times(run, inputs);
   state.counters["p50_ns"] = percentile(times, 0.5);
   state.counters["p99_ns"] = percentile(times, 0.99);
-  if (const auto instructions = counter().per_step(composition)) state.counters["instructions"] = *instructions;
+  if (const auto instructions = counter().per_step(composition))
+    state.counters["instructions"] = *instructions;
   state.counters["state_bytes"] = sizeof(State<S>);
   state.counters["scratch_bytes"] = sizeof(Scratch<S>);
   state.counters["error_m"] = errors<Integrator>().position;

@@ -48,7 +48,8 @@ TEST(Stage, TranslationSolvesItsEquation) {
     const Real m = random.log_uniform(1e-3, 1e2), h = random.log_uniform(1e-5, 1e-2);
     const SpringParams s{.k = random.log_uniform(1, 1e6), .g = random.log_uniform(1e-2, 1e3)};
     const Vec3 v = random.vector(), e = random.vector(), v_D = random.vector(), F = random.vector();
-    const Vec3 v_new = implicit_translation(m, s, v, e, v_D, F, h);
+    const TranslationSystem system = implicit_translation(m, s, v, e, v_D, F, h);
+    const Vec3 v_new = system.b_W / system.M;
     const Vec3 force = F + s.g * (v_D - v_new) + s.k * (e - h * v_new);
     const Real size = m * (v.norm() + v_new.norm()) + h * (F.norm() + s.g * v_D.norm() + s.k * e.norm());
     ASSERT_LE((m * (v_new - v) - h * force).norm(), 1e-14 * size);
@@ -64,7 +65,8 @@ TEST(Stage, RotationAcceleratesAsEulersEquationSays) {
     const Vec3 w = random.vector(), w_D = random.vector(), T = random.vector();
     const RotationError error = rotation_error(Quat::Identity(), random.rotation(), Vec3::Zero());
     const Real h = 1e-7;
-    const Vec3 acceleration = (implicit_rotation(body, s, w, error, w_D, T, h) - w) / h;
+    const RotationSystem system = implicit_rotation(body, s, w, error, w_D, T, h);
+    const Vec3 acceleration = (solve3(system.A_B, system.b_B) - w) / h;
     const Vec3 torque = T + s.g_r * (w_D - w) + s.k_r * error.phi_B - w.cross(body.I_B * w);
     ASSERT_LE((acceleration - body.I_B.inverse() * torque).norm(), 1e-4);
   }

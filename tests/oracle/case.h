@@ -1,5 +1,6 @@
-// What the oracle solves: rigid bodies, each free or pulled to a moving target. SI units, world axes W;
-// body frame B with its origin at the centre of mass. Nothing here comes from core, on purpose.
+// What the oracle solves: rigid bodies, each free or pulled to a moving target, and the joints between them.
+// SI units, world axes W; body frame B with its origin at the centre of mass. Nothing here comes from core, on
+// purpose.
 #pragma once
 
 #include <memory>
@@ -10,11 +11,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "tests/oracle/joint.h"
+
 namespace godobject::oracle {
 
 using Eigen::Matrix3d;
-using Eigen::Quaterniond;
-using Eigen::Vector3d;
 
 /// Motion of a frame at one instant. Of the body B here; of its target D in target.h.
 struct RigidState {
@@ -46,6 +47,7 @@ struct Body {
 struct Case {
   Vector3d gravity = Vector3d::Zero();  // m/s^2
   std::vector<Body> bodies;
+  std::vector<Joint> joints = {};  // a tree: each body is the child of one joint at most, and there is no loop
 };
 
 }  // namespace godobject::oracle

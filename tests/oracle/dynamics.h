@@ -1,28 +1,20 @@
-// The model's differential equations, (1)-(3) and per body (6): no time step appears in them.
+// The model's differential equations, (1)-(3) and, of joined bodies, (4) and (6): no time step appears in them.
 #pragma once
 
 #include <vector>
 
+#include "tests/oracle/body_state.h"
 #include "tests/oracle/case.h"
+#include "tests/oracle/joint.h"
 #include "tests/oracle/precision.h"
 
 namespace godobject::oracle {
 
-/// State of all bodies in one vector; per body p (3), q as w x y z (4), v (3), w (3).
-inline constexpr Eigen::Index state_size = 13;
-
-ScalarVector pack(const std::vector<RigidState>& states);
-
-/// Quaternions come out normalised.
-std::vector<RigidState> unpack(const ScalarVector& y);
-
-/// Scales every quaternion of y to length 1.
-void normalise(ScalarVector& y);
-
 /// The rotation vector alpha u of q, alpha in [0, pi]; q need not be exactly unit.
 ScalarVector3 rotation_vector(const ScalarQuaternion& q);
 
-/// y' = f(t, y) of (1) for all bodies of a case.
+/// y' = f(t, y) of all bodies of a case. Joints hold as accelerations, g'' = 0 (index 1), without
+/// stabilisation: their errors g and g' stay what the start and the integrator make them.
 class Dynamics {
  public:
   /// Keeps a reference to the case.
@@ -30,7 +22,16 @@ class Dynamics {
 
   void operator()(Scalar t, const ScalarVector& y, ScalarVector& dy_dt) const;
 
+  /// Moves y to the nearest state with g = 0 and g' = 0 (nearest in the metric of the masses) and returns the
+  /// largest |g| it had, m or rad. For small errors: two Newton steps, so 1e-6 ends below rounding.
+  double project(Scalar t, ScalarVector& y) const;
+
+  /// Of each joint, at (t, y).
+  std::vector<JointWrench> reactions(Scalar t, const ScalarVector& y) const;
+
  private:
+  ScalarVector tendency(Scalar t, const std::vector<BodyState>& x) const;
+
   const Case& case_;
 };
 

@@ -12,6 +12,7 @@ namespace godobject::oracle {
 using Scalar = long double;
 
 using ScalarVector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+using ScalarMatrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 using ScalarVector3 = Eigen::Matrix<Scalar, 3, 1>;
 using ScalarMatrix3 = Eigen::Matrix<Scalar, 3, 3>;
 using ScalarQuaternion = Eigen::Quaternion<Scalar>;

@@ -1,7 +1,9 @@
 #include "tests/oracle/reference_case.h"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
+#include <map>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -46,6 +48,45 @@ Coupling coupling_from(const json& description) {
   return coupling;
 }
 
+JointType joint_type(const std::string& name) {
+  static const std::map<std::string, JointType> types = {
+      {"fixed", JointType::fixed},   {"ball", JointType::ball},
+      {"hinge", JointType::hinge},   {"slider", JointType::slider},
+      {"universal", JointType::universal}, {"cylindrical", JointType::cylindrical}};
+  const auto found = types.find(name);
+  if (found == types.end()) throw std::runtime_error("the oracle does not know joints of type '" + name + "'");
+  return found->second;
+}
+
+std::size_t index_of(const std::string& name, const std::vector<Body>& bodies) {
+  const auto found = std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; });
+  if (found == bodies.end()) throw std::runtime_error("a joint names the body '" + name + "', which is not there");
+  return static_cast<std::size_t>(found - bodies.begin());
+}
+
+/// Anchors that are not given are at the origin; "axis" is one vector for both bodies, whose axes are parallel
+/// where the joint's coordinate is zero.
+Joint joint_from(const json& description, const std::vector<Body>& bodies) {
+  const auto type = description.at("type").get<std::string>();
+  const auto child = description.at("child").get<std::string>();
+  const auto parent = description.at("parent").get<std::string>();
+  const auto read = [&](const char* key, Vector3d& value) {
+    if (description.contains(key)) value = vector3(description.at(key));
+  };
+  Joint joint;
+  joint.name = type + " of " + child;
+  joint.type = joint_type(type);
+  joint.child = index_of(child, bodies);
+  if (parent != "world") joint.parent = index_of(parent, bodies);
+  read(joint.parent ? "anchor_in_parent" : "anchor_in_world", joint.anchor_P);
+  if (!joint.parent) read("anchor_in_parent", joint.anchor_P);
+  read("anchor_in_child", joint.anchor_C);
+  read("axis", joint.axis_P);
+  read("axis_in_parent", joint.axis_P);
+  read("axis_in_child", joint.axis_C);
+  return joint;
+}
+
 std::vector<Vector3d> vectors(const CsvTable& table, const std::string& x, const std::string& y,
                               const std::string& z) {
   const std::vector<double> xs = table.column(x), ys = table.column(y), zs = table.column(z);
@@ -85,10 +126,8 @@ ReferenceCase read_case(const std::filesystem::path& folder) {
   std::ifstream stream(folder / "case.json");
   if (!stream) throw std::runtime_error((folder / "case.json").string() + ": cannot be read");
   const json description = json::parse(stream);
-  for (const char* part : {"joints", "contact"}) {
-    if (description.contains(part)) {
-      throw std::runtime_error(folder.string() + ": the oracle does not solve cases with '" + part + "'");
-    }
+  if (description.contains("contact")) {
+    throw std::runtime_error(folder.string() + ": the oracle does not solve cases with contact");
   }
   ReferenceCase loaded;
   loaded.about = description.at("about").get<std::string>();
@@ -102,6 +141,9 @@ ReferenceCase read_case(const std::filesystem::path& folder) {
       body.coupling->target = load_motion(folder / "motion.csv", body.name);
     }
     loaded.problem.bodies.push_back(body);
+  }
+  for (const json& joint : description.value("joints", json::array())) {
+    loaded.problem.joints.push_back(joint_from(joint, loaded.problem.bodies));
   }
   loaded.expected = load_solution(folder / "reference.csv", loaded.problem.bodies);
   return loaded;

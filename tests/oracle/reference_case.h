@@ -20,7 +20,7 @@ struct ReferenceCase {
 };
 
 /// Throws std::runtime_error for a file that is missing or malformed, and for a case with parts
-/// the oracle does not solve (joints, contact): a reference must not be compared with another problem.
+/// the oracle does not solve (contact): a reference must not be compared with another problem.
 ReferenceCase load_reference_case(const std::filesystem::path& folder);
 
 /// The motion of one body from the columns t, <body>.x y z qw qx qy qz of a motion file.

@@ -6,7 +6,8 @@
 namespace godobject::study {
 
 template <Scene S>
-void probe_step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w, Output<S>& out) noexcept {
+void probe_step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
+                Output<S>& out) noexcept {
   step(par, in, x, w, out);
 }
 

@@ -8,6 +8,7 @@ namespace godobject::study {
 
 /// godobject::step of scene S, compiled in probe_step.cc.
 template <Scene S>
-void probe_step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w, Output<S>& out) noexcept;
+void probe_step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
+                Output<S>& out) noexcept;
 
 }  // namespace godobject::study

@@ -1,0 +1,14 @@
+// The results chapter of the report: one section per part.
+#pragma once
+
+#include <ostream>
+
+#include "sim/study/study.h"
+
+namespace godobject::study {
+
+void write_error(std::ostream& out, const std::vector<ErrorRow>& rows);
+void write_stability(std::ostream& out, const StudyResults& results);
+void write_footprint(std::ostream& out, const std::vector<FootprintRow>& rows);
+
+}  // namespace godobject::study

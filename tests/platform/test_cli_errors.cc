@@ -1,0 +1,120 @@
+// Wrong input of every kind: exit code 2, the place in the message, nothing written over.
+#include <gmock/gmock.h>
+
+#include "tests/platform/program.h"
+
+namespace godobject::test {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string rigid = "sim/scenes/rigid.toml";
+
+using CliErrors = ProgramTest;
+
+TEST_F(CliErrors, OptionsAreNamedWithWhatIsAdmissible) {
+  struct Case {
+    std::string arguments;
+    std::string message;
+  };
+  const std::vector<Case> cases{
+      {"", "Usage: godobject"},
+      {"fly", "not expected: fly"},
+      {"run", "SCENE"},
+      {"check", "SCENE"},
+      {"run " + rigid + " --no-such-option", "--no-such-option"},
+      {"run " + rigid + " --fast --realtime", "--fast"},
+      {"run " + rigid + " --duration -1", "--duration: '-1' is not a number > 0 and <= 1e+06"},
+      {"run " + rigid + " --duration nan", "--duration: 'nan'"},
+      {"run " + rigid + " --duration 1s", "--duration: '1s'"},
+      {"run " + rigid + " --step 0", "--step: '0' is not a number 1e-06 to 0.1"},
+      {"run " + rigid + " --step inf", "--step: 'inf'"},
+      {"run " + rigid + " --integrator rk4", "--integrator: rk4 not in {implicit-euler,tr-bdf2}"},
+      {"run " + rigid + " --bus can0", "--bus: can0 not in {"},
+      {"run " + rigid + " --trace /no/such/folder/t.csv",
+       "--trace: '/no/such/folder/t.csv' cannot be written"},
+      {"run " + rigid + " --report /", "--report: '/' is a directory"},
+      {"run " + rigid + " --bus direct --record " + path("b.log"), "--record: with --bus direct"},
+      {"run " + rigid + " --motion /no/such.csv", "/no/such.csv:1:1: "},
+      {"run sim/scenes/admittance.toml",
+       "sim/scenes/admittance.toml:1:1: scene 'admittance' describes no buses"},
+      {"run /no/such.toml", "/no/such.toml:1:1: "},
+  };
+  for (const Case& c : cases) {
+    const ProgramResult result = run_program(c.arguments);
+    EXPECT_EQ(result.exit_code, 2) << c.arguments << '\n' << result.output;
+    EXPECT_THAT(result.output, HasSubstr(c.message)) << c.arguments;
+  }
+}
+
+TEST_F(CliErrors, SceneFilesAreRefusedWithThePlace) {
+  const std::string good =
+      "[scene]\nname = \"s\"\n[[body]]\nname = \"tool\"\nmass = 1.0\ninertia = [1.0, 1.0, 1.0]\n";
+  struct Case {
+    std::string text;
+    std::string place;
+    std::string message;
+  };
+  const std::vector<Case> cases{
+      {"[scene\n", ":1:", "not TOML"},
+      {good + "[scene.extra]\n", ":7:", "extra"},
+      {good + "colour = 1\n", ":7:1: ", "colour"},
+      {good + "velocity = \"fast\"\n", ":7:12: ", "velocity"},
+      {good + "velocity = [nan, 0.0, 0.0]\n", ":7:", "velocity"},
+      {"[scene]\nname = \"s\"\nstep = -1.0\n[[body]]\nname = \"t\"\nmass = 1.0\ninertia = [1.0, 1.0, 1.0]\n",
+       ":3:8: ", "step"},
+      {"[scene]\nname = \"s\"\n[[body]]\nname = \"t\"\nmass = 0.0\ninertia = [1.0, 1.0, 1.0]\n",
+       ":5:8: ", "mass"},
+  };
+  int number = 0;
+  for (const Case& c : cases) {
+    const std::string file = write("bad" + std::to_string(number++) + ".toml", c.text);
+    const std::string trace = write("trace.csv", "kept");
+    for (const std::string& arguments : {"check " + file, "run " + file + " --trace " + trace}) {
+      const ProgramResult result = run_program(arguments);
+      EXPECT_EQ(result.exit_code, 2) << c.text << result.output;
+      EXPECT_THAT(result.output, HasSubstr(file + c.place)) << c.text;
+      EXPECT_THAT(result.output, HasSubstr(c.message)) << c.text;
+    }
+    EXPECT_EQ(read_file(trace), "kept");
+  }
+}
+
+TEST_F(CliErrors, MotionIsRefusedWithThePlace) {
+  const std::string motion = write("motion.csv",
+                                   "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n"
+                                   "0,0,0,0,1,0,0,0\n0.1,0,zero,0,1,0,0,0\n");
+  const ProgramResult result = run_program("run " + rigid + " --motion " + motion);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr(motion + ":3:7: "));
+}
+
+TEST_F(CliErrors, NoOutputGoesOverAnInputOrAnotherOutput) {
+  const std::string scene = write("scene.toml", read_file(GODOBJECT_SOURCE_DIR "/" + rigid));
+  const std::string before = read_file(scene);
+  EXPECT_EQ(run_program("run " + scene + " --trace " + scene).exit_code, 2);
+  EXPECT_EQ(read_file(scene), before);
+  const ProgramResult same = run_program("run " + rigid + " --trace " + path("x") + " --record " + path("x"));
+  EXPECT_EQ(same.exit_code, 2);
+  EXPECT_THAT(same.output, HasSubstr("is also --trace"));
+  EXPECT_FALSE(std::filesystem::exists(path("x")));
+}
+
+TEST_F(CliErrors, ADiskThatIsFullIsAFault) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  const ProgramResult result = run_program("run " + rigid + " --duration 0.5 --trace /dev/full");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output, HasSubstr("/dev/full could not be written in full"));
+}
+
+TEST_F(CliErrors, AMotionOutOfTheDevicesReachIsAFault) {
+  const std::string motion = write("far.csv",
+                                   "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n"
+                                   "0,0,0,0,1,0,0,0\n0.5,5,0,0,1,0,0,0\n");
+  const ProgramResult result = run_program("run " + rigid + " --motion " + motion);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output, HasSubstr("unreachable"));
+}
+
+}  // namespace
+}  // namespace godobject::test

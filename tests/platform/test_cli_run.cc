@@ -1,0 +1,172 @@
+// Runs that go well: what they print, what they write, and that they repeat bit for bit.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "hal/candump.h"
+#include "sim/csv.h"
+#include "sim/scene_toml.h"
+#include "sim/trace.h"
+#include "tests/platform/program.h"
+
+namespace godobject::test {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string rigid = "sim/scenes/rigid.toml";
+
+class CliRun : public ProgramTest {
+ protected:
+  /// Runs the scene with every output, named `name`.*.
+  ProgramResult run(const std::string& name, const std::string& options) const {
+    return run_program("run " + options + " --trace " + path(name + ".csv") + " --record " +
+                       path(name + ".log") + " --report " + path(name + ".json"));
+  }
+  nlohmann::json report(const std::string& name) const {
+    return nlohmann::json::parse(read_file(path(name + ".json")));
+  }
+};
+
+TEST_F(CliRun, EveryVerbHasHelp) {
+  for (const char* arguments : {"--help", "run --help", "check --help", "study --help"}) {
+    const ProgramResult result = run_program(arguments);
+    EXPECT_EQ(result.exit_code, 0) << arguments;
+    EXPECT_THAT(result.output, HasSubstr("Usage: godobject"));
+    EXPECT_THAT(result.output, HasSubstr("Exit codes: 0 ok, 1 fault")) << arguments;
+  }
+  EXPECT_EQ(run_program("--version").exit_code, 0);
+}
+
+TEST_F(CliRun, FastIsBitIdentical) {
+  for (const char* name : {"a", "b"}) ASSERT_EQ(run(name, rigid + " --fast --duration 1").exit_code, 0);
+  EXPECT_EQ(read_file(path("a.csv")), read_file(path("b.csv")));
+  EXPECT_EQ(read_file(path("a.log")), read_file(path("b.log")));
+  EXPECT_EQ(report("a")["state_hash"], report("b")["state_hash"]);
+  EXPECT_GT(read_file(path("a.log")).size(), 100'000u);
+}
+
+TEST_F(CliRun, TraceHasItsColumnsAndOneRowPerStep) {
+  ASSERT_EQ(run("a", rigid + " --duration 0.2 --step 2e-3").exit_code, 0);
+  const CsvResult trace = read_csv(path("a.csv"));
+  ASSERT_TRUE(trace.table.has_value()) << trace.errors.front();
+  const LoadResult scene = load_scene(GODOBJECT_SOURCE_DIR "/" + rigid);
+  EXPECT_EQ(trace.table->columns(), trace_columns(*scene.scene));
+  ASSERT_EQ(trace.table->num_rows(), 101u);
+  EXPECT_EQ(trace.table->at(0, 0), 0);
+  EXPECT_DOUBLE_EQ(trace.table->at(100, 0), 0.2);
+}
+
+TEST_F(CliRun, RecordIsACandumpLogOfBothBusesInTheOrderOfTime) {
+  ASSERT_EQ(run("a", rigid + " --duration 0.5").exit_code, 0);
+  std::istringstream log(read_file(path("a.log")));
+  std::set<std::string, std::less<>> buses;
+  Nanoseconds last_ns = 0;
+  std::size_t num_syncs = 0;
+  for (std::string line; std::getline(log, line);) {
+    ReceivedFrame received;
+    std::string_view bus;
+    ASSERT_EQ(parse_candump(line, received, bus), CandumpResult::ok) << line;
+    ASSERT_GE(received.t_ns, last_ns) << line;
+    last_ns = received.t_ns;
+    if (!buses.contains(bus)) buses.emplace(bus);
+    num_syncs += received.frame.id == 0x080 ? 1 : 0;
+  }
+  EXPECT_EQ(buses, (std::set<std::string, std::less<>>{"can0", "can1"}));
+  EXPECT_GT(num_syncs, 2u * 500);  // and those of the boot
+}
+
+TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
+  const ProgramResult result = run("a", rigid + " --duration 1 --integrator implicit-euler");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const char* part : {"compute", "following error", "sensing error", "due to encoders", "bus load",
+                           "limits hit", "faults", "state hash", "a.csv", "a.log", "a.json"})
+    EXPECT_THAT(result.output, HasSubstr(part));
+  const nlohmann::json json = report("a");
+  EXPECT_EQ(json["cycles"], 1000);
+  EXPECT_EQ(json["step_s"], 1e-3);
+  EXPECT_EQ(json["integrator"], "implicit-euler");
+  EXPECT_EQ(json["scene"], "rigid");
+  EXPECT_TRUE(json["faults"].empty());
+  EXPECT_EQ(json["limits"]["ramp"], 501);  // 0.5 s, and the step at which it begins
+  std::uint64_t counted = 0;
+  for (const auto& bin : json["timing"]["compute_us"]["histogram"]) counted += bin[1].get<std::uint64_t>();
+  EXPECT_EQ(counted, 1000u);
+  ASSERT_EQ(json["bus"].size(), 2u);
+  for (const auto& bus : json["bus"]) {
+    EXPECT_GT(bus["measured_percent"], 20);
+    EXPECT_LE(bus["measured_percent"], bus["worst_percent"]);
+  }
+  EXPECT_EQ(json["answers"]["incomplete_syncs"], 0);
+  EXPECT_GT(json["following"]["rms_m"], json["sensing"]["rms_m"]);
+  EXPECT_LT(json["sensing"]["max_m"], 2e-5);  // some counts of 2 pi / 262144 on 0.36 m of arm
+  EXPECT_THAT(json["state_hash"].get<std::string>(), testing::MatchesRegex("[0-9a-f]{16}"));
+}
+
+TEST_F(CliRun, DirectHasNoSensingError) {
+  ASSERT_EQ(run_program("run " + rigid + " --bus direct --duration 1 --report " + path("a.json")).exit_code,
+            0);
+  EXPECT_EQ(report("a")["sensing"]["max_m"], 0.0);
+  EXPECT_EQ(report("a")["encoders"]["max_m"], 0.0);
+  EXPECT_TRUE(report("a")["bus"].empty());
+}
+
+TEST_F(CliRun, EveryShippedSceneRuns) {
+  for (const auto& entry : std::filesystem::directory_iterator(GODOBJECT_SOURCE_DIR "/sim/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    const LoadResult scene = load_scene(entry.path());
+    ASSERT_TRUE(scene.scene.has_value()) << scene.errors.front();
+    const bool has_rig = scene.scene->device && scene.scene->device->rig;
+    const ProgramResult result =
+        run_program("run " + entry.path().string() + " --duration 1 --bus " + (has_rig ? "sim" : "direct"));
+    EXPECT_EQ(result.exit_code, 0) << entry.path() << '\n' << result.output;
+  }
+}
+
+TEST_F(CliRun, RealtimeGivesTheStatesOfFast) {
+  ASSERT_EQ(run("fast", rigid + " --fast --duration 0.5").exit_code, 0);
+  const ProgramResult result = run("rt", rigid + " --realtime --duration 0.5");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const char* part : {"real-time set-up", "missed deadlines", "wake-up", "lost to the files"})
+    EXPECT_THAT(result.output, HasSubstr(part));
+  EXPECT_EQ(read_file(path("rt.csv")), read_file(path("fast.csv")));
+  EXPECT_EQ(read_file(path("rt.log")), read_file(path("fast.log")));
+  EXPECT_EQ(report("rt")["state_hash"], report("fast")["state_hash"]);
+  EXPECT_FALSE(report("rt")["machine"]["rt_setup"].empty());
+}
+
+TEST_F(CliRun, AnInterruptedRunEndsWithItsSummaryAndCompleteFiles) {
+  const ProgramResult result = run_program("run " + rigid + " --realtime --duration 100 --trace " +
+                                           path("a.csv") + " & p=$!; sleep 1; kill -INT $p; wait $p");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("state hash"));
+  const CsvResult trace = read_csv(path("a.csv"));
+  ASSERT_TRUE(trace.table.has_value());
+  EXPECT_GT(trace.table->num_rows(), 10u);
+}
+
+TEST_F(CliRun, CheckPrintsConfigurationPartsBytesAndBusLoad) {
+  const ProgramResult result = run_program("check " + rigid);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const char* part :
+       {"[scene]", "damping", "composition 'haptic-1 tr-bdf2'", "coupling", "feedback", "scratch", "total",
+        "compiled in", "bus can0", "bus can1", "0x181", "worst case", "above 50 %"})
+    EXPECT_THAT(result.output, HasSubstr(part));
+}
+
+TEST_F(CliRun, CheckRefusesABusThatCannotCarryItsMessages) {
+  std::string scene = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
+  const std::string rate = "bit_rate = 1e6";
+  scene.replace(scene.find(rate), rate.size(), "bit_rate = 5e5");
+  const ProgramResult result = run_program("check " + write("slow.toml", scene));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("error: the bus cannot carry its messages"));
+}
+
+}  // namespace
+}  // namespace godobject::test

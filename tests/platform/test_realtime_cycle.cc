@@ -1,0 +1,51 @@
+// The real-time thread's cycle, buses and all, touches neither heap nor locks nor the system.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "platform/cli/run_loop.h"
+#include "sim/scene_toml.h"
+#include "tests/support/allocation_guard.h"
+
+namespace godobject {
+namespace {
+
+class RealtimeCycleOf : public testing::TestWithParam<std::pair<const char*, BusChoice>> {};
+
+TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "the sanitizer owns the allocator";
+  const LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + GetParam().first);
+  ASSERT_TRUE(loaded.scene.has_value());
+  Session::Made made = Session::make(*loaded.scene, Motion(*loaded.scene), GetParam().second);
+  ASSERT_NE(made.session, nullptr) << made.errors.front();
+  ASSERT_TRUE(made.session->boot(5));
+
+  constexpr std::uint64_t num_cycles = 1000;
+  Ring<CycleEntry> cycles(num_cycles);
+  Ring<BusFrame> frames(16);  // overflows: counting must not allocate either
+  made.session->set_bus_observer({.on_frame =
+                                      [](void* context, std::size_t bus, const ReceivedFrame& frame) {
+                                        static_cast<void>(static_cast<Ring<BusFrame>*>(context)->try_push(
+                                            {.bus = bus, .received = frame}));
+                                      },
+                                  .context = &frames});
+  const std::atomic<bool> stop{false};
+  const auto cycle = std::make_unique<RealtimeCycle>(*made.session, num_cycles, stop, cycles);
+
+  AllocationGuard guard;
+  while ((*cycle)(0)) continue;
+  EXPECT_EQ(guard.calls(), 0) << guard.report();
+
+  EXPECT_EQ(cycle->statistics().cycles, num_cycles);
+  EXPECT_EQ(cycles.lost(), 0u);
+  EXPECT_EQ(made.session->rig() != nullptr, frames.lost() > 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RealtimeCycleOf,
+                         testing::Values(std::pair{"rigid.toml", BusChoice::sim},
+                                         std::pair{"desk.toml", BusChoice::sim},
+                                         std::pair{"relative.toml", BusChoice::sim},
+                                         std::pair{"admittance.toml", BusChoice::direct}));
+
+}  // namespace
+}  // namespace godobject
