@@ -3,6 +3,7 @@ add_library(godobject_options INTERFACE)
 target_compile_definitions(godobject_options INTERFACE EIGEN_DONT_VECTORIZE)
 target_compile_options(godobject_options INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Wnon-virtual-dtor -Werror
+  -fno-tree-vectorize -fno-tree-slp-vectorize  # see docs/decisions/010-no-eigen-packets.md
   -fno-math-errno -ffp-contract=$<IF:$<BOOL:${GODOBJECT_DETERMINISTIC}>,off,fast>)
 
 if(GODOBJECT_DETERMINISTIC)

@@ -8,15 +8,6 @@
 
 namespace godobject {
 
-/// What pulls one body during one step: the target at both ends, and how far the ramp is.
-struct Pull {
-  Target from, to;       // target at the start and the end of the step, quaternions of one sign
-  Real s = 0;            // ramp: 0 released, 1 fully engaged
-  Wrench F_WB;           // force and torque applied by the hand (admittance)
-  bool live = true;      // false: no valid sample; the target rests and nothing is shown to the hand
-  bool fresh = false;    // first step after engaging or letting go: no history may be used
-};
-
 struct RampParams {
   Real rise = 0.5;       // s from engaging to full coupling; 0: at once
 };
@@ -26,19 +17,33 @@ struct RampState {
   bool engaged = false;
 };
 
+/// What pulls one body during one step: the target at both ends, and how far the ramp is.
+struct Pull {
+  Target from, to;       // target at the start and the end of the step, quaternions of one sign
+  RampState ramp;        // during this step
+  Wrench F_WB;           // force and torque applied by the hand (admittance)
+  bool live = true;      // false: no valid sample; the target rests and nothing is shown to the hand
+  bool fresh = false;    // first step after engaging or letting go: no history may be used
+};
+
+/// What all devices carry over.
+struct DeviceState {
+  Target last;           // target of the last step
+  RampState ramp;
+};
+
 /// The ramp: 0 in the first engaged step, so that engaging moves nothing; then rising linearly to 1.
-inline RampState advanced(const RampParams& par, const RampState& x, bool engage, Real h, Pull& pull,
-                          Limited& limited) noexcept {
+inline void advance_ramp(const RampParams& par, const RampState& x, bool engage, Real h, Pull& pull,
+                         Limited& limited) noexcept {
   pull.fresh = engage != x.engaged;
-  if (!engage) {
-    pull.s = 0;
-  } else if (x.s == 1 || par.rise <= h) {
-    pull.s = 1;
+  pull.ramp = {.s = 0, .engaged = engage};
+  if (!engage) return;
+  if (x.s == 1 || par.rise <= h) {
+    pull.ramp.s = 1;
   } else {
-    pull.s = pull.fresh ? 0 : std::min(Real(1), x.s + h / par.rise);
+    pull.ramp.s = pull.fresh ? 0 : std::min(Real(1), x.s + h / par.rise);
     limited |= Limited::ramp;
   }
-  return {.s = pull.s, .engaged = engage};
 }
 
 /// A quaternion and its negative are one attitude: takes the one nearer to `reference`.
@@ -49,10 +54,7 @@ inline Quat same_sign(const Quat& q, const Quat& reference) noexcept {
 /// Gives an absolute pose: impedance devices, trackers.
 struct PoseDevice {
   using Params = RampParams;
-  struct State {
-    Target last;              // newest valid sample
-    RampState ramp;
-  };
+  using State = DeviceState;
   struct Input {
     Pose X_WD;
     Twist V_WD;
@@ -61,9 +63,9 @@ struct PoseDevice {
   };
 
   static Pull pull(const Params& par, const Input& in, const RigidBodyState&, Real h, const State& x,
-                   State& next, Limited& limited) noexcept {
+                   Limited& limited) noexcept {
     Pull d;
-    next.ramp = advanced(par, x.ramp, in.engaged, h, d, limited);
+    advance_ramp(par, x.ramp, in.engaged, h, d, limited);
     d.from = x.last;
     d.to = {.X_WD = {.p = in.X_WD.p, .q = renormalized(in.X_WD.q)}, .V_WD = in.V_WD};
     if (!in.valid) {
@@ -73,7 +75,6 @@ struct PoseDevice {
     }
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
-    next.last = d.to;
     return d;
   }
 };
@@ -81,10 +82,7 @@ struct PoseDevice {
 /// Gives increments of pose, through a clutch: a mouse, or an arm whose workspace is too small.
 struct RelativeDevice {
   using Params = RampParams;
-  struct State {
-    Target last;              // target built up so far
-    RampState ramp;
-  };
+  using State = DeviceState;
   struct Input {
     Vec3 dp_W = Vec3::Zero();       // shift since the last sample, m
     Vec3 dphi_W = Vec3::Zero();     // turn since the last sample, rad, |dphi| <= pi
@@ -94,9 +92,9 @@ struct RelativeDevice {
   };
 
   static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
-                   State& next, Limited& limited) noexcept {
+                   Limited& limited) noexcept {
     Pull d;
-    next.ramp = advanced(par, x.ramp, in.engaged, h, d, limited);
+    advance_ramp(par, x.ramp, in.engaged, h, d, limited);
     d.from = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
     d.to.X_WD = d.from.X_WD;
     if (in.clutch && in.valid) {
@@ -105,7 +103,6 @@ struct RelativeDevice {
     }
     d.live = in.valid;
     if (!d.live) limited |= Limited::held;
-    next.last = d.to;
     return d;
   }
 };
@@ -113,10 +110,7 @@ struct RelativeDevice {
 /// Gives forces and takes poses. Its spring (if any) is tied to where the body was when engaged.
 struct AdmittanceDevice {
   using Params = RampParams;
-  struct State {
-    Target last;              // rests
-    RampState ramp;
-  };
+  using State = DeviceState;
   struct Input {
     Wrench F_WB;              // of the hand on the body, about its centre of mass
     bool valid = true;
@@ -124,13 +118,12 @@ struct AdmittanceDevice {
   };
 
   static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
-                   State& next, Limited& limited) noexcept {
+                   Limited& limited) noexcept {
     Pull d;
-    next.ramp = advanced(par, x.ramp, in.engaged, h, d, limited);
-    next.last = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
-    d.from = d.to = next.last;
+    advance_ramp(par, x.ramp, in.engaged, h, d, limited);
+    d.from = d.to = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
     if (in.valid) {
-      d.F_WB = {.tau = d.s * in.F_WB.tau, .f = d.s * in.F_WB.f};
+      d.F_WB = {.tau = d.ramp.s * in.F_WB.tau, .f = d.ramp.s * in.F_WB.f};
     } else {
       d.live = false;
       limited |= Limited::held;

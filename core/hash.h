@@ -27,9 +27,7 @@ class Hash {
   void add(const RampState& x) noexcept { add(x.s); add(std::uint64_t{x.engaged}); }
   void add(const DampedSpring::State& x) noexcept { add(x.phi_B); }
   void add(const LimitedFeedback::State& x) noexcept { add(x.F_D); }
-  void add(const PoseDevice::State& x) noexcept { add(x.last); add(x.ramp); }
-  void add(const RelativeDevice::State& x) noexcept { add(x.last); add(x.ramp); }
-  void add(const AdmittanceDevice::State& x) noexcept { add(x.last); add(x.ramp); }
+  void add(const DeviceState& x) noexcept { add(x.last); add(x.ramp); }
   template <int slot>
   void add(const Absent<slot>&) noexcept {}
 

@@ -15,10 +15,11 @@ struct ImplicitEuler {
   static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       w.bases[i] = x.bodies[i].x;
-      if constexpr (uses<typename S::Device>) w.targets[i] = w.pulls[i].to;
+      w.next[i].coupling = x.bodies[i].coupling;
     }
-    solve_stage(par, x, par.h, w);
-    for (std::size_t i = 0; i < num_bodies(par); ++i) w.next.bodies[i].x = moved(w.bases[i], w.velocities[i], par.h);
+    const auto at_the_end = [&w](std::size_t i) -> const Target& { return w.pulls[i].to; };
+    solve_stage(par, par.h, at_the_end, w);
+    for (std::size_t i = 0; i < num_bodies(par); ++i) w.next[i].x = moved(w.bases[i], w.velocities[i], par.h);
   }
 };
 

@@ -40,10 +40,12 @@ struct TrBdf2 {
       const BodyState<S>& y = x.bodies[i];
       const Real dh = smooth ? d * h : 0;
       w.bases[i] = extrapolated(y.x, y.x.v_W, y.x.w_B, y.memory.a_W, y.memory.alpha_B, dh);
+      w.next[i].coupling = y.coupling;
       if constexpr (uses<typename S::Device>)
-        w.targets[i] = interpolated(w.pulls[i].from, w.pulls[i].to, c, h);
+        w.inside[i] = interpolated(w.pulls[i].from, w.pulls[i].to, c, h);
     }
-    solve_stage(par, x, h_1, w);
+    const auto inside = [&w](std::size_t i) -> const Target& { return w.inside[i]; };
+    solve_stage(par, h_1, inside, w);
 
     // (13)
     const bool still_smooth = smooth && turns_are_small(par, w);
@@ -59,12 +61,12 @@ struct TrBdf2 {
       } else {
         w.bases[i] = moved(w.bases[i], V_1, h_1);
       }
-      if constexpr (uses<typename S::Device>) w.targets[i] = w.pulls[i].to;
     }
-    solve_stage(par, w.next, h_2, w);
+    const auto at_the_end = [&w](std::size_t i) -> const Target& { return w.pulls[i].to; };
+    solve_stage(par, h_2, at_the_end, w);
 
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      BodyState<S>& next = w.next.bodies[i];
+      NextBody<S>& next = w.next[i];
       const StageVelocity& V_2 = w.velocities[i];
       next.memory = {.a_W = (V_2.v_W - w.bases[i].v_W) * (1 / h_2),
                      .alpha_B = (V_2.w_B - w.bases[i].w_B) * (1 / h_2),

@@ -6,20 +6,28 @@
 
 namespace godobject {
 
+/// Of a body's state, what a step computes before it is known to be good.
+template <class S>
+struct NextBody {
+  RigidBodyState x;
+  [[no_unique_address]] Slot<typename S::Integrator::Memory, 0> memory;
+  [[no_unique_address]] Slot<typename S::Coupling::State, 1> coupling;
+};
+
 /// Worthless between steps.
 template <class S>
 struct Scratch {
-  State<S> next;                                        // the state being built; committed if finite
+  std::array<NextBody<S>, S::max_bodies> next;          // committed if finite
   std::array<Pull, S::max_bodies> pulls;                // from the devices
-  std::array<Target, S::max_bodies> targets;            // at the end of the stage
+  std::array<Target, S::max_bodies> inside;             // targets inside the step
   std::array<RigidBodyState, S::max_bodies> bases;      // where the stage starts
   std::array<StageVelocity, S::max_bodies> velocities;  // what the stage solves for
 };
 
-/// Solves (10) and (11) for every body over a time h from w.bases to w.targets; x holds the attitude error of
-/// the stage before.
-template <Scene S>
-void solve_stage(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
+/// Solves (10) and (11) for every body over a time h from w.bases; target_of(i) is the target of body i at the end
+/// of the stage. w.next holds the attitude error of the stage before, then of this one.
+template <Scene S, class TargetOf>
+void solve_stage(const Params<S>& par, Real h, const TargetOf& target_of, Scratch<S>& w) noexcept {
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const RigidBodyParams& body = par.bodies[i].body;
     const RigidBodyState& base = w.bases[i];
@@ -33,13 +41,13 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w)
     Vec3 e_W = Vec3::Zero(), v_D = Vec3::Zero(), w_D_B = Vec3::Zero();
     RotationError error;
     if constexpr (uses<typename S::Coupling>) {
-      const Target& target = w.targets[i];
-      spring = ramped(par.bodies[i].coupling, w.pulls[i].s);
+      const Target& target = target_of(i);
+      spring = ramped(par.bodies[i].coupling, w.pulls[i].ramp.s);
       e_W = target.X_WD.p - base.X_WB.p;
       v_D = target.V_WD.v;
       w_D_B = to_body(base.X_WB.q, target.V_WD.w);
-      error = rotation_error(base.X_WB.q, target.X_WD.q, x.bodies[i].coupling.phi_B);
-      w.next.bodies[i].coupling.phi_B = error.phi_B;
+      error = rotation_error(base.X_WB.q, target.X_WD.q, w.next[i].coupling.phi_B);
+      w.next[i].coupling.phi_B = error.phi_B;
     }
 
     const TranslationSystem translation = implicit_translation(body.m, spring, base.v_W, e_W, v_D, F.f, h);

@@ -25,10 +25,12 @@ inline Fault check(const AdmittanceDevice::Input& in) noexcept {
 }
 
 template <class S>
-bool is_finite(const Params<S>& par, const State<S>& x) noexcept {
+bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
   Real all = 0;
-  for (std::size_t i = 0; i < num_bodies(par); ++i)
-    all += sum(x.bodies[i].x.X_WB) + x.bodies[i].x.v_W.sum() + x.bodies[i].x.w_B.sum() + sum(x.bodies[i].memory);
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    const NextBody<S>& next = w.next[i];
+    all += sum(next.x.X_WB) + next.x.v_W.sum() + next.x.w_B.sum() + sum(next.memory);
+  }
   return is_finite(all);
 }
 
@@ -36,16 +38,16 @@ bool is_finite(const Params<S>& par, const State<S>& x) noexcept {
 template <class S>
 Wrench feedback(const BodyParams<S>& par, const Pull& pull, const BodyState<S>& body) noexcept {
   const RotationError error = rotation_error(body.x.X_WB.q, pull.to.X_WD.q, body.coupling.phi_B);
-  return S::Feedback::wrench(ramped(par.feedback.gains, pull.s), body.x, pull.to, error.phi_B);
+  return S::Feedback::wrench(ramped(par.feedback.gains, pull.ramp.s), body.x, pull.to, error.phi_B);
 }
 
 template <class S>
-void commit(const Params<S>& par, const State<S>& next, State<S>& x) noexcept {
+void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
-    x.bodies[i].x = next.bodies[i].x;
-    x.bodies[i].memory = next.bodies[i].memory;
-    x.bodies[i].device = next.bodies[i].device;
-    x.bodies[i].coupling = next.bodies[i].coupling;
+    x.bodies[i].x = w.next[i].x;
+    x.bodies[i].memory = w.next[i].memory;
+    x.bodies[i].coupling = w.next[i].coupling;
+    if constexpr (uses<typename S::Device>) x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp};
   }
   x.tick += 1;
 }
@@ -64,15 +66,15 @@ template <Scene S>
     if (!any(out.fault))
       for (std::size_t i = 0; i < num_bodies(par); ++i)
         w.pulls[i] = S::Device::pull(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
-                                      x.bodies[i].device, w.next.bodies[i].device, out.limited);
+                                      x.bodies[i].device, out.limited);
   }
 
   // motion: (10), (11), by one or two stages (12), (13)
   if (!any(out.fault)) {
     S::Integrator::advance(par, x, w);
-    if (!is_finite(par, w.next)) out.fault |= Fault::state_not_finite;
+    if (!is_finite(par, w)) out.fault |= Fault::state_not_finite;
   }
-  if (!any(out.fault)) commit(par, w.next, x);
+  if (!any(out.fault)) commit(par, w, x);
 
   // feedback: (8)
   for (std::size_t i = 0; i < num_bodies(par); ++i) {

@@ -11,6 +11,18 @@ struct Target {
   Twist V_WD;
 };
 
+/// value q + rate q',  q' = 1/2 (0, w) q.
+inline Quat scaled_with_rate(const Pose& X, const Twist& V, Real value, Real rate) noexcept {
+  const Vec3 u = X.q.vec();
+  const Vec3 a = (Real(0.5) * rate) * V.w;
+  const Vec3 vec = value * u + X.q.w() * a + a.cross(u);
+  return Quat(value * X.q.w() - a.dot(u), vec.x(), vec.y(), vec.z());
+}
+
+inline Quat plus(const Quat& a, const Quat& b) noexcept {
+  return Quat(a.w() + b.w(), a.x() + b.x(), a.y() + b.y(), a.z() + b.z());
+}
+
 /// (15)  target at the fraction s in [0, 1] of the time h between samples a and b: the cubic through both
 /// poses and velocities, fourth order; on quaternions component-wise, then normalised.
 /// a.q and b.q are of one sign (a.q . b.q >= 0).
@@ -21,16 +33,11 @@ inline Target interpolated(const Target& a, const Target& b, Real s, Real h) noe
   const Real d0 = 6 * s * r / h;                                  // and their rates
   const Real a2 = r * (1 - 3 * s), b2 = s * (1 - 3 * r);
 
-  // q' = 1/2 (0, w) q
-  const Quat qa_dot = Quat(0, a.V_WD.w.x(), a.V_WD.w.y(), a.V_WD.w.z()) * a.X_WD.q;
-  const Quat qb_dot = Quat(0, b.V_WD.w.x(), b.V_WD.w.y(), b.V_WD.w.z()) * b.X_WD.q;
-
   Target t;
   t.X_WD.p = a0 * a.X_WD.p + b0 * b.X_WD.p + a1 * a.V_WD.v + b1 * b.V_WD.v;
   t.V_WD.v = d0 * (b.X_WD.p - a.X_WD.p) + a2 * a.V_WD.v + b2 * b.V_WD.v;
-  t.X_WD.q.coeffs() = a0 * a.X_WD.q.coeffs() + b0 * b.X_WD.q.coeffs() +
-                      Real(0.5) * (a1 * qa_dot.coeffs() + b1 * qb_dot.coeffs());
-  t.X_WD.q.coeffs() *= 1 / std::sqrt(t.X_WD.q.coeffs().squaredNorm());
+  const Quat q = plus(scaled_with_rate(a.X_WD, a.V_WD, a0, a1), scaled_with_rate(b.X_WD, b.V_WD, b0, b1));
+  t.X_WD.q.coeffs() = q.coeffs() * (1 / std::sqrt(q.coeffs().squaredNorm()));
   t.V_WD.w = r * a.V_WD.w + s * b.V_WD.w;
   return t;
 }

@@ -1,4 +1,5 @@
-// All joints of a case at one instant: the multipliers of (7), by a dense solve.
+// All joints of a case at one instant: the multipliers of (7), by a dense
+// factorisation of L M^-1 L^T.
 #pragma once
 
 #include <vector>
@@ -12,12 +13,13 @@
 
 namespace godobject::oracle {
 
-/// L of (4), with six columns per body (v, w in world axes), and L M^-1 L^T in factors. Rows of all joints, in
-/// the order of the case.
+/// L of (4), with six columns per body (v, w in world axes), in blocks, and L M^-1 L^T in factors. Rows of all
+/// joints, in the order of the case.
 class JointSystem {
  public:
-  /// Throws std::runtime_error if the equations are redundant, as those of a universal joint with parallel
-  /// axes. q of every state must be unit.
+  /// q of every state must be unit. The joints of a tree are independent while they hold. A trial step gone astray
+  /// can break that (a universal joint with parallel axes): multipliers and displacements are then NaN, which
+  /// makes the integrator try a smaller step.
   JointSystem(const Case& problem, Scalar t, const std::vector<BodyState>& states);
 
   const ScalarVector& error() const { return g_; }
@@ -25,31 +27,37 @@ class JointSystem {
 
   /// Multipliers that turn the accelerations A_t without joints (6 per body) into ones with g'' = 0:
   /// L M^-1 L^T lambda = E - L A_t, the velocity products in E.
-  ScalarVector multipliers(const ScalarVector& A_t) const { return factors_.solve(-bias_ - L_ * A_t); }
+  ScalarVector multipliers(const ScalarVector& A_t) const;
 
   /// A_c = M^-1 L^T lambda.
-  ScalarVector correction(const ScalarVector& lambda) const { return M_inverse_LT_ * lambda; }
+  ScalarVector correction(const ScalarVector& lambda) const;
 
   /// The displacement, smallest in the metric of the masses, that changes the rows by `change` to first order.
-  ScalarVector displacement(const ScalarVector& change) const { return correction(factors_.solve(change)); }
+  ScalarVector displacement(const ScalarVector& change) const { return correction(solve(change)); }
 
   /// What lambda does to each child, at the child's anchor.
   std::vector<JointWrench> wrenches(const ScalarVector& lambda) const;
 
  private:
-  void add_rows(const Joint& joint, const JointRows& rows, Eigen::Index first);
-  void factorise(const Case& problem, const std::vector<BodyState>& states);
+  /// The rows of one joint in the columns of one of its bodies.
+  struct Block {
+    Eigen::Index row;
+    std::size_t body;
+    JointRows::Jacobian L;
+    JointRows::Jacobian L_M_inverse;
+  };
+
+  void add_block(Eigen::Index row, std::size_t body, const JointRows::Jacobian& L);
+  void weigh_with_masses(const Case& problem, const std::vector<BodyState>& states);
+  void factorise();
+  ScalarVector solve(const ScalarVector& rhs) const;
 
   ScalarVector g_, rate_, bias_;
-  ScalarMatrix L_;
-  ScalarMatrix M_inverse_LT_;
+  std::vector<Block> blocks_;
   Eigen::LLT<ScalarMatrix> factors_;
-
-  struct Child {
-    Eigen::Index first_row, num_rows, first_column;
-    ScalarVector3 r;  // from the origin to the anchor
-  };
-  std::vector<Child> children_;  // of each joint
+  Eigen::Index num_columns_ = 0;
+  std::vector<ScalarVector3> anchor_of_child_;  // of each joint, from the child's origin, world axes
+  std::vector<std::size_t> block_of_child_;     // of each joint
 };
 
 }  // namespace godobject::oracle

@@ -21,6 +21,8 @@ Signal sine(double t, double amplitude, double frequency_Hz, double phase) {
   return {amplitude * std::sin(omega * t + phase), amplitude * omega * std::cos(omega * t + phase)};
 }
 
+Quaterniond turn(const Vector3d& axis, double angle) { return Quaterniond(Eigen::AngleAxisd(angle, axis)); }
+
 }  // namespace
 
 RigidState scene_s1_target(double t) {
@@ -62,6 +64,35 @@ Case scene_s1() {
   Case scene;
   scene.bodies = {tool};
   return scene;
+}
+
+RigidState grasper_device(std::size_t body, double t) {
+  const double pi = std::numbers::pi;
+  const Vector3d X = Vector3d::UnitX(), Y = Vector3d::UnitY(), Z = Vector3d::UnitZ();
+  const Signal pitch = sine(t, pi / 6, 1, 0), yaw = sine(t, pi / 6, 0.7, 0), roll = sine(t, pi / 3, 0.9, 0);
+  const Signal insertion = sine(t, 0.04, 0.5, 0);  // about 0.15 m
+  const Signal jaw = sine(t, pi / 9, 1, -pi / 2);  // about pi / 9
+
+  RigidState D;  // the trocar
+  D.q = turn(X, pitch.value) * turn(Y, yaw.value);
+  D.w = pitch.rate * X + turn(X, pitch.value) * (yaw.rate * Y);
+  if (body == 0) return D;
+
+  // The tube slides along z of the trocar; its tip is 0.15 m from its centre.
+  const Vector3d z = D.q * Z, zd = D.w.cross(z);
+  D.p = insertion.value * z;
+  D.v = insertion.rate * z + insertion.value * zd;
+  D.w += roll.rate * z;
+  D.q = D.q * turn(Z, roll.value);
+  if (body == 1) return D;
+
+  const double side = body == 2 ? 1 : -1;
+  D.w += D.q * (side * jaw.rate * X);
+  D.q = D.q * turn(X, side * (pi / 9 + jaw.value));
+  const Vector3d to_centre = 0.01 * (D.q * Z);
+  D.p += 0.15 * z + to_centre;
+  D.v += 0.15 * zd + D.w.cross(to_centre);
+  return D;
 }
 
 }  // namespace godobject::oracle

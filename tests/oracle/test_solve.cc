@@ -10,6 +10,7 @@
 
 #include "tests/oracle/compare.h"
 #include "tests/oracle/dynamics.h"
+#include "tests/oracle/energy.h"
 #include "tests/oracle/scenes.h"
 #include "tests/oracle/target.h"
 
@@ -19,15 +20,6 @@ namespace {
 Vector3d rotated_by(const Quaterniond& q) { return rotation_vector(q.cast<Scalar>()).cast<double>(); }
 
 Quaterniond turn(const Vector3d& axis, double angle) { return Quaterniond(Eigen::AngleAxisd(angle, axis)); }
-
-double kinetic_energy(const Body& body, const RigidState& x) {
-  const Vector3d w_B = x.q.conjugate() * x.w;
-  return 0.5 * body.m * x.v.squaredNorm() + 0.5 * w_B.dot(body.I_B * w_B);
-}
-
-Vector3d angular_momentum(const Body& body, const RigidState& x) {
-  return x.q * (body.I_B * (x.q.conjugate() * x.w));
-}
 
 Body free_body() {
   Body body;
