@@ -7,3 +7,4 @@
 #include "core/integrator_tr_bdf2.h"
 #include "core/setup.h"
 #include "core/step.h"
+#include "core/tree.h"

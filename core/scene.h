@@ -4,6 +4,7 @@
 //     static constexpr int max_bodies = 1;
 //     using Integrator = TrBdf2;         // or ImplicitEuler
 //     using Device = PoseDevice;         // or RelativeDevice, AdmittanceDevice; None: free bodies
+//     using Joints = None;               // or TreeJoints
 //     using Coupling = DampedSpring;     // or None
 //     using Feedback = LimitedFeedback;  // or None: not haptic
 //   };
@@ -54,11 +55,13 @@ concept Part = requires {
 template <class S> concept HasBodies = (S::max_bodies > 0);
 template <class S> concept HasIntegrator = requires { typename S::Integrator::Memory; };
 template <class S> concept DeviceIsAPart = Part<typename S::Device>;
+template <class S> concept JointsAreAPart = Part<typename S::Joints>;
 template <class S> concept CouplingIsAPart = Part<typename S::Coupling>;
 template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
-template <class S> concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && CouplingIsAPart<S> &&
+template <class S> concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
+                                   CouplingIsAPart<S> &&
                                    FeedbackIsAPart<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
@@ -68,6 +71,7 @@ struct BodyParams {
   [[no_unique_address]] Slot<typename S::Coupling::Params, 1> coupling;
   [[no_unique_address]] Slot<typename S::Feedback::Params, 2> feedback;
   [[no_unique_address]] Slot<typename S::Device::Params, 3> device;
+  [[no_unique_address]] Slot<typename S::Joints::Params, 4> joint;
 };
 
 template <class S>
@@ -112,7 +116,8 @@ template <class S>
 struct BodyOutput {
   Pose X_WB;
   Twist V_WB;
-  [[no_unique_address]] typename S::Feedback::Output feedback;
+  [[no_unique_address]] Slot<typename S::Feedback::Output, 2> feedback;
+  [[no_unique_address]] Slot<typename S::Joints::Output, 4> joint;
 };
 
 template <class S>

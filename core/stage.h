@@ -3,6 +3,7 @@
 
 #include "core/device.h"
 #include "core/implicit_stage.h"
+#include "core/tree.h"
 
 namespace godobject {
 
@@ -22,6 +23,8 @@ struct Scratch {
   std::array<Target, S::max_bodies> inside;             // targets inside the step
   std::array<RigidBodyState, S::max_bodies> bases;      // where the stage starts
   std::array<StageVelocity, S::max_bodies> velocities;  // what the stage solves for
+  [[no_unique_address]] std::conditional_t<uses<typename S::Joints>, std::array<TreeNode, S::max_bodies>, Absent<4>>
+      tree;                                             // the bodies with their joints
 };
 
 /// Solves (10) and (11) for every body over a time h from w.bases; target_of(i) is the target of body i at the end
@@ -52,7 +55,16 @@ void solve_stage(const Params<S>& par, Real h, const TargetOf& target_of, Scratc
 
     const TranslationSystem translation = implicit_translation(body.m, spring, base.v_W, e_W, v_D, F.f, h);
     const RotationSystem rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, F.tau, h);
-    w.velocities[i] = {.v_W = translation.b_W * (1 / translation.M), .w_B = solve3(rotation.A_B, rotation.b_B)};
+    if constexpr (uses<typename S::Joints>) {
+      load(base, translation, rotation, h, w.tree[i]);
+    } else {
+      w.velocities[i] = {.v_W = translation.b_W * (1 / translation.M), .w_B = solve3(rotation.A_B, rotation.b_B)};
+    }
+  }
+  if constexpr (uses<typename S::Joints>) {
+    for (std::size_t i = num_bodies(par); i-- > 0;) eliminate(par.bodies[i].joint, i, h, w.tree.data());
+    for (std::size_t i = 0; i < num_bodies(par); ++i)
+      w.velocities[i] = solved(par.bodies[i].joint, i, h, w.tree.data());
   }
 }
 

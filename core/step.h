@@ -85,6 +85,9 @@ template <Scene S>
       S::Feedback::show(par.bodies[i].feedback, wanted, par.h, body.feedback, out.bodies[i].feedback, out.limited);
     }
     if (any(out.fault)) continue;  // the pose last given stands: x itself may be damaged
+    if constexpr (uses<typename S::Joints>) {
+      if (!any(out.fault)) out.bodies[i].joint = {.F_C = w.tree[i].F_C};
+    }
     out.bodies[i].X_WB = body.x.X_WB;
     out.bodies[i].V_WB = {.w = to_world(body.x.X_WB.q, body.x.w_B), .v = body.x.v_W};
   }

@@ -10,6 +10,7 @@ struct Admittance {
   using Integrator = I;
   using Device = AdmittanceDevice;
   using Coupling = DampedSpring;
+  using Joints = None;
   using Feedback = None;
 };
 

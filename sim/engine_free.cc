@@ -10,6 +10,7 @@ struct FreeBodies {
   using Integrator = I;
   using Device = None;
   using Coupling = None;
+  using Joints = None;
   using Feedback = None;
 };
 

@@ -10,6 +10,7 @@ struct Haptic {
   using Integrator = I;
   using Device = PoseDevice;
   using Coupling = DampedSpring;
+  using Joints = None;
   using Feedback = LimitedFeedback;
 };
 

@@ -10,6 +10,7 @@ struct Followers {
   using Integrator = I;
   using Device = PoseDevice;
   using Coupling = DampedSpring;
+  using Joints = None;
   using Feedback = None;
 };
 

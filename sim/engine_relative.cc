@@ -10,6 +10,7 @@ struct Relative {
   using Integrator = I;
   using Device = RelativeDevice;
   using Coupling = DampedSpring;
+  using Joints = None;
   using Feedback = LimitedFeedback;
 };
 

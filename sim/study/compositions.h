@@ -13,6 +13,7 @@ struct Free {
   using Integrator = I;
   using Device = None;
   using Coupling = None;
+  using Joints = None;
   using Feedback = None;
 };
 
@@ -31,6 +32,7 @@ struct Follower : DeviceOnly<I, N> {
 /// A tool that follows a pose and shows a force.
 template <class I, std::size_t N>
 struct Haptic : Follower<I, N> {
+  using Joints = None;
   using Feedback = LimitedFeedback;
 };
 

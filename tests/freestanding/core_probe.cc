@@ -9,6 +9,7 @@ struct Composition {
   using Integrator = IntegratorPart;
   using Device = DevicePart;
   using Coupling = CouplingPart;
+  using Joints = None;
   using Feedback = FeedbackPart;
 };
 

@@ -1,0 +1,41 @@
+// Fixed joint, and the slider: the attitude of the child is the parent's.
+#pragma once
+
+#include "core/joint.h"
+
+namespace godobject {
+
+/// Turn of the child's frame against the parent's, world axes, to second order in the angle.
+inline Vec3 misalignment(const JointFrames& X) noexcept {
+  Vec3 e = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) e += X.R_WP.col(i).cross(X.R_WC.col(i));
+  return Real(0.5) * e;
+}
+
+struct FixedJoint {
+  static constexpr JointKind kind = JointKind::fixed;
+  static constexpr int dof = 0;
+
+  static JointMotion<0> motion(const JointFrames& X) noexcept {
+    JointMotion<0> m;
+    m.e_w = misalignment(X);
+    m.e_v = X.d_W;
+    return m;
+  }
+};
+
+struct SliderJoint {
+  static constexpr JointKind kind = JointKind::slider;
+  static constexpr int dof = 1;
+
+  static JointMotion<1> motion(const JointFrames& X) noexcept {
+    const Vec3 z = X.R_WP.col(2);
+    JointMotion<1> m;
+    m.S_v = z;
+    m.e_w = misalignment(X);
+    m.e_v = X.d_W - z * z.dot(X.d_W);
+    return m;
+  }
+};
+
+}  // namespace godobject

@@ -1,0 +1,26 @@
+// Every kind of joint: a new one is a file and a line here.
+#pragma once
+
+#include "core/joint_ball.h"
+#include "core/joint_cylindrical.h"
+#include "core/joint_fixed.h"
+#include "core/joint_hinge.h"
+#include "core/joint_universal.h"
+
+namespace godobject {
+
+/// Calls f with the joint type of this kind; nothing for `free`.
+template <class F>
+void with_joint(JointKind kind, F&& f) noexcept {
+  switch (kind) {
+    case JointKind::free: return;
+    case JointKind::fixed: return f(FixedJoint{});
+    case JointKind::ball: return f(BallJoint{});
+    case JointKind::hinge: return f(HingeJoint{});
+    case JointKind::slider: return f(SliderJoint{});
+    case JointKind::cylindrical: return f(CylindricalJoint{});
+    case JointKind::universal: return f(UniversalJoint{});
+  }
+}
+
+}  // namespace godobject
