@@ -6,7 +6,8 @@ std::vector<BodyState> body_states(const ScalarVector& y) {
   std::vector<BodyState> states(static_cast<std::size_t>(y.size() / state_size));
   for (std::size_t i = 0; i < states.size(); ++i) {
     const Eigen::Matrix<Scalar, state_size, 1> x = y.segment<state_size>(offset_of(i));
-    states[i] = {x.segment<3>(0), ScalarQuaternion(x[3], x[4], x[5], x[6]), x.segment<3>(7), x.segment<3>(10)};
+    states[i] = {x.segment<3>(0), ScalarQuaternion(x[3], x[4], x[5], x[6]), x.segment<3>(7),
+                 x.segment<3>(10)};
   }
   return states;
 }

@@ -1,6 +1,6 @@
 // What the oracle solves: rigid bodies, each free or pulled to a moving target, and the joints between them.
-// SI units, world axes W; body frame B with its origin at the centre of mass. Nothing here comes from core, on
-// purpose.
+// SI units, world axes W; body frame B with its origin at the centre of mass. Nothing here comes from core,
+// on purpose.
 #pragma once
 
 #include <memory>
@@ -47,7 +47,8 @@ struct Body {
 struct Case {
   Vector3d gravity = Vector3d::Zero();  // m/s^2
   std::vector<Body> bodies;
-  std::vector<Joint> joints = {};  // a tree: each body is the child of one joint at most, and there is no loop
+  std::vector<Joint> joints =
+      {};  // a tree: each body is the child of one joint at most, and there is no loop
 };
 
 }  // namespace godobject::oracle

@@ -1,4 +1,5 @@
-// The model's differential equations, (1)-(3) and, of joined bodies, (4) and (6): no time step appears in them.
+// The model's differential equations, (1)-(3) and, of joined bodies, (4) and (6): no time step appears in
+// them.
 #pragma once
 
 #include <vector>

@@ -46,11 +46,11 @@ struct Joint {
   JointType type = JointType::ball;
   std::optional<std::size_t> parent = std::nullopt;  // index in Case::bodies; empty: the world
   std::size_t child = 0;                             // index in Case::bodies
-  Vector3d anchor_P = Vector3d::Zero();              // m; in world axes from the world's origin if P is the world
-  Vector3d anchor_C = Vector3d::Zero();              // m
-  Vector3d axis_P = Vector3d::UnitZ();               // unit; not used by fixed and ball
-  Vector3d axis_C = Vector3d::UnitX();               // unit, only used by universal: g = axis_P . axis_C = 0
-  Quaterniond q_PC = Quaterniond::Identity();        // attitude of C in P at angle zero; not for ball, universal
+  Vector3d anchor_P = Vector3d::Zero();        // m; in world axes from the world's origin if P is the world
+  Vector3d anchor_C = Vector3d::Zero();        // m
+  Vector3d axis_P = Vector3d::UnitZ();         // unit; not used by fixed and ball
+  Vector3d axis_C = Vector3d::UnitX();         // unit, only used by universal: g = axis_P . axis_C = 0
+  Quaterniond q_PC = Quaterniond::Identity();  // attitude of C in P at angle zero; not for ball, universal
   std::optional<ImposedMotion> imposed = std::nullopt;  // of hinge and slider only
 };
 

@@ -63,15 +63,15 @@ void add_distance(const JointFrame& F, const JointFrame& K, const ScalarVector3&
   const ScalarVector3 d = K.p - F.p, dd = K.v - F.v;
   rows.g[row] = n.dot(d);
   rows.rate[row] = n.dot(dd - F.w.cross(d));
-  rows.bias[row] = n.dot(K.a_bias - F.a_bias - F.alpha_bias.cross(d) - 2 * F.w.cross(dd) +
-                         F.w.cross(F.w.cross(d)));
+  rows.bias[row] =
+      n.dot(K.a_bias - F.a_bias - F.alpha_bias.cross(d) - 2 * F.w.cross(dd) + F.w.cross(F.w.cross(d)));
   rows.L_child.row(row) << n.transpose(), K.r.cross(n).transpose();
   rows.L_parent.row(row) << -n.transpose(), -(F.r + d).cross(n).transpose();
 }
 
 /// g = u . b with u' = w_F x u and b' = w_K x b, so g' = c . (w_K - w_F) with c = b x u.
-void add_square_angle(const JointFrame& F, const JointFrame& K, const ScalarVector3& u, const ScalarVector3& b,
-                      Eigen::Index row, JointRows& rows) {
+void add_square_angle(const JointFrame& F, const JointFrame& K, const ScalarVector3& u,
+                      const ScalarVector3& b, Eigen::Index row, JointRows& rows) {
   const ScalarVector3 c = b.cross(u), w_FK = K.w - F.w;
   const ScalarVector3 cd = K.w.cross(b).cross(u) + b.cross(F.w.cross(u));
   rows.g[row] = u.dot(b);

@@ -13,13 +13,13 @@
 
 namespace godobject::oracle {
 
-/// L of (4), with six columns per body (v, w in world axes), in blocks, and L M^-1 L^T in factors. Rows of all
-/// joints, in the order of the case.
+/// L of (4), with six columns per body (v, w in world axes), in blocks, and L M^-1 L^T in factors. Rows of
+/// all joints, in the order of the case.
 class JointSystem {
  public:
-  /// q of every state must be unit. The joints of a tree are independent while they hold. A trial step gone astray
-  /// can break that (a universal joint with parallel axes): multipliers and displacements are then NaN, which
-  /// makes the integrator try a smaller step.
+  /// q of every state must be unit. The joints of a tree are independent while they hold. A trial step gone
+  /// astray can break that (a universal joint with parallel axes): multipliers and displacements are then
+  /// NaN, which makes the integrator try a smaller step.
   JointSystem(const Case& problem, Scalar t, const std::vector<BodyState>& states);
 
   const ScalarVector& error() const { return g_; }
@@ -32,7 +32,8 @@ class JointSystem {
   /// A_c = M^-1 L^T lambda.
   ScalarVector correction(const ScalarVector& lambda) const;
 
-  /// The displacement, smallest in the metric of the masses, that changes the rows by `change` to first order.
+  /// The displacement, smallest in the metric of the masses, that changes the rows by `change` to first
+  /// order.
   ScalarVector displacement(const ScalarVector& change) const { return correction(solve(change)); }
 
   /// What lambda does to each child, at the child's anchor.

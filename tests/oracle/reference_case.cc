@@ -50,22 +50,25 @@ Coupling coupling_from(const json& description) {
 
 JointType joint_type(const std::string& name) {
   static const std::map<std::string, JointType> types = {
-      {"fixed", JointType::fixed},   {"ball", JointType::ball},
-      {"hinge", JointType::hinge},   {"slider", JointType::slider},
+      {"fixed", JointType::fixed},         {"ball", JointType::ball},
+      {"hinge", JointType::hinge},         {"slider", JointType::slider},
       {"universal", JointType::universal}, {"cylindrical", JointType::cylindrical}};
   const auto found = types.find(name);
-  if (found == types.end()) throw std::runtime_error("the oracle does not know joints of type '" + name + "'");
+  if (found == types.end())
+    throw std::runtime_error("the oracle does not know joints of type '" + name + "'");
   return found->second;
 }
 
 std::size_t index_of(const std::string& name, const std::vector<Body>& bodies) {
-  const auto found = std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; });
-  if (found == bodies.end()) throw std::runtime_error("a joint names the body '" + name + "', which is not there");
+  const auto found =
+      std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; });
+  if (found == bodies.end())
+    throw std::runtime_error("a joint names the body '" + name + "', which is not there");
   return static_cast<std::size_t>(found - bodies.begin());
 }
 
-/// Anchors that are not given are at the origin; "axis" is one vector for both bodies, whose axes are parallel
-/// where the joint's coordinate is zero.
+/// Anchors that are not given are at the origin; "axis" is one vector for both bodies, whose axes are
+/// parallel where the joint's coordinate is zero.
 Joint joint_from(const json& description, const std::vector<Body>& bodies) {
   const auto type = description.at("type").get<std::string>();
   const auto child = description.at("child").get<std::string>();

@@ -12,8 +12,8 @@ RigidState scene_s1_target(double t);
 /// velocity of its target. Rotational modes at 40 1/s and 937 1/s.
 Case scene_s1();
 
-/// A body of the device of the reference case grasper, by index: trocar, tube, left, right. Its motion.csv holds
-/// the same motion at 1 ms, rounded to 12 digits.
+/// A body of the device of the reference case grasper, by index: trocar, tube, left, right. Its motion.csv
+/// holds the same motion at 1 ms, rounded to 12 digits.
 RigidState grasper_device(std::size_t body, double t);
 
 }  // namespace godobject::oracle

@@ -10,10 +10,10 @@
 namespace godobject::oracle {
 
 struct Solution {
-  std::vector<double> times;                    // s
-  std::vector<std::vector<RigidState>> states;  // [time][body]
+  std::vector<double> times;                             // s
+  std::vector<std::vector<RigidState>> states;           // [time][body]
   std::vector<std::vector<JointWrench>> reactions = {};  // [time][joint]
-  double joint_drift = 0;  // largest joint error the integration left before it was projected away, m or rad
+  double joint_drift = 0;                                // largest joint error before a projection, m or rad
 };
 
 /// Coupled bodies forget their errors; this leaves them near rounding. A free body that tumbles amplifies the
@@ -22,10 +22,10 @@ struct Solution {
 inline constexpr double default_tolerance = 1e-12;
 
 /// Integrates `problem` from t = 0 and samples it at `times` (ascending, >= 0). `tolerance` bounds the local
-/// error of each number of the state, see ExtrapolationIntegrator. The joints are projected shut at the start,
-/// at every knot of a target and at every one of `times`. Throws std::invalid_argument for a case
-/// that breaks a rule of case.h, std::runtime_error when the tolerance cannot be met, and what the targets
-/// throw.
+/// error of each number of the state, see ExtrapolationIntegrator. The joints are projected shut at the
+/// start, at every knot of a target or an imposed joint, and at every one of `times`. Throws
+/// std::invalid_argument for a case that breaks a rule of case.h or joint.h, std::runtime_error when the
+/// tolerance cannot be met, and what the targets throw.
 Solution solve(const Case& problem, std::span<const double> times, double tolerance = default_tolerance);
 
 /// 0, step, 2 step, .. up to duration (included when it is a multiple of step up to rounding).

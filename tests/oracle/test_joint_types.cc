@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <ostream>
 
 #include <gtest/gtest.h>
 
@@ -69,7 +70,8 @@ JointPose joint_pose(const Joint& joint, const std::vector<RigidState>& states) 
   const RigidState P = joint.parent ? states[*joint.parent] : RigidState{};
   const RigidState& C = states[joint.child];
   const Vector3d anchor_C = C.p + C.q * joint.anchor_C;
-  return {P.q.conjugate() * (anchor_C - P.p) - joint.anchor_P, P.q.conjugate() * C.q * joint.q_PC.conjugate()};
+  return {P.q.conjugate() * (anchor_C - P.p) - joint.anchor_P,
+          P.q.conjugate() * C.q * joint.q_PC.conjugate()};
 }
 
 /// How far the joint is open (m or rad), written from the pose and not from joint_rows.
@@ -105,6 +107,8 @@ struct Freedom {
   bool turns, shifts;
 };
 
+void PrintTo(const Freedom& freedom, std::ostream* stream) { *stream << freedom.name; }
+
 class JointTypes : public testing::TestWithParam<Freedom> {};
 
 TEST_P(JointTypes, TwoFloatingBodiesKeepMomentumAndEnergy) {
@@ -133,16 +137,17 @@ TEST_P(JointTypes, TwoFloatingBodiesKeepMomentumAndEnergy) {
 
 TEST_P(JointTypes, ExertNothingAlongWhatTheyLeaveFree) {
   const JointType type = GetParam().type;
-  const Case problem = shut({.gravity = {0, 0, -9.81},
-                             .bodies = {link("P", 0.7), link("C", 0.4)},
-                             .joints = {skew_joint(JointType::ball, std::nullopt, 0), skew_joint(type, 0, 1)}});
+  const Case problem =
+      shut({.gravity = {0, 0, -9.81},
+            .bodies = {link("P", 0.7), link("C", 0.4)},
+            .joints = {skew_joint(JointType::ball, std::nullopt, 0), skew_joint(type, 0, 1)}});
   const Joint& joint = problem.joints[1];
   const Solution solution = solve(problem, uniform_times(0.5, 0.05));
   for (std::size_t i = 0; i < solution.times.size(); ++i) {
     const std::vector<RigidState>& states = solution.states[i];
     const JointWrench on_child = solution.reactions[i][1];
     const Vector3d axis = states[0].q * joint.axis_P, axis_C = states[1].q * joint.axis_C;
-    EXPECT_GT(on_child.f.norm(), 0.1);
+    EXPECT_GT(on_child.f.norm(), 0.01);
     EXPECT_LT(solution.reactions[i][0].tau.norm(), 1e-14);
     if (type == JointType::ball) {
       EXPECT_LT(on_child.tau.norm(), 1e-14);
@@ -160,15 +165,14 @@ TEST_P(JointTypes, ExertNothingAlongWhatTheyLeaveFree) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, JointTypes,
-    testing::Values(Freedom{JointType::fixed, "fixed", 6, false, false},
-                    Freedom{JointType::ball, "ball", 3, true, false},
-                    Freedom{JointType::hinge, "hinge", 5, true, false},
-                    Freedom{JointType::slider, "slider", 5, false, true},
-                    Freedom{JointType::cylindrical, "cylindrical", 4, true, true},
-                    Freedom{JointType::universal, "universal", 4, true, false}),
-    [](const auto& tested) { return tested.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, JointTypes,
+                         testing::Values(Freedom{JointType::fixed, "fixed", 6, false, false},
+                                         Freedom{JointType::ball, "ball", 3, true, false},
+                                         Freedom{JointType::hinge, "hinge", 5, true, false},
+                                         Freedom{JointType::slider, "slider", 5, false, true},
+                                         Freedom{JointType::cylindrical, "cylindrical", 4, true, true},
+                                         Freedom{JointType::universal, "universal", 4, true, false}),
+                         [](const auto& tested) { return tested.param.name; });
 
 /// All types in one tree with branches, on the world by a universal joint.
 Case branched_tree() {
@@ -234,7 +238,8 @@ TEST(JointRules, AreRefusedByName) {
   EXPECT_NE(refusal(bad).find("'joint of 0': it is part of a loop"), std::string::npos);
   bad = good;
   bad.joints[4].child = 2;
-  EXPECT_NE(refusal(bad).find("'joint of 4': its child already has the joint 'joint of 2'"), std::string::npos);
+  EXPECT_NE(refusal(bad).find("'joint of 4': its child already has the joint 'joint of 2'"),
+            std::string::npos);
   bad = good;
   bad.bodies[3].start.p += 1e-5 * Vector3d::Ones();
   EXPECT_NE(refusal(bad).find("'joint of 3': it is open"), std::string::npos);
@@ -251,7 +256,8 @@ TEST(JointRules, AreRefusedByName) {
 
 TEST(JointRules, AnAxisMustNotPointAgainstItsPartner) {
   // Every equation of the hinge holds there, too.
-  Case problem = shut({.bodies = {link("P", 0.7)}, .joints = {skew_joint(JointType::hinge, std::nullopt, 0)}});
+  Case problem =
+      shut({.bodies = {link("P", 0.7)}, .joints = {skew_joint(JointType::hinge, std::nullopt, 0)}});
   Joint& joint = problem.joints[0];
   joint.q_PC = turn(joint.axis_P.unitOrthogonal(), std::numbers::pi) * joint.q_PC;
   EXPECT_NE(refusal(problem).find("point against each other"), std::string::npos);

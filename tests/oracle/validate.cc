@@ -45,14 +45,15 @@ void require_a_tree(const Case& problem) {
   std::vector<const Joint*> joint_above(problem.bodies.size(), nullptr);
   for (const Joint& joint : problem.joints) {
     const Joint*& above = joint_above[joint.child];
-    require(!above, "joint '" + joint.name + "': its child already has the joint '" + (above ? above->name : "") +
-                        "' to a parent");
+    require(!above, "joint '" + joint.name + "': its child already has the joint '" +
+                        (above ? above->name : "") + "' to a parent");
     above = &joint;
   }
   for (const Joint& start : problem.joints) {
     const Joint* joint = &start;
     for (std::size_t steps = 0; joint && joint->parent; joint = joint_above[*joint->parent]) {
-      require(++steps <= problem.joints.size(), "joint '" + start.name + "': it is part of a loop or ends in one");
+      require(++steps <= problem.joints.size(),
+              "joint '" + start.name + "': it is part of a loop or ends in one");
     }
   }
 }
@@ -68,7 +69,8 @@ void require_shut(const Case& problem, const Joint& joint) {
   const std::string name = "joint '" + joint.name + "': ";
   require(!rows.reversed, name + "its axes point against each other at the start");
   require((rows.g.array().abs() <= start_tolerance).all(), name + "it is open at the start");
-  require((rows.rate.array().abs() <= start_tolerance).all(), name + "it is torn by the velocities at the start");
+  require((rows.rate.array().abs() <= start_tolerance).all(),
+          name + "it is torn by the velocities at the start");
 }
 
 }  // namespace
