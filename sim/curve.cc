@@ -62,6 +62,12 @@ TimeGrid::Place TimeGrid::locate(double t) const noexcept {
   return {.i = i, .s = (t - times_[i]) / h, .h = h};
 }
 
+std::size_t TimeGrid::held(double t) const noexcept {
+  if (!(t >= first())) return 0;
+  const auto after = std::upper_bound(times_.begin(), times_.end(), t);
+  return static_cast<std::size_t>(after - times_.begin()) - 1;
+}
+
 TimeGrid::Stencil TimeGrid::derivative_at(std::size_t i) const noexcept {
   Stencil stencil;
   stencil.size = std::min<std::size_t>(5, size());

@@ -28,6 +28,8 @@ class TimeGrid {
   double first() const noexcept { return times_.front(); }
   double last() const noexcept { return times_.back(); }
   Place locate(double t) const noexcept;
+  /// The sample that holds at t: the last one not after t; before the first sample, the first.
+  std::size_t held(double t) const noexcept;
 
   /// Derivative at sample i of the polynomial through up to five samples around it:
   /// sum_j weights[j] x[begin + j]. Fourth order with five samples.

@@ -63,7 +63,7 @@ Wrench Motion::wrench(std::size_t body, double t) const noexcept {
     const TimeGrid::Place place = grid_->locate(t);
     return {wrenches_[body].tau.at(place).value, wrenches_[body].f.at(place).value};
   }
-  if (body != 0 || !built_in_ || grid_) return {};
+  if (body != 0 || !built_in_) return {};
   const MotionConfig& m = *built_in_;
   return {sines(m.torque_amplitude, m.frequency_hz, m.phase, t).value,
           sines(m.force_amplitude, m.frequency_hz, m.phase, t).value};
@@ -80,6 +80,11 @@ JointTarget Motion::joints(double t) const noexcept {
     sample.q_dot[static_cast<Eigen::Index>(i)] = joint.rate;
   }
   return sample;
+}
+
+MotionSwitches Motion::switches(std::size_t body, double t) const noexcept {
+  if (!switch_grid_) return {};
+  return switches_[body][switch_grid_->held(t)];
 }
 
 std::optional<double> Motion::end() const noexcept {

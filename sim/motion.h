@@ -1,4 +1,5 @@
-// What the hand does: the target of every driven body, or the wrench on it, as a function of time.
+// What the hand does: the target of every driven body, or the wrench on it, and whether it holds the device,
+// as functions of time.
 #pragma once
 
 #include <optional>
@@ -24,6 +25,12 @@ struct JointTarget {
   JointVector q_dot;
 };
 
+/// What the user does besides moving: lets go and takes hold again, opens and closes the clutch.
+struct MotionSwitches {
+  bool engaged = true;
+  bool clutch = true;  // relative devices
+};
+
 struct MotionResult;
 
 /// Bodies are counted as driven_bodies() of the scene lists them. Evaluation does not allocate.
@@ -36,8 +43,11 @@ class Motion {
   /// From a table with columns t (s, strictly increasing) and, for every driven body,
   ///   <body>.x, y, z, qw, qx, qy, qz   (m; unit quaternion), or
   ///   <body>.fx, fy, fz, tx, ty, tz    (N, N m; admittance devices), or
-  ///   <joint> for every joint of the device's chain (rad or m).
+  ///   <joint> for every joint of the device's chain (rad or m);
+  /// and, for any of them, <body>.engaged, <body>.clutch (0 or 1). A table with no other columns than these
+  /// leaves the target, or the wrench, to the scene's own [motion].
   /// Between samples: sim/curve.h. Before the first and after the last: the end's pose at rest, its wrench.
+  /// Switches hold from their sample to the next one; before the first sample they are as in it.
   static MotionResult read(const std::string& path, const SceneConfig& scene);
   /// As read for a text; file is what messages call it.
   static MotionResult parse(std::string_view csv, const std::string& file, const SceneConfig& scene);
@@ -49,7 +59,9 @@ class Motion {
   /// True for a table of joint coordinates; then joints() has them and target(0, t) is the handle's pose.
   bool has_joints() const noexcept { return !joints_.empty(); }
   JointTarget joints(double t) const noexcept;
-  /// Last sample's time, where the motion is a table.
+  /// Both on where the table says nothing.
+  MotionSwitches switches(std::size_t body, double t) const noexcept;
+  /// Last sample's time, where the target or the wrench is a table.
   std::optional<double> end() const noexcept;
 
  private:
@@ -62,13 +74,15 @@ class Motion {
     VectorCurve<Vec3> f, tau;
   };
 
-  std::vector<Pose> starts_;             // per driven body
-  std::optional<MotionConfig> built_in_; // for body 0
+  std::vector<Pose> starts_;              // per driven body
+  std::optional<MotionConfig> built_in_;  // for body 0
   std::optional<KinematicChain> chain_;
-  std::optional<TimeGrid> grid_;         // of a table, which fills one of:
+  std::optional<TimeGrid> grid_;  // of a table, which fills one of:
   std::vector<PoseCurve> poses_;
   std::vector<WrenchCurve> wrenches_;
   std::vector<VectorCurve<double>> joints_;
+  std::optional<TimeGrid> switch_grid_;                // of a table with switches
+  std::vector<std::vector<MotionSwitches>> switches_;  // per driven body, one per time of switch_grid_
 };
 
 struct MotionResult {

@@ -16,37 +16,28 @@ class MotionReader {
  public:
   MotionReader(const CsvTable& table, const std::string& file, const SceneConfig& scene)
       : table_(table), log_(file), scene_(scene), motion_(scene) {
-    motion_.built_in_.reset();
     for (const std::size_t body : driven_bodies(scene)) bodies_.push_back(scene.bodies[body].name);
   }
 
   MotionResult read() {
     check_times();
-    const bool admittance = scene_.device && scene_.device->kind == DeviceKind::admittance;
-    const std::vector<std::string> wanted = admittance ? wrench_columns() : pose_columns();
-    const std::vector<std::string> joints = admittance ? std::vector<std::string>{} : joint_columns();
-    const bool use_joints = !joints.empty() && !missing(wanted).empty() && missing(joints).empty();
-    const std::vector<std::string>& used = use_joints ? joints : wanted;
-    check_columns(used, use_joints ? wanted : joints);
+    const Content content = what_it_drives();
+    const std::vector<std::string> used = columns_of(content);
+    check_columns(used, content == Content::poses ? joint_columns() : std::vector<std::string>{});
+    check_switches();
     if (log_.ok()) check_finite(used);
-    if (!log_.ok()) return {std::nullopt, log_.errors(), {}};
-    std::vector<double> times;
-    for (std::size_t row = 0; row < table_.num_rows(); ++row) times.push_back(table_.at(row, 0));
-    motion_.grid_.emplace(std::move(times));
-    if (use_joints) {
-      fill_joints(joints);
-    } else if (admittance) {
-      fill_wrenches();
-    } else {
-      fill_poses();
-    }
+    if (log_.ok()) fill(content);
     if (!log_.ok()) return {std::nullopt, log_.errors(), {}};
     return {std::move(motion_), {}, log_.warnings()};
   }
 
  private:
+  /// What a table can drive, besides the switches; nothing: that stays with the scene's own [motion].
+  enum class Content { nothing, poses, wrenches, joints };
+
   static constexpr std::array pose_suffixes{".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"};
   static constexpr std::array wrench_suffixes{".fx", ".fy", ".fz", ".tx", ".ty", ".tz"};
+  static constexpr std::array switch_suffixes{".engaged", ".clutch"};
 
   template <class Suffixes>
   std::vector<std::string> columns_of_bodies(const Suffixes& suffixes) const {
@@ -58,11 +49,31 @@ class MotionReader {
   }
   std::vector<std::string> pose_columns() const { return columns_of_bodies(pose_suffixes); }
   std::vector<std::string> wrench_columns() const { return columns_of_bodies(wrench_suffixes); }
+  std::vector<std::string> switch_columns() const { return columns_of_bodies(switch_suffixes); }
   std::vector<std::string> joint_columns() const {
     std::vector<std::string> columns;
     if (!scene_.device || !scene_.device->rig) return columns;
     for (const ChainJoint& joint : scene_.device->rig->chain.joints) columns.push_back(joint.name);
     return columns;
+  }
+  std::vector<std::string> columns_of(Content content) const {
+    switch (content) {
+      case Content::nothing: return {};
+      case Content::poses: return pose_columns();
+      case Content::wrenches: return wrench_columns();
+      case Content::joints: return joint_columns();
+    }
+    return {};
+  }
+
+  bool is_device(DeviceKind kind) const { return scene_.device && scene_.device->kind == kind; }
+
+  Content what_it_drives() const {
+    const Content by_device = is_device(DeviceKind::admittance) ? Content::wrenches : Content::poses;
+    const std::vector<std::string> wanted = columns_of(by_device), joints = joint_columns();
+    if (has_any(switch_columns()) && !has_any(wanted) && !has_any(joints)) return Content::nothing;
+    if (by_device == Content::wrenches || joints.empty()) return by_device;
+    return !missing(wanted).empty() && missing(joints).empty() ? Content::joints : Content::poses;
   }
 
   std::vector<std::string> missing(const std::vector<std::string>& columns) const {
@@ -70,6 +81,10 @@ class MotionReader {
     std::ranges::copy_if(columns, std::back_inserter(absent),
                          [&](const std::string& c) { return !table_.find(c); });
     return absent;
+  }
+
+  bool has_any(const std::vector<std::string>& columns) const {
+    return missing(columns).size() < columns.size();
   }
 
   void check_times() {
@@ -91,10 +106,27 @@ class MotionReader {
           alternative.empty() ? "" : "; joint columns '" + alternative.front() + "', ... would do as well";
       log_.error({1, 1}, "column '" + column + "' is missing" + other);
     }
-    const std::set<std::string> needed(used.begin(), used.end());
+    std::set<std::string> needed(used.begin(), used.end());
+    for (std::string& column : switch_columns()) needed.insert(std::move(column));
     for (std::size_t c = 1; c < table_.columns().size(); ++c) {
       if (!needed.contains(table_.columns()[c]))
         log_.warning({1, 1}, "column '" + table_.columns()[c] + "' is not used");
+    }
+  }
+
+  void check_switches() {
+    std::size_t num_errors = 0;
+    for (const std::string& name : switch_columns()) {
+      const std::optional<std::size_t> column = table_.find(name);
+      if (!column) continue;
+      for (std::size_t row = 0; row < table_.num_rows() && num_errors < max_reported; ++row) {
+        const double value = table_.at(row, *column);
+        if (value == 0 || value == 1) continue;
+        ++num_errors;
+        log_.error(table_.place(row, *column), "'" + name + "' must be 0 or 1");
+      }
+      if (name.ends_with(".clutch") && !is_device(DeviceKind::relative))
+        log_.warning({1, 1}, "column '" + name + "' has no effect: only relative devices have a clutch");
     }
   }
 
@@ -107,6 +139,21 @@ class MotionReader {
         ++num_errors;
         log_.error(table_.place(row, column), "'" + name + "' must be finite");
       }
+    }
+  }
+
+  void fill(Content content) {
+    const TimeGrid grid(numbers(table_.columns().front()));
+    if (content != Content::nothing) {
+      motion_.built_in_.reset();
+      motion_.grid_ = grid;
+    }
+    if (content == Content::poses) fill_poses();
+    if (content == Content::wrenches) fill_wrenches();
+    if (content == Content::joints) fill_joints();
+    if (has_any(switch_columns())) {
+      motion_.switch_grid_ = grid;
+      fill_switches();
     }
   }
 
@@ -158,8 +205,21 @@ class MotionReader {
                                    vectors(body + ".tx", body + ".ty", body + ".tz")});
     }
   }
-  void fill_joints(const std::vector<std::string>& joints) {
-    for (const std::string& joint : joints) motion_.joints_.emplace_back(*motion_.grid_, numbers(joint));
+  void fill_joints() {
+    for (const std::string& joint : joint_columns())
+      motion_.joints_.emplace_back(*motion_.grid_, numbers(joint));
+  }
+
+  void fill_switches() {
+    for (const std::string& body : bodies_) {
+      const std::optional<std::size_t> engaged = table_.find(body + ".engaged");
+      const std::optional<std::size_t> clutch = table_.find(body + ".clutch");
+      std::vector<MotionSwitches>& values = motion_.switches_.emplace_back(table_.num_rows());
+      for (std::size_t row = 0; row < values.size(); ++row) {
+        if (engaged) values[row].engaged = table_.at(row, *engaged) == 1;
+        if (clutch) values[row].clutch = table_.at(row, *clutch) == 1;
+      }
+    }
   }
 
   const CsvTable& table_;

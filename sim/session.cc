@@ -137,7 +137,12 @@ DeviceSample Session::exchange(double motion_time) noexcept {
 
 BodySample Session::motion_sample(std::size_t driven, double t) const noexcept {
   const MotionSample target = motion_.target(driven, t);
-  return {.X_WD = target.X_WD, .V_WD = target.V_WD, .F_WB = motion_.wrench(driven, t)};
+  const MotionSwitches switches = motion_.switches(driven, t);
+  return {.X_WD = target.X_WD,
+          .V_WD = target.V_WD,
+          .F_WB = motion_.wrench(driven, t),
+          .engaged = switches.engaged,
+          .clutch = switches.clutch};
 }
 
 void Session::measure(CycleRecord& record) const noexcept {

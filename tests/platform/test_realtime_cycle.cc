@@ -16,7 +16,10 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
   if (!AllocationGuard::works()) GTEST_SKIP() << "the sanitizer owns the allocator";
   const LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + GetParam().first);
   ASSERT_TRUE(loaded.scene.has_value());
-  Session::Made made = Session::make(*loaded.scene, Motion(*loaded.scene), GetParam().second);
+  const MotionResult motion = Motion::parse("t,tool.engaged,tool.clutch\n0,1,1\n0.5,0,1\n0.6,1,0\n0.8,1,1\n",
+                                            "switches.csv", *loaded.scene);
+  ASSERT_TRUE(motion.motion.has_value()) << motion.errors.front();
+  Session::Made made = Session::make(*loaded.scene, *motion.motion, GetParam().second);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   ASSERT_TRUE(made.session->boot(5));
 

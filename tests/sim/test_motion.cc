@@ -10,6 +10,7 @@
 #include <iostream>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "sim/key.h"
 
@@ -238,6 +239,80 @@ TEST(Motion, BadTablesAreRefusedWithTheirPlace) {
   EXPECT_THAT(errors(""), ElementsAre(HasSubstr("no header")));
   EXPECT_THAT(Motion::read("no/such.csv", one_coupled_body()).errors,
               ElementsAre(HasSubstr("no/such.csv:1:1: cannot be read")));
+}
+
+TEST(Motion, SwitchesHoldFromSampleToSample) {
+  const std::string header =
+      "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz,tool.clutch,tool.engaged\n";
+  const MotionResult result =
+      Motion::parse(header + "1,0,0,0,1,0,0,0,1,0\n2,1,0,0,1,0,0,0,0,1\n3,0,0,0,1,0,0,0,1,1\n", "m.csv",
+                    one_coupled_body());
+  ASSERT_THAT(result.errors, IsEmpty());
+  const auto at = [&](double t) {
+    const MotionSwitches switches = result.motion->switches(0, t);
+    return std::pair(switches.engaged, switches.clutch);
+  };
+  EXPECT_EQ(at(0), std::pair(false, true));  // as in the first sample
+  EXPECT_EQ(at(1.999), std::pair(false, true));
+  EXPECT_EQ(at(2), std::pair(true, false));
+  EXPECT_EQ(at(2.999), std::pair(true, false));
+  EXPECT_EQ(at(3), std::pair(true, true));
+  EXPECT_EQ(at(9), std::pair(true, true));
+  EXPECT_EQ(at(std::nan("")), std::pair(false, true));
+  EXPECT_EQ(result.motion->target(0, 2).X_WD.p.x(), 1);
+  EXPECT_EQ(result.motion->end(), 3.0);
+}
+
+TEST(Motion, SwitchesThatAreNotGivenAreOn) {
+  const std::string csv = "t,tool.engaged\n0,0\n1,0\n";
+  EXPECT_TRUE(Motion::parse(csv, "m.csv", one_coupled_body()).motion->switches(0, 0.5).clutch);
+  SceneConfig two = one_coupled_body();
+  two.bodies.push_back(two.bodies.front());
+  two.bodies.back().name = "other";
+  const Motion motion = *Motion::parse(csv, "m.csv", two).motion;
+  EXPECT_FALSE(motion.switches(0, 0.5).engaged);
+  EXPECT_TRUE(motion.switches(1, 0.5).engaged);
+  EXPECT_TRUE(built_in().switches(0, 0.5).engaged);
+}
+
+TEST(Motion, ATableOfSwitchesAloneLeavesTheTargetToTheScene) {
+  SceneConfig scene = one_coupled_body();
+  scene.motion = six_dof();
+  scene.motion->force_amplitude = Vec3(1, 2, 3);
+  const MotionResult result = Motion::parse("t,tool.engaged\n0,1\n1,0\n", "m.csv", scene);
+  ASSERT_THAT(result.errors, IsEmpty());
+  ASSERT_THAT(result.notes, IsEmpty());
+  const Motion own(scene);
+  for (const double t : {0.0, 0.7, 1.3}) {
+    EXPECT_EQ(result.motion->target(0, t).X_WD.p, own.target(0, t).X_WD.p);
+    EXPECT_EQ(result.motion->target(0, t).V_WD.w, own.target(0, t).V_WD.w);
+    EXPECT_EQ(result.motion->wrench(0, t).f, own.wrench(0, t).f);
+  }
+  EXPECT_FALSE(result.motion->switches(0, 1.3).engaged);
+  EXPECT_FALSE(result.motion->end().has_value());  // the scene's duration holds
+}
+
+TEST(Motion, BadSwitchesAreRefusedWithTheirPlace) {
+  const auto errors = [](const std::string& csv) {
+    return Motion::parse(csv, "m.csv", one_coupled_body()).errors;
+  };
+  EXPECT_THAT(errors("t,tool.engaged,tool.clutch\n0,1,2\n1,0.5,1\n2,-1,nan\n"),
+              ElementsAre(HasSubstr("m.csv:2:5: 'tool.clutch' must be 0 or 1"),
+                          HasSubstr("m.csv:3:3: 'tool.engaged' must be 0 or 1"),
+                          HasSubstr("m.csv:4:3: 'tool.engaged' must be 0 or 1"),
+                          HasSubstr("m.csv:4:6: 'tool.clutch' must be 0 or 1")));
+  EXPECT_THAT(errors("t,tool.engaged,tool.x\n0,1,0\n"), Contains(HasSubstr("column 'tool.y' is missing")));
+  EXPECT_THAT(errors("t,tool.engage\n0,1\n"), Contains(HasSubstr("column 'tool.x' is missing")));
+}
+
+TEST(Motion, AClutchIsNotedWhereTheDeviceHasNone) {
+  SceneConfig scene = one_coupled_body();
+  const std::string csv = "t,tool.clutch\n0,1\n";
+  EXPECT_THAT(Motion::parse(csv, "m.csv", scene).notes,
+              ElementsAre(HasSubstr("'tool.clutch' has no effect")));
+  scene.device =
+      DeviceConfig{.name = "d", .kind = DeviceKind::relative, .limits = {}, .rig = {}, .plant = {}};
+  EXPECT_THAT(Motion::parse(csv, "m.csv", scene).notes, IsEmpty());
 }
 
 TEST(Motion, OtherColumnsAreNoted) {
