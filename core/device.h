@@ -9,26 +9,26 @@
 namespace godobject {
 
 struct RampParams {
-  Real rise = 0.5;       // s from engaging to full coupling; 0: at once
+  Real rise = 0.5;  // s from engaging to full coupling; 0: at once
 };
 
 struct RampState {
-  Real s = 0;            // ramp of the last step
+  Real s = 0;  // ramp of the last step
   bool engaged = false;
 };
 
 /// What pulls one body during one step: the target at both ends, and how far the ramp is.
 struct Pull {
-  Target from, to;       // target at the start and the end of the step, quaternions of one sign
-  RampState ramp;        // during this step
-  Wrench F_WB;           // force and torque applied by the hand (admittance)
-  bool live = true;      // false: no valid sample; the target rests and nothing is shown to the hand
-  bool fresh = false;    // first step after engaging or letting go: no history may be used
+  Target from, to;     // target at the start and the end of the step, quaternions of one sign
+  RampState ramp;      // during this step
+  Wrench F_WB;         // force and torque applied by the hand (admittance)
+  bool live = true;    // false: no valid sample; the target rests and nothing is shown to the hand
+  bool fresh = false;  // first step after engaging or letting go: no history may be used
 };
 
 /// What all devices carry over.
 struct DeviceState {
-  Target last;           // target of the last step
+  Target last;  // target of the last step
   RampState ramp;
 };
 
@@ -58,8 +58,8 @@ struct PoseDevice {
   struct Input {
     Pose X_WD;
     Twist V_WD;
-    bool valid = true;        // false: no sample this step; the target rests at the last one
-    bool engaged = true;      // false: the device drives nothing
+    bool valid = true;    // false: no sample this step; the target rests at the last one
+    bool engaged = true;  // false: the device drives nothing
   };
 
   static Pull pull(const Params& par, const Input& in, const RigidBodyState&, Real h, const State& x,
@@ -84,9 +84,9 @@ struct RelativeDevice {
   using Params = RampParams;
   using State = DeviceState;
   struct Input {
-    Vec3 dp_W = Vec3::Zero();       // shift since the last sample, m
-    Vec3 dphi_W = Vec3::Zero();     // turn since the last sample, rad, |dphi| <= pi
-    bool clutch = true;             // false: the device moves, the target does not
+    Vec3 dp_W = Vec3::Zero();    // shift since the last sample, m
+    Vec3 dphi_W = Vec3::Zero();  // turn since the last sample, rad, |dphi| <= pi
+    bool clutch = true;          // false: the device moves, the target does not
     bool valid = true;
     bool engaged = true;
   };
@@ -112,7 +112,7 @@ struct AdmittanceDevice {
   using Params = RampParams;
   using State = DeviceState;
   struct Input {
-    Wrench F_WB;              // of the hand on the body, about its centre of mass
+    Wrench F_WB;  // of the hand on the body, about its centre of mass
     bool valid = true;
     bool engaged = true;
   };

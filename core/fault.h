@@ -8,9 +8,9 @@ namespace godobject {
 /// Bits; docs/faults.md has a paragraph for each.
 enum class Fault : std::uint32_t {
   none = 0,
-  input_not_finite = 1u << 0,   // NaN or infinity in an input: the step was not taken
-  input_not_unit = 1u << 1,     // a target quaternion off unit length by more than 1e-6: the step was not taken
-  state_not_finite = 1u << 2,   // the step's result was not finite: it was not committed
+  input_not_finite = 1u << 0,  // NaN or infinity in an input: the step was not taken
+  input_not_unit = 1u << 1,  // a target quaternion off unit length by more than 1e-6: the step was not taken
+  state_not_finite = 1u << 2,  // the step's result was not finite: it was not committed
 };
 
 /// Bits: which bound is active in this step.
@@ -29,7 +29,9 @@ constexpr Fault& operator|=(Fault& a, Fault b) noexcept { return a = a | b; }
 constexpr bool any(Fault a) noexcept { return a != Fault::none; }
 constexpr bool has(Fault a, Fault b) noexcept { return (std::uint32_t(a) & std::uint32_t(b)) != 0; }
 
-constexpr Limited operator|(Limited a, Limited b) noexcept { return Limited(std::uint32_t(a) | std::uint32_t(b)); }
+constexpr Limited operator|(Limited a, Limited b) noexcept {
+  return Limited(std::uint32_t(a) | std::uint32_t(b));
+}
 constexpr Limited& operator|=(Limited& a, Limited b) noexcept { return a = a | b; }
 constexpr bool has(Limited a, Limited b) noexcept { return (std::uint32_t(a) & std::uint32_t(b)) != 0; }
 

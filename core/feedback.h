@@ -7,11 +7,11 @@
 namespace godobject {
 
 struct FeedbackParams {
-  SpringParams gains;              // g_d, k_d, g_dr, k_dr of (8)
-  Real max_force = 10;             // N
-  Real max_torque = 0.5;           // N m
-  Real max_force_rate = 500;       // N/s
-  Real max_torque_rate = 25;       // N m/s
+  SpringParams gains;         // g_d, k_d, g_dr, k_dr of (8)
+  Real max_force = 10;        // N
+  Real max_torque = 0.5;      // N m
+  Real max_force_rate = 500;  // N/s
+  Real max_torque_rate = 25;  // N m/s
 };
 
 /// a, shortened to the length `bound`; sets `bit` if it was longer. Zero if its length is beyond all numbers.
@@ -26,10 +26,10 @@ inline Vec3 bounded(const Vec3& a, Real bound, Limited bit, Limited& limited) no
 struct LimitedFeedback {
   using Params = FeedbackParams;
   struct State {
-    Wrench F_D;                    // shown in the last step
+    Wrench F_D;  // shown in the last step
   };
   struct Output {
-    Wrench F_D;                    // on the device at the target's origin, world axes
+    Wrench F_D;  // on the device at the target's origin, world axes
   };
 
   /// (8)  F = g_d (v - v_D) + k_d (x - x_D),  T = g_dr (w - w_D) - k_dr alpha u

@@ -16,18 +16,48 @@ class Hash {
  public:
   void add(std::uint64_t word) noexcept { value_ = (value_ ^ word) * 0x100000001b3u; }
   void add(Real a) noexcept { add(std::bit_cast<std::uint64_t>(a)); }
-  void add(const Vec3& a) noexcept { for (const Real c : {a.x(), a.y(), a.z()}) add(c); }
-  void add(const Quat& q) noexcept { for (const Real c : {q.w(), q.x(), q.y(), q.z()}) add(c); }
-  void add(const Pose& X) noexcept { add(X.p); add(X.q); }
-  void add(const Twist& V) noexcept { add(V.w); add(V.v); }
-  void add(const Wrench& F) noexcept { add(F.tau); add(F.f); }
-  void add(const Target& t) noexcept { add(t.X_WD); add(t.V_WD); }
-  void add(const RigidBodyState& x) noexcept { add(x.X_WB); add(x.v_W); add(x.w_B); }
-  void add(const TrBdf2::Memory& x) noexcept { add(x.a_W); add(x.alpha_B); add(std::uint64_t{x.known}); }
-  void add(const RampState& x) noexcept { add(x.s); add(std::uint64_t{x.engaged}); }
+  void add(const Vec3& a) noexcept {
+    for (const Real c : {a.x(), a.y(), a.z()}) add(c);
+  }
+  void add(const Quat& q) noexcept {
+    for (const Real c : {q.w(), q.x(), q.y(), q.z()}) add(c);
+  }
+  void add(const Pose& X) noexcept {
+    add(X.p);
+    add(X.q);
+  }
+  void add(const Twist& V) noexcept {
+    add(V.w);
+    add(V.v);
+  }
+  void add(const Wrench& F) noexcept {
+    add(F.tau);
+    add(F.f);
+  }
+  void add(const Target& t) noexcept {
+    add(t.X_WD);
+    add(t.V_WD);
+  }
+  void add(const RigidBodyState& x) noexcept {
+    add(x.X_WB);
+    add(x.v_W);
+    add(x.w_B);
+  }
+  void add(const TrBdf2::Memory& x) noexcept {
+    add(x.a_W);
+    add(x.alpha_B);
+    add(std::uint64_t{x.known});
+  }
+  void add(const RampState& x) noexcept {
+    add(x.s);
+    add(std::uint64_t{x.engaged});
+  }
   void add(const DampedSpring::State& x) noexcept { add(x.phi_B); }
   void add(const LimitedFeedback::State& x) noexcept { add(x.F_D); }
-  void add(const DeviceState& x) noexcept { add(x.last); add(x.ramp); }
+  void add(const DeviceState& x) noexcept {
+    add(x.last);
+    add(x.ramp);
+  }
   template <int slot>
   void add(const Absent<slot>&) noexcept {}
 

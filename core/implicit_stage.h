@@ -44,8 +44,9 @@ struct RotationSystem {
 };
 
 /// (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
-inline TranslationSystem implicit_translation(Real m, const SpringParams& spring, const Vec3& v_W, const Vec3& e_W,
-                                              const Vec3& v_D, const Vec3& F_W, Real h) noexcept {
+inline TranslationSystem implicit_translation(Real m, const SpringParams& spring, const Vec3& v_W,
+                                              const Vec3& e_W, const Vec3& v_D, const Vec3& F_W,
+                                              Real h) noexcept {
   const Real hk = h * spring.k;
   return {.M = m + h * (spring.g + hk), .b_W = m * v_W + h * (F_W + spring.g * v_D) + hk * e_W};
 }
@@ -56,9 +57,9 @@ inline TranslationSystem implicit_translation(Real m, const SpringParams& spring
 ///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + c [phi]x^2
 ///   damping       R+^T w_D   ->  w_D + h w_D x w+
 /// rho = 1 unless a step turns the body so far that the Newton term could do work.
-inline RotationSystem implicit_rotation(const RigidBodyParams& body, const SpringParams& spring, const Vec3& w_B,
-                                        const RotationError& error, const Vec3& w_D_B, const Vec3& T_B,
-                                        Real h) noexcept {
+inline RotationSystem implicit_rotation(const RigidBodyParams& body, const SpringParams& spring,
+                                        const Vec3& w_B, const RotationError& error, const Vec3& w_D_B,
+                                        const Vec3& T_B, Real h) noexcept {
   const Vec3& phi = error.phi_B;
   const Vec3 L = body.I_B * w_B;
   const Real hk = h * spring.k_r;

@@ -77,8 +77,8 @@ struct TrBdf2 {
 
  private:
   /// y + t K.
-  static RigidBodyState extrapolated(const RigidBodyState& y, const Vec3& v_W, const Vec3& w_B, const Vec3& a_W,
-                                     const Vec3& alpha_B, Real t) noexcept {
+  static RigidBodyState extrapolated(const RigidBodyState& y, const Vec3& v_W, const Vec3& w_B,
+                                     const Vec3& a_W, const Vec3& alpha_B, Real t) noexcept {
     return {.X_WB = moved(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
   }
 

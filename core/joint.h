@@ -16,25 +16,26 @@ inline constexpr std::size_t world = static_cast<std::size_t>(-1);
 /// How a body hangs on its parent.
 struct JointParams {
   JointKind kind = JointKind::free;
-  std::size_t parent = world;      // index of a body before this one, or world
-  Pose X_BP;                       // joint frame on the parent body (or in the world)
-  Pose X_BC;                       // joint frame on this body
+  std::size_t parent = world;  // index of a body before this one, or world
+  Pose X_BP;                   // joint frame on the parent body (or in the world)
+  Pose X_BC;                   // joint frame on this body
 };
 
 /// Both frames of a joint in world axes.
 struct JointFrames {
   Mat3 R_WP;
   Mat3 R_WC;
-  Vec3 d_W;                        // from the parent's anchor to the child's, m
+  Vec3 d_W;  // from the parent's anchor to the child's, m
 };
 
 /// Allowed motion and violation of a joint with D coordinates.
 template <int D>
 struct JointMotion {
   Eigen::Matrix<Real, 3, D> S_w = Eigen::Matrix<Real, 3, D>::Zero();  // angular velocity per coordinate rate
-  Eigen::Matrix<Real, 3, D> S_v = Eigen::Matrix<Real, 3, D>::Zero();  // velocity of the anchor per coordinate rate
-  Vec3 e_w = Vec3::Zero();                                            // rad: undone by turning the child by -e_w
-  Vec3 e_v = Vec3::Zero();                                            // m: undone by shifting the child by -e_v
+  Eigen::Matrix<Real, 3, D> S_v =
+      Eigen::Matrix<Real, 3, D>::Zero();  // velocity of the anchor per coordinate rate
+  Vec3 e_w = Vec3::Zero();                // rad: undone by turning the child by -e_w
+  Vec3 e_v = Vec3::Zero();                // m: undone by shifting the child by -e_v
 };
 
 }  // namespace godobject

@@ -15,7 +15,7 @@ struct UniversalJoint {
     JointMotion<2> m;
     m.S_w.col(0) = x;
     m.S_w.col(1) = y;
-    m.e_w = n * (-x.dot(y) / n.squaredNorm());   // x.y = 0
+    m.e_w = n * (-x.dot(y) / n.squaredNorm());  // x.y = 0
     m.e_v = X.d_W;
     return m;
   }

@@ -6,16 +6,16 @@
 namespace godobject {
 
 struct RigidBodyParams {
-  Real m = 1;                           // mass, kg, > 0
-  Mat3 I_B = Mat3::Identity();          // inertia about the centre of mass in body axes, kg m^2, positive definite
-  Real anisotropy = 1;                  // sqrt(I_max / I_min): see gyroscopic_newton_weight
+  Real m = 1;                   // mass, kg, > 0
+  Mat3 I_B = Mat3::Identity();  // inertia about the centre of mass in body axes, kg m^2, positive definite
+  Real anisotropy = 1;          // sqrt(I_max / I_min): see gyroscopic_newton_weight
 };
 
 /// The translation lives in the world frame, the rotation in the body frame, where I_B is constant.
 struct RigidBodyState {
   Pose X_WB;
-  Vec3 v_W = Vec3::Zero();              // of the centre of mass, m/s
-  Vec3 w_B = Vec3::Zero();              // angular velocity in body axes, rad/s
+  Vec3 v_W = Vec3::Zero();  // of the centre of mass, m/s
+  Vec3 w_B = Vec3::Zero();  // angular velocity in body axes, rad/s
 };
 
 /// (17)  pose after moving for a time t with constant v_W and w_B. A body turns at most half a turn per step.

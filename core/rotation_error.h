@@ -17,8 +17,9 @@ struct RotationError {
 /// c alpha^2 passes 1/2, a line below 1/(2 alpha^2): the stiffness a stage assumes stays at least k_r / 2,
 /// and with that it cannot gain energy (docs/theory/stage.md).
 inline Real error_curvature(Real w) noexcept {
-  static constexpr std::array<Real, 6> c{8.33333227436018897e-02, 1.11123359357362377e-02, 3.94568561542213425e-03,
-                                         1.77127598946016864e-03, 2.76911391896794928e-04, 8.25641477324351599e-04};
+  static constexpr std::array<Real, 6> c{8.33333227436018897e-02, 1.11123359357362377e-02,
+                                         3.94568561542213425e-03, 1.77127598946016864e-03,
+                                         2.76911391896794928e-04, 8.25641477324351599e-04};
   const Real z = 1 - w;
   return std::min(polynomial(c, z), Real(0.1959) - Real(0.1716) * z);
 }

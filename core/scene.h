@@ -45,8 +45,7 @@ using Slot = std::conditional_t<std::is_empty_v<T>, Absent<slot>, T>;
 template <class Part>
 inline constexpr bool uses = !std::is_same_v<Part, None>;
 
-template <class P>
-concept Part = requires {
+template <class P> concept Part = requires {
   typename P::Params;
   typename P::State;
 };
@@ -60,9 +59,9 @@ template <class S> concept CouplingIsAPart = Part<typename S::Coupling>;
 template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
-template <class S> concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
-                                   CouplingIsAPart<S> &&
-                                   FeedbackIsAPart<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+template <class S>
+concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
+    CouplingIsAPart<S> && FeedbackIsAPart<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
 template <class S>
@@ -102,7 +101,7 @@ struct BodyState {
 template <class S>
 struct State {
   std::array<BodyState<S>, S::max_bodies> bodies;
-  std::uint64_t tick = 0;         // steps taken
+  std::uint64_t tick = 0;  // steps taken
 };
 
 /// From the devices, once per step: the sample at the END of the step.

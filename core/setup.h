@@ -12,10 +12,10 @@ namespace godobject {
 enum class Invalid : std::uint8_t {
   nothing,
   step_not_positive,
-  too_many_bodies,             // more than the scene's max_bodies, or none
+  too_many_bodies,  // more than the scene's max_bodies, or none
   mass_not_positive,
-  inertia_not_positive,        // not symmetric, or an eigenvalue not above zero
-  gain_negative,               // a stiffness, damping, limit or ramp below zero or not finite
+  inertia_not_positive,  // not symmetric, or an eigenvalue not above zero
+  gain_negative,         // a stiffness, damping, limit or ramp below zero or not finite
 };
 
 /// Principal moments of inertia, ascending.
@@ -39,8 +39,8 @@ inline bool is_valid(const SpringParams& par) noexcept {
   return is_gain(par.k) && is_gain(par.g) && is_gain(par.k_r) && is_gain(par.g_r);
 }
 inline bool is_valid(const FeedbackParams& par) noexcept {
-  return is_valid(par.gains) && is_gain(par.max_force) && is_gain(par.max_torque) && is_gain(par.max_force_rate) &&
-         is_gain(par.max_torque_rate);
+  return is_valid(par.gains) && is_gain(par.max_force) && is_gain(par.max_torque) &&
+         is_gain(par.max_force_rate) && is_gain(par.max_torque_rate);
 }
 
 template <Scene S>

@@ -23,8 +23,9 @@ struct Scratch {
   std::array<Target, S::max_bodies> inside;             // targets inside the step
   std::array<RigidBodyState, S::max_bodies> bases;      // where the stage starts
   std::array<StageVelocity, S::max_bodies> velocities;  // what the stage solves for
-  [[no_unique_address]] std::conditional_t<uses<typename S::Joints>, std::array<TreeNode, S::max_bodies>, Absent<4>>
-      tree;                                             // the bodies with their joints
+  [[no_unique_address]] std::conditional_t<uses<typename S::Joints>, std::array<TreeNode, S::max_bodies>,
+                                           Absent<4>>
+      tree;  // the bodies with their joints
 };
 
 /// Solves (10) and (11) for every body over a time h from w.bases; target_of(i) is the target of body i at the end
@@ -58,7 +59,8 @@ void solve_stage(const Params<S>& par, Real h, const TargetOf& target_of, Scratc
     if constexpr (uses<typename S::Joints>) {
       load(base, translation, rotation, h, w.tree[i]);
     } else {
-      w.velocities[i] = {.v_W = translation.b_W * (1 / translation.M), .w_B = solve3(rotation.A_B, rotation.b_B)};
+      w.velocities[i] = {.v_W = translation.b_W * (1 / translation.M),
+                         .w_B = solve3(rotation.A_B, rotation.b_B)};
     }
   }
   if constexpr (uses<typename S::Joints>) {

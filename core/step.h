@@ -47,7 +47,8 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     x.bodies[i].x = w.next[i].x;
     x.bodies[i].memory = w.next[i].memory;
     x.bodies[i].coupling = w.next[i].coupling;
-    if constexpr (uses<typename S::Device>) x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp};
+    if constexpr (uses<typename S::Device>)
+      x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp};
   }
   x.tick += 1;
 }
@@ -56,7 +57,8 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
 /// state and what the devices are to show. A step whose input or result is not finite is not taken: x
 /// keeps all but the shown wrench, which goes to zero within its rate limit.
 template <Scene S>
-[[gnu::flatten]] void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w, Output<S>& out) noexcept {
+[[gnu::flatten]] void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
+                           Output<S>& out) noexcept {
   out.fault = Fault::none;
   out.limited = Limited::none;
 
@@ -66,7 +68,7 @@ template <Scene S>
     if (!any(out.fault))
       for (std::size_t i = 0; i < num_bodies(par); ++i)
         w.pulls[i] = S::Device::pull(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
-                                      x.bodies[i].device, out.limited);
+                                     x.bodies[i].device, out.limited);
   }
 
   // motion: (10), (11), by one or two stages (12), (13)
@@ -82,7 +84,8 @@ template <Scene S>
     if constexpr (uses<typename S::Feedback>) {
       Wrench wanted;
       if (!any(out.fault) && w.pulls[i].live) wanted = feedback(par.bodies[i], w.pulls[i], body);
-      S::Feedback::show(par.bodies[i].feedback, wanted, par.h, body.feedback, out.bodies[i].feedback, out.limited);
+      S::Feedback::show(par.bodies[i].feedback, wanted, par.h, body.feedback, out.bodies[i].feedback,
+                        out.limited);
     }
     if (any(out.fault)) continue;  // the pose last given stands: x itself may be damaged
     if constexpr (uses<typename S::Joints>) {

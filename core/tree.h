@@ -21,7 +21,7 @@ struct TreeJoints {
   using Params = JointParams;
   using State = Empty;
   struct Output {
-    Wrench F_C;                    // of the joint on the child at its anchor, world axes
+    Wrench F_C;  // of the joint on the child at its anchor, world axes
   };
 };
 
@@ -29,11 +29,11 @@ struct TreeJoints {
 struct TreeNode {
   ArticulatedBody body;
   EliminatedJoint joint;
-  Vec3 p_W;                        // predicted
-  Mat3 R_WB;                       // predicted
-  Vec3 r_C;                        // from the centre of mass to the joint's anchor, world axes
-  Twist V_hat;                     // with which it was predicted
-  Twist V;                         // solution
+  Vec3 p_W;     // predicted
+  Mat3 R_WB;    // predicted
+  Vec3 r_C;     // from the centre of mass to the joint's anchor, world axes
+  Twist V_hat;  // with which it was predicted
+  Twist V;      // solution
   Wrench F_C;
 };
 
@@ -41,8 +41,8 @@ struct TreeNode {
 inline constexpr Real max_predicted_turn = 0.5;
 
 /// Puts a body's stage equations into the tree, in world axes at the predicted attitude.
-inline void load(const RigidBodyState& base, const TranslationSystem& translation, const RotationSystem& rotation,
-                 Real h, TreeNode& node) noexcept {
+inline void load(const RigidBodyState& base, const TranslationSystem& translation,
+                 const RotationSystem& rotation, Real h, TreeNode& node) noexcept {
   const bool predict = h * h * base.w_B.squaredNorm() <= max_predicted_turn * max_predicted_turn;
   const Pose X = predict ? moved(base.X_WB, base.v_W, base.w_B, h) : base.X_WB;
   const Mat3 R = X.q.toRotationMatrix();

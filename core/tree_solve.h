@@ -27,12 +27,12 @@ struct ArticulatedBody {
 
 /// What the way back needs of a joint with up to three coordinates.
 struct EliminatedJoint {
-  Mat3 S_w, S_v;            // columns: motion of the child's centre of mass per coordinate rate
-  Mat3 T_w, T_v;            // rows: S^T A
+  Mat3 S_w, S_v;  // columns: motion of the child's centre of mass per coordinate rate
+  Mat3 T_w, T_v;  // rows: S^T A
   Mat3 D_inverse;
-  Vec3 tau;                 // S^T (b - A beta)
+  Vec3 tau;  // S^T (b - A beta)
   Vec3 beta_w, beta_v;
-  Vec3 d;                   // from the parent's centre of mass to the child's
+  Vec3 d;  // from the parent's centre of mass to the child's
 };
 
 template <int D>

@@ -12,15 +12,18 @@ namespace {
 
 BusMessage message(std::string name, std::uint32_t cob_id, std::uint8_t size, double period_s) {
   const CanFrame frame{.id = cob_id, .size = size};
-  return {.name = std::move(name), .cob_id = cob_id, .period_s = period_s,
-          .nominal_bits = nominal_bits(frame).total(), .worst_bits = worst_bits(frame).total()};
+  return {.name = std::move(name),
+          .cob_id = cob_id,
+          .period_s = period_s,
+          .nominal_bits = nominal_bits(frame).total(),
+          .worst_bits = worst_bits(frame).total()};
 }
 
 void add_encoder(const EncoderParams& encoder, double cycle_s, const BusLoadParams& params,
                  std::vector<BusMessage>& out) {
   const std::uint8_t node = encoder.node_id;
-  out.push_back(message(encoder.joint + " position", canopen::tpdo_cob_id(1, node), cia406::position_size,
-                        cycle_s));
+  out.push_back(
+      message(encoder.joint + " position", canopen::tpdo_cob_id(1, node), cia406::position_size, cycle_s));
   if (params.heartbeat_period_s > 0) {
     out.push_back(message(encoder.joint + " encoder heartbeat", canopen::heartbeat_cob_id(node), 1,
                           params.heartbeat_period_s));
@@ -30,8 +33,8 @@ void add_encoder(const EncoderParams& encoder, double cycle_s, const BusLoadPara
 void add_drive(const DriveParams& drive, double cycle_s, const BusLoadParams& params,
                std::vector<BusMessage>& out) {
   const std::uint8_t node = drive.node_id;
-  out.push_back(message(drive.joint + " torque command", canopen::rpdo_cob_id(1, node), cia402::command_size,
-                        cycle_s));
+  out.push_back(
+      message(drive.joint + " torque command", canopen::rpdo_cob_id(1, node), cia402::command_size, cycle_s));
   out.push_back(message(drive.joint + " drive status", canopen::tpdo_cob_id(1, node), cia402::status_size,
                         cycle_s * drive.status_every_nth_sync));
   if (params.drive_event_period_s > 0) {

@@ -15,18 +15,18 @@ enum class BusState : std::uint8_t {
 };
 
 enum class SendResult : std::uint8_t {
-  queued,    // accepted; it leaves when it wins arbitration
-  full,      // no room in the transmit queue: the frame is NOT queued
-  off,       // bus-off: the frame is NOT queued
-  down,      // closed, interface down or gone: the frame is NOT queued
-  invalid,   // identifier or size out of range: the frame is NOT queued
+  queued,   // accepted; it leaves when it wins arbitration
+  full,     // no room in the transmit queue: the frame is NOT queued
+  off,      // bus-off: the frame is NOT queued
+  down,     // closed, interface down or gone: the frame is NOT queued
+  invalid,  // identifier or size out of range: the frame is NOT queued
 };
 
 struct BusCounters {
-  std::uint64_t sent = 0;             // own frames seen completed on the wire
-  std::uint64_t received = 0;         // frames handed to the receiver
-  std::uint64_t send_refused = 0;     // try_send calls not answered with queued
-  std::uint64_t receive_overflow = 0; // frames lost because the receive queue was full
+  std::uint64_t sent = 0;              // own frames seen completed on the wire
+  std::uint64_t received = 0;          // frames handed to the receiver
+  std::uint64_t send_refused = 0;      // try_send calls not answered with queued
+  std::uint64_t receive_overflow = 0;  // frames lost because the receive queue was full
   std::uint64_t error_frames = 0;
   std::uint64_t bus_off_events = 0;
   std::uint16_t transmit_error_counter = 0;  // TEC

@@ -10,12 +10,12 @@ namespace godobject {
 using Nanoseconds = std::int64_t;  // since an arbitrary origin of the clock in use; never wall time
 
 struct CanFrame {
-  std::uint32_t id = 0;         // 11 bits, or 29 when extended
+  std::uint32_t id = 0;  // 11 bits, or 29 when extended
   bool extended = false;
-  bool remote = false;          // classic only
+  bool remote = false;  // classic only
   bool fd = false;
-  bool bit_rate_switch = false; // FD only
-  std::uint8_t size = 0;        // bytes of data: 0..8 classic, 0..64 FD
+  bool bit_rate_switch = false;  // FD only
+  std::uint8_t size = 0;         // bytes of data: 0..8 classic, 0..64 FD
   std::array<std::uint8_t, 64> data{};
 
   constexpr std::span<const std::uint8_t> bytes() const noexcept { return {data.data(), size}; }
@@ -27,7 +27,13 @@ constexpr bool is_valid(const CanFrame& frame) noexcept {
   if (!frame.fd) return frame.size <= 8 && !frame.bit_rate_switch;
   if (frame.remote) return false;
   switch (frame.size) {
-    case 12: case 16: case 20: case 24: case 32: case 48: case 64: return true;
+    case 12:
+    case 16:
+    case 20:
+    case 24:
+    case 32:
+    case 48:
+    case 64: return true;
     default: return frame.size <= 8;
   }
 }

@@ -97,8 +97,8 @@ FrameBits fd_bits(const CanFrame& frame, bool worst) {
 
 FrameBits nominal_bits(const CanFrame& frame) noexcept {
   if (frame.fd) return fd_bits(frame, false);
-  return {.nominal_rate = classic_stuffed_overhead(frame.extended) + 8 * classic_data_bytes(frame) +
-                          classic_tail_bits};
+  return {.nominal_rate =
+              classic_stuffed_overhead(frame.extended) + 8 * classic_data_bytes(frame) + classic_tail_bits};
 }
 
 FrameBits worst_bits(const CanFrame& frame) noexcept {

@@ -138,14 +138,16 @@ constexpr CanFrame make_command(std::uint8_t node, const Command& command) noexc
 [[nodiscard]] constexpr ParseResult parse_command(const CanFrame& frame, std::uint8_t node,
                                                   Command& out) noexcept {
   const ParseResult result = canopen::check_message(frame, canopen::rpdo_cob_id(1, node), command_size);
-  if (result == ParseResult::ok) ByteReader(frame.bytes()).get(out.controlword)
-      .get(out.target_torque_per_mille);
+  if (result == ParseResult::ok)
+    ByteReader(frame.bytes()).get(out.controlword).get(out.target_torque_per_mille);
   return result;
 }
 
 constexpr CanFrame make_status(std::uint8_t node, const Status& status) noexcept {
   CanFrame frame{.id = canopen::tpdo_cob_id(1, node), .size = status_size};
-  ByteWriter(frame.data).put(status.statusword).put(status.position_counts)
+  ByteWriter(frame.data)
+      .put(status.statusword)
+      .put(status.position_counts)
       .put(status.actual_torque_per_mille);
   return frame;
 }

@@ -9,19 +9,19 @@ namespace godobject {
 
 /// What a drive last said.
 struct DriveFeedback {
-  JointSample position;   // 6064h as joint coordinate
-  double torque_Nm = 0;   // 6077h, at the motor shaft
+  JointSample position;  // 6064h as joint coordinate
+  double torque_Nm = 0;  // 6077h, at the motor shaft
   cia402::DriveState state = cia402::DriveState::unknown;
   bool internal_limit = false;  // the drive itself limits (statusword bit 11)
 };
 
 /// A command ready to be sent, and which limit shaped it.
 struct DriveCommand {
-  CanFrame frame;                // RPDO1
+  CanFrame frame;  // RPDO1
   std::uint16_t controlword = 0;
-  double torque_Nm = 0;          // at the motor shaft, before the rounding to per mille
-  bool torque_limited = false;   // by torque_max_Nm
-  bool rate_limited = false;     // by torque_rate_Nm_per_s
+  double torque_Nm = 0;         // at the motor shaft, before the rounding to per mille
+  bool torque_limited = false;  // by torque_max_Nm
+  bool rate_limited = false;    // by torque_rate_Nm_per_s
 };
 
 class Drive {

@@ -12,8 +12,8 @@ namespace godobject {
 /// What a joint sensor says. While `valid` is false, q and q_dot are those of the last good sample,
 /// except that the q_dot of a stale one is 0.
 struct JointSample {
-  double q = 0;          // rad or m
-  double q_dot = 0;      // rad/s or m/s
+  double q = 0;      // rad or m
+  double q_dot = 0;  // rad/s or m/s
   bool valid = false;
   Nanoseconds t_ns = 0;  // when q was measured
 
@@ -79,14 +79,14 @@ class Encoder {
   Nanoseconds stale_after_ns_;
   VelocityEstimator velocity_;
 
-  Reading reference_;               // last accepted
-  std::int64_t counts_ = 0;         // unwrapped, from the calibration's offset
+  Reading reference_;        // last accepted
+  std::int64_t counts_ = 0;  // unwrapped, from the calibration's offset
   double q_dot_ = 0;
   bool has_reference_ = false;
   bool last_was_accepted_ = false;
-  Reading candidate_;               // last rejected
-  int agreeing_ = 0;                // rejected samples in a row that agree with each other
-  unsigned rejected_history_ = 0;   // bit 0: the latest sample
+  Reading candidate_;              // last rejected
+  int agreeing_ = 0;               // rejected samples in a row that agree with each other
+  unsigned rejected_history_ = 0;  // bit 0: the latest sample
   EncoderCounters counters_;
 };
 

@@ -11,8 +11,8 @@ Pose compose(const Pose& X_AB, const Pose& X_BC) noexcept {
   return {X_AB.p + X_AB.q * X_BC.p, (X_AB.q * X_BC.q).normalized()};
 }
 
-Pose joint_motion(JointKind kind, const Vec3& axis, Real q) noexcept {
-  if (kind == JointKind::slider) return {q * axis, Quat::Identity()};
+Pose joint_motion(ChainJointKind kind, const Vec3& axis, Real q) noexcept {
+  if (kind == ChainJointKind::slider) return {q * axis, Quat::Identity()};
   return {Vec3::Zero(), Quat(Eigen::AngleAxis<Real>(q, axis))};
 }
 
@@ -59,7 +59,7 @@ ChainConfiguration KinematicChain::at(const JointVector& q) const noexcept {
   for (std::size_t i = 0; i < num_joints_; ++i) {
     const auto column = static_cast<Eigen::Index>(i);
     // hinge: w = a, v = a x (p_WH - p_WJ);  slider: w = 0, v = a
-    const bool hinge = joints_[i].kind == JointKind::hinge;
+    const bool hinge = joints_[i].kind == ChainJointKind::hinge;
     out.J.col(column).head<3>() = hinge ? axis_W[i] : Vec3(Vec3::Zero());
     out.J.col(column).tail<3>() = hinge ? Vec3(axis_W[i].cross(out.X_WH.p - p_WJ[i])) : axis_W[i];
   }

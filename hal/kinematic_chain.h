@@ -39,7 +39,7 @@ class KinematicChain {
 
  private:
   struct Joint {
-    JointKind kind = JointKind::hinge;
+    ChainJointKind kind = ChainJointKind::hinge;
     Pose X_PJ;
     Vec3 axis_J = Vec3::UnitZ();
   };

@@ -52,8 +52,8 @@ struct RigCounters {
   std::uint64_t syncs = 0;
   std::uint64_t incomplete_syncs = 0;  // not every expected answer had come before the next SYNC
   std::uint64_t frames = 0;
-  std::uint64_t malformed = 0;         // wrong size or an undefined value
-  std::uint64_t foreign = 0;           // from no node of this rig
+  std::uint64_t malformed = 0;  // wrong size or an undefined value
+  std::uint64_t foreign = 0;    // from no node of this rig
 };
 
 class Rig {

@@ -14,7 +14,7 @@ struct RigNode {
   std::size_t device = 0;  // index into the rig's encoders or drives
 
   canopen::NmtState state = canopen::NmtState::pre_operational;
-  bool heard = false;      // a heartbeat has come: its consumer runs from the first one on (CiA 301)
+  bool heard = false;  // a heartbeat has come: its consumer runs from the first one on (CiA 301)
   Nanoseconds heartbeat_ns = 0;
   bool start_sent = false;
   Nanoseconds start_sent_ns = 0;

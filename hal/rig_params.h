@@ -10,22 +10,22 @@
 
 namespace godobject {
 
-enum class JointKind : std::uint8_t { hinge, slider };
+enum class ChainJointKind : std::uint8_t { hinge, slider };
 
 /// One joint of the device's chain. Its coordinate q is rad (hinge) or m (slider);
 /// X_{previous,this}(q) = X_PJ * (turn or shift by q about/along axis_J).
 struct ChainJoint {
   std::string name;
-  JointKind kind = JointKind::hinge;
-  Pose X_PJ{};                       // joint frame in the previous link's frame, at q = 0
-  Vec3 axis_J = Vec3::UnitZ();       // unit
+  ChainJointKind kind = ChainJointKind::hinge;
+  Pose X_PJ{};                  // joint frame in the previous link's frame, at q = 0
+  Vec3 axis_J = Vec3::UnitZ();  // unit
 };
 
 /// Serial chain from the world to the handle the user holds.
 struct ChainParams {
-  Pose X_WB;                         // base of the device in the world
-  std::vector<ChainJoint> joints;    // from the base outwards
-  Pose X_LH;                         // handle (= target of the coupled body) in the last link's frame
+  Pose X_WB;                       // base of the device in the world
+  std::vector<ChainJoint> joints;  // from the base outwards
+  Pose X_LH;                       // handle (= target of the coupled body) in the last link's frame
 };
 
 /// Counts to the joint coordinate: q = sign * (counts - offset_counts) / counts_per_unit.
@@ -38,11 +38,11 @@ struct Calibration {
 
 /// A CiA 406 absolute encoder.
 struct EncoderParams {
-  std::string joint;                 // name of the chain joint it measures
-  std::size_t bus = 0;               // index into the scene's buses
-  std::uint8_t node_id = 1;          // 1..127
+  std::string joint;         // name of the chain joint it measures
+  std::size_t bus = 0;       // index into the scene's buses
+  std::uint8_t node_id = 1;  // 1..127
   Calibration calibration{};
-  double max_speed = 50;             // rad/s or m/s: a sample that implies more is not plausible
+  double max_speed = 50;  // rad/s or m/s: a sample that implies more is not plausible
 };
 
 /// A CiA 402 drive in cyclic synchronous torque mode. It also measures its joint (6064h).
@@ -50,19 +50,19 @@ struct DriveParams {
   std::string joint;
   std::size_t bus = 0;
   std::uint8_t node_id = 1;
-  double torque_rated_Nm = 0.1;      // 6076h; targets travel in per mille of it
-  double torque_max_Nm = 0.05;       // saturation of the command, at the motor shaft
-  double torque_rate_Nm_per_s = 5;   // slew limit of the command, at the motor shaft
-  double joint_per_motor_rad = 1;    // transmission: rad or m of the joint per rad of the motor
-  int sign = 1;                      // of a positive motor torque on the joint
+  double torque_rated_Nm = 0.1;            // 6076h; targets travel in per mille of it
+  double torque_max_Nm = 0.05;             // saturation of the command, at the motor shaft
+  double torque_rate_Nm_per_s = 5;         // slew limit of the command, at the motor shaft
+  double joint_per_motor_rad = 1;          // transmission: rad or m of the joint per rad of the motor
+  int sign = 1;                            // of a positive motor torque on the joint
   std::uint8_t status_every_nth_sync = 1;  // transmission type of its TPDO1, 1..240
-  Calibration calibration{};         // of its position 6064h, to the joint coordinate
-  double max_speed = 50;             // of the joint: a position that implies more is not plausible
+  Calibration calibration{};               // of its position 6064h, to the joint coordinate
+  double max_speed = 50;                   // of the joint: a position that implies more is not plausible
 };
 
 struct BusParams {
-  std::string name;                  // "can0"
-  double bit_rate = 1e6;             // bit/s, arbitration phase
+  std::string name;       // "can0"
+  double bit_rate = 1e6;  // bit/s, arbitration phase
 };
 
 struct RigParams {

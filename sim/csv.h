@@ -24,12 +24,12 @@ class CsvTable {
  private:
   friend class CsvParser;
   std::vector<std::string> columns_;
-  std::vector<double> values_;  // row by row
+  std::vector<double> values_;        // row by row
   std::vector<TextPosition> places_;  // of each value
 };
 
 struct CsvResult {
-  std::optional<CsvTable> table;  // absent where there are errors
+  std::optional<CsvTable> table;    // absent where there are errors
   std::vector<std::string> errors;  // "file:line:column: what", the first 20
 };
 

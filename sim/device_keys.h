@@ -34,7 +34,7 @@ void visit_joint(V& v, ChainJoint& j) {
 /// Names that encoders and drives refer to.
 struct RigNames {
   std::vector<std::string> buses, joints;
-  std::vector<JointKind> kinds;  // of joints
+  std::vector<ChainJointKind> kinds;  // of joints
 };
 
 template <class V>
@@ -54,7 +54,7 @@ void visit_calibration(V& v, std::string_view sign_key, const RigNames& names, c
            Key{"counts_per_turn", "", "counts per full turn of a hinge", positive},
            1 / (2 * std::numbers::pi), std::nullopt, c.counts_per_unit);
   const auto index = static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
-  const bool slider = index < names.kinds.size() && names.kinds[index] == JointKind::slider;
+  const bool slider = index < names.kinds.size() && names.kinds[index] == ChainJointKind::slider;
   v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
           "has no meaning on a slider: give counts_per_unit in 1/m");
   visit_sign(v, Key{sign_key, "", "1 or -1: direction in which counts rise", {-1, 1}}, c.sign);

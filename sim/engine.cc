@@ -31,7 +31,8 @@ bool covers(const Composition& c, const SceneConfig& scene) {
   const bool haptic = any_body([](const BodyConfig& b) { return b.feedback && is_haptic(*b.feedback); });
   const DeviceKind kind = scene.device ? scene.device->kind : DeviceKind::non_haptic;
   const bool pose_kind = kind == DeviceKind::impedance || kind == DeviceKind::non_haptic;
-  const bool same_kind = pose_kind ? c.kind == DeviceKind::impedance || c.kind == DeviceKind::non_haptic : c.kind == kind;
+  const bool same_kind =
+      pose_kind ? c.kind == DeviceKind::impedance || c.kind == DeviceKind::non_haptic : c.kind == kind;
   const bool needs_device = coupled || kind == DeviceKind::admittance;
   if (c.integrator != scene.integrator || scene.bodies.size() > c.max_bodies) return false;
   if (needs_device && !(c.device && same_kind)) return false;

@@ -14,21 +14,21 @@ namespace godobject {
 
 /// What the devices say for one body; a composition reads the fields its device has.
 struct BodySample {
-  Pose X_WD;              // target pose (relative devices: of the device; its changes count)
-  Twist V_WD;             // target velocity
-  Wrench F_WB;            // force of the hand (admittance)
+  Pose X_WD;    // target pose (relative devices: of the device; its changes count)
+  Twist V_WD;   // target velocity
+  Wrench F_WB;  // force of the hand (admittance)
   bool valid = true;
   bool engaged = true;
-  bool clutch = true;     // relative devices
+  bool clutch = true;  // relative devices
 };
 
 /// What one body does.
 struct BodyView {
   Pose X_WB;
   Twist V_WB;
-  Target target;          // target the body is pulled to (relative devices: built up so far)
-  Wrench feedback_D;      // shown to the hand
-  Wrench coupling_B;      // (2) at the end of the step; only from view()
+  Target target;      // target the body is pulled to (relative devices: built up so far)
+  Wrench feedback_D;  // shown to the hand
+  Wrench coupling_B;  // (2) at the end of the step; only from view()
 };
 
 struct StepReport {
@@ -38,19 +38,19 @@ struct StepReport {
 
 /// A part of a composition and what it costs in it, for all of the composition's bodies.
 struct PartBytes {
-  std::string name;                  // of the slot in the scene type: "coupling"
+  std::string name;  // of the slot in the scene type: "coupling"
   std::size_t params_bytes = 0, state_bytes = 0;
 };
 
 /// The parts of a composition and what they cost.
 struct Composition {
-  std::string name;                  // "haptic-1 tr-bdf2"
+  std::string name;  // "haptic-1 tr-bdf2"
   std::string integrator;
   std::size_t max_bodies = 0;
   bool device = false, coupling = false, feedback = false;
-  DeviceKind kind = DeviceKind::non_haptic;   // meaningful with a device
+  DeviceKind kind = DeviceKind::non_haptic;  // meaningful with a device
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
-  std::vector<PartBytes> parts;      // those that have storage
+  std::vector<PartBytes> parts;  // those that have storage
 
   std::size_t bytes() const noexcept { return params_bytes + state_bytes + scratch_bytes; }
 };

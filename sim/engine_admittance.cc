@@ -16,6 +16,8 @@ struct Admittance {
 
 }  // namespace
 
-void add_admittance(std::vector<CompositionRow>& table) { add_all<Admittance>(table, "admittance", DeviceKind::admittance); }
+void add_admittance(std::vector<CompositionRow>& table) {
+  add_all<Admittance>(table, "admittance", DeviceKind::admittance);
+}
 
 }  // namespace godobject

@@ -16,6 +16,8 @@ struct FreeBodies {
 
 }  // namespace
 
-void add_free(std::vector<CompositionRow>& table) { add_all<FreeBodies>(table, "free", DeviceKind::non_haptic); }
+void add_free(std::vector<CompositionRow>& table) {
+  add_all<FreeBodies>(table, "free", DeviceKind::non_haptic);
+}
 
 }  // namespace godobject

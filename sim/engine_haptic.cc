@@ -16,6 +16,8 @@ struct Haptic {
 
 }  // namespace
 
-void add_haptic(std::vector<CompositionRow>& table) { add_all<Haptic>(table, "haptic", DeviceKind::impedance); }
+void add_haptic(std::vector<CompositionRow>& table) {
+  add_all<Haptic>(table, "haptic", DeviceKind::impedance);
+}
 
 }  // namespace godobject

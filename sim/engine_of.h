@@ -60,9 +60,10 @@ class EngineOf final : public Engine {
       if constexpr (uses<typename S::Device>) {
         const Target sample{.X_WD = at_start[i].X_WD, .V_WD = at_start[i].V_WD};
         before_[i] = sample;
-        if (par_.bodies[i].device.rise > 0 || !at_start[i].engaged) continue;
         const bool absolute = std::is_same_v<typename S::Device, PoseDevice>;
         engage_at(x_, i, absolute ? sample : Target{.X_WD = scene.bodies[i].X_WB, .V_WD = {}});
+        const bool at_once = par_.bodies[i].device.rise == 0 && at_start[i].engaged;
+        if (!at_once) x_.bodies[i].device.ramp = {};
       }
     }
   }
@@ -114,7 +115,7 @@ class EngineOf final : public Engine {
   Scratch<S> w_;
   Input<S> in_;
   Output<S> out_;
-  std::array<Target, S::max_bodies> before_;   // the sample before this one, for increments
+  std::array<Target, S::max_bodies> before_;  // the sample before this one, for increments
 };
 
 /// One row of the table of compositions.
@@ -154,10 +155,9 @@ CompositionRow row(std::string name, DeviceKind kind) {
                 .state_bytes = sizeof(State<S>),
                 .scratch_bytes = sizeof(Scratch<S>),
                 .parts = parts_of<S>()};
-  return {std::move(c), [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
-                            -> std::unique_ptr<Engine> {
-            return std::make_unique<EngineOf<S>>(scene, at_start, what);
-          }};
+  return {std::move(c),
+          [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
+              -> std::unique_ptr<Engine> { return std::make_unique<EngineOf<S>>(scene, at_start, what); }};
 }
 
 // One file each: sim/engine_<what>.cc.

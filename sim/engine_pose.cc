@@ -16,6 +16,8 @@ struct Followers {
 
 }  // namespace
 
-void add_pose(std::vector<CompositionRow>& table) { add_all<Followers>(table, "pose", DeviceKind::non_haptic); }
+void add_pose(std::vector<CompositionRow>& table) {
+  add_all<Followers>(table, "pose", DeviceKind::non_haptic);
+}
 
 }  // namespace godobject

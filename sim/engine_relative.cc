@@ -16,6 +16,8 @@ struct Relative {
 
 }  // namespace
 
-void add_relative(std::vector<CompositionRow>& table) { add_all<Relative>(table, "relative", DeviceKind::relative); }
+void add_relative(std::vector<CompositionRow>& table) {
+  add_all<Relative>(table, "relative", DeviceKind::relative);
+}
 
 }  // namespace godobject

@@ -16,8 +16,8 @@ using Mat6 = Eigen::Matrix<Real, 6, 6>;
 
 constexpr int joints_needed = 6;
 constexpr int max_iterations = 100;
-constexpr double tolerance = 1e-12;   // m, and rad times lever_m: far below one encoder count
-constexpr double lever_m = 0.1;       // a radian of attitude error weighs as much as this distance
+constexpr double tolerance = 1e-12;  // m, and rad times lever_m: far below one encoder count
+constexpr double lever_m = 0.1;      // a radian of attitude error weighs as much as this distance
 constexpr double min_damping = 1e-15, max_damping = 1e6;
 constexpr double min_reciprocal_condition = 1e-6;
 constexpr double max_turn_rad = 0.5;  // per iteration and joint, so that a step stays on its branch

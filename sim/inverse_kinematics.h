@@ -14,7 +14,7 @@ enum class IkStatus : std::uint8_t {
 };
 
 struct IkSolution {
-  JointVector q;            // best found, also when not solved
+  JointVector q;  // best found, also when not solved
   IkStatus status = IkStatus::wrong_chain;
   double residual_m = 0;    // distance of the handle from the wanted position
   double residual_rad = 0;  // angle from the wanted attitude

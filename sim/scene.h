@@ -27,11 +27,11 @@ using FeedbackConfig = CouplingConfig;
 
 /// Bounds of the wrench shown to the hand, and the ramp on engage.
 struct LimitConfig {
-  double force = 10;          // N
-  double torque = 0.5;        // N m
-  double force_rate = 500;    // N/s
-  double torque_rate = 25;    // N m/s
-  double ramp = 0.5;          // s from engage to full coupling and feedback; 0: at once
+  double force = 10;        // N
+  double torque = 0.5;      // N m
+  double force_rate = 500;  // N/s
+  double torque_rate = 25;  // N m/s
+  double ramp = 0.5;        // s from engage to full coupling and feedback; 0: at once
 };
 
 /// Names of DeviceKind in scene files, in its order.
@@ -49,37 +49,38 @@ enum class DeviceKind : std::uint8_t {
 
 /// The simulated rig behind the bus: what the hand and the mechanics of the device do.
 struct PlantConfig {
-  double inertia = 1e-3;           // per joint, kg m^2 or kg at the joint
-  double damping = 1e-2;           // per joint, N m s/rad or N s/m
-  double friction = 1e-3;          // Coulomb, per joint, N m or N
-  double hand_stiffness = 20;      // per joint, N m/rad or N/m; the user's arm
-  double hand_damping = 0.5;       // per joint, N m s/rad or N s/m
+  double inertia = 1e-3;       // per joint, kg m^2 or kg at the joint
+  double damping = 1e-2;       // per joint, N m s/rad or N s/m
+  double friction = 1e-3;      // Coulomb, per joint, N m or N
+  double hand_stiffness = 20;  // per joint, N m/rad or N/m; the user's arm
+  double hand_damping = 0.5;   // per joint, N m s/rad or N s/m
 };
 
 struct DeviceConfig {
   std::string name;
   DeviceKind kind = DeviceKind::impedance;
   LimitConfig limits;
-  std::optional<RigParams> rig;    // absent: the scene can only run with --bus direct
+  std::optional<RigParams> rig;  // absent: the scene can only run with --bus direct
   PlantConfig plant;
 };
 
 struct BodyConfig {
   std::string name;
-  double mass = 1;                          // kg, > 0
-  Mat3 inertia = Mat3::Identity();          // kg m^2 about the centre of mass, body axes, positive definite
-  Pose X_WB;                                // at t = 0
-  Twist V_WB;                               // at t = 0
-  std::optional<CouplingConfig> coupling;   // absent: free
-  std::optional<FeedbackConfig> feedback;   // absent or zero: no haptics
+  double mass = 1;                         // kg, > 0
+  Mat3 inertia = Mat3::Identity();         // kg m^2 about the centre of mass, body axes, positive definite
+  Pose X_WB;                               // at t = 0
+  Twist V_WB;                              // at t = 0
+  std::optional<CouplingConfig> coupling;  // absent: free
+  std::optional<FeedbackConfig> feedback;  // absent or zero: no haptics
 };
 
 /// A built-in motion of the target, used where no --motion file is given.
 /// p(t) = p_0 + A sin(2 pi f t + phase) per axis; q(t) = q_0 qz(.) qy(.) qx(.) with the same form per angle.
 struct MotionConfig {
-  Vec3 amplitude = Vec3::Zero(), frequency_hz = Vec3::Zero(), phase = Vec3::Zero();              // m, Hz, rad
-  Vec3 angle_amplitude = Vec3::Zero(), angle_frequency_hz = Vec3::Zero(), angle_phase = Vec3::Zero();  // rad (z, y, x)
-  Pose X_WD;                                // centre of the motion
+  Vec3 amplitude = Vec3::Zero(), frequency_hz = Vec3::Zero(), phase = Vec3::Zero();  // m, Hz, rad
+  Vec3 angle_amplitude = Vec3::Zero(), angle_frequency_hz = Vec3::Zero(),
+       angle_phase = Vec3::Zero();  // rad (z, y, x)
+  Pose X_WD;                        // centre of the motion
   // Admittance devices, which take the hand's wrench instead of a pose, world axes about the body's origin:
   // f(t) = F sin(2 pi f t + phase), tau(t) = T sin(2 pi f t + phase) per axis (x, y, z).
   Vec3 force_amplitude = Vec3::Zero(), torque_amplitude = Vec3::Zero();  // N, N m
@@ -96,12 +97,12 @@ struct WireConfig {
 struct SceneConfig {
   std::string name;
   std::string about;
-  double step = 1e-3;                 // h, s
-  double duration = 10;               // s
+  double step = 1e-3;    // h, s
+  double duration = 10;  // s
   std::string integrator = "implicit-euler";
-  Vec3 gravity = Vec3::Zero();        // m/s^2
+  Vec3 gravity = Vec3::Zero();  // m/s^2
   std::vector<BodyConfig> bodies;
-  std::optional<DeviceConfig> device; // drives the first coupled body
+  std::optional<DeviceConfig> device;  // drives the first coupled body
   std::optional<MotionConfig> motion;
   WireConfig wire;
 };

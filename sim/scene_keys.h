@@ -19,7 +19,7 @@ inline constexpr double max_advised_step = 2e-3;  // s
 
 /// What a damping ratio of one means on this body: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
 struct Massiveness {
-  double mass = 1;  // kg
+  double mass = 1;     // kg
   double inertia = 1;  // largest principal moment, kg m^2
 };
 

@@ -90,6 +90,7 @@ void Session::observe(CycleRecord& record) const noexcept {
   record.cycle = cycle_;
   record.t = motion_time(cycle_);
   record.num_bodies = scene_.bodies.size();
+  record.engaged = !driven_.empty() && samples_[driven_.front()].engaged;
   for (std::size_t i = 0; i < record.num_bodies; ++i) record.bodies[i] = engine_->view(i);
   record.energy = engine_->energy();
   if (follows()) measure(record);

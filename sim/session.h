@@ -31,6 +31,7 @@ struct CycleRecord {
   std::uint64_t cycle = 0;  // from 1
   double t = 0;             // of the state, s
   std::size_t num_bodies = 0;
+  bool engaged = false;  // the device holds the first driven body
   std::array<BodyView, max_session_bodies> bodies;
   Fault fault = Fault::none;
   Limited limited = Limited::none;

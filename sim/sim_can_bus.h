@@ -62,14 +62,14 @@ class SimCanPort final : public CanBus {
     Nanoseconds t_readable_ns = 0;
   };
   struct Recovery {
-    int sequences_left = 0;        // of 11 recessive bits
+    int sequences_left = 0;  // of 11 recessive bits
     Nanoseconds t_start_ns = 0;
   };
 
   bool takes_part() const noexcept { return open_ && !errors_.is_bus_off(); }
 
   SimCanWire& wire_;
-  std::size_t index_;              // of this node on the wire; max_nodes: no place was left
+  std::size_t index_;  // of this node on the wire; max_nodes: no place was left
   bool open_ = false;
   bool connected_ = true;
   FixedQueue<CanFrame, transmit_capacity> transmit_queue_;
@@ -93,9 +93,9 @@ struct SimWireParams {
 };
 
 struct WireCounters {
-  std::uint64_t frames = 0;        // completed
+  std::uint64_t frames = 0;  // completed
   std::uint64_t error_frames = 0;
-  Nanoseconds busy_ns = 0;         // frames, error frames and intermissions that have ended
+  Nanoseconds busy_ns = 0;  // frames, error frames and intermissions that have ended
 };
 
 /// Called at the end of each completed frame, once, whoever sent it.
@@ -152,11 +152,11 @@ class SimCanWire {
   /// A piece of wire: the one all connected nodes share, or the stub of a disconnected node.
   struct Segment {
     Phase phase = Phase::idle;
-    Nanoseconds t_start_ns = 0;    // of the frame
-    Nanoseconds t_next_ns = 0;     // when the phase ends; not for idle
-    Nanoseconds t_idle_ns = 0;     // when the wire last became idle
+    Nanoseconds t_start_ns = 0;  // of the frame
+    Nanoseconds t_next_ns = 0;   // when the phase ends; not for idle
+    Nanoseconds t_idle_ns = 0;   // when the wire last became idle
     NodeSet members = 0;
-    NodeSet senders = 0;           // of the frame: more than one when arbitration tied
+    NodeSet senders = 0;  // of the frame: more than one when arbitration tied
     NodeSet receivers = 0;
     bool collided = false;
     CanFrame frame;
@@ -202,7 +202,7 @@ class SimCanWire {
   Nanoseconds now_ns_ = 0;
   std::array<SimCanPort*, max_nodes> nodes_{};  // null: place is free
   std::array<Segment, 1 + max_nodes> segments_;
-  std::size_t places_used_ = 0;                 // no node has ever been beyond
+  std::size_t places_used_ = 0;  // no node has ever been beyond
 };
 
 }  // namespace godobject

@@ -38,9 +38,9 @@ class SimCanopenNode {
   bool is_operational() const noexcept { return nmt_state_ == canopen::NmtState::operational; }
 
  private:
-  virtual void on_sync(Nanoseconds now) noexcept = 0;      // in operational
+  virtual void on_sync(Nanoseconds now) noexcept = 0;            // in operational
   virtual void on_pdo(const CanFrame&, Nanoseconds) noexcept {}  // in operational: any other frame
-  virtual void on_nmt_state(Nanoseconds) noexcept {}       // the state has just changed
+  virtual void on_nmt_state(Nanoseconds) noexcept {}             // the state has just changed
   virtual void on_tick(Nanoseconds) noexcept {}
   virtual Nanoseconds device_timer() const noexcept { return never; }
 

@@ -60,7 +60,7 @@ class SimDrive final : public SimCanopenNode {
 
   cia402::DriveState state_ = cia402::DriveState::not_ready_to_switch_on;
   std::uint16_t error_code_ = canopen::emcy_no_error;
-  cia402::Command received_;                 // waits for the next SYNC
+  cia402::Command received_;  // waits for the next SYNC
   bool has_received_ = false;
   cia402::Command active_;
   Nanoseconds t_received_ns_ = 0;

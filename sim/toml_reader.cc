@@ -11,8 +11,8 @@ namespace godobject {
 
 namespace {
 
-constexpr double unit_tolerance = 1e-6;  // of a written-out quaternion or axis
-constexpr double rounding = 1e-15;  // already unit: stays bit for bit
+constexpr double unit_tolerance = 1e-6;     // of a written-out quaternion or axis
+constexpr double rounding = 1e-15;          // already unit: stays bit for bit
 constexpr double inertia_tolerance = 1e-9;  // relative, symmetry and triangle inequality
 
 TextPosition place(const toml::source_region& source) {
@@ -21,20 +21,13 @@ TextPosition place(const toml::source_region& source) {
 
 std::string article_and_type(const toml::node& node) {
   switch (node.type()) {
-    case toml::node_type::table:
-      return "a table";
-    case toml::node_type::array:
-      return "an array";
-    case toml::node_type::string:
-      return "a string";
-    case toml::node_type::integer:
-      return "an integer";
-    case toml::node_type::floating_point:
-      return "a number";
-    case toml::node_type::boolean:
-      return "a boolean";
-    default:
-      return "a date or time";
+    case toml::node_type::table: return "a table";
+    case toml::node_type::array: return "an array";
+    case toml::node_type::string: return "a string";
+    case toml::node_type::integer: return "an integer";
+    case toml::node_type::floating_point: return "a number";
+    case toml::node_type::boolean: return "a boolean";
+    default: return "a date or time";
   }
 }
 

@@ -59,8 +59,9 @@ void add_options(CLI::App& verb, RunOptions& options, bool& fast) {
           [&](const std::string& bus) { options.bus = bus == "sim" ? BusChoice::sim : BusChoice::direct; },
           "sim: through simulated encoders, wires and drives (default); direct: the motion as it is")
       ->check(CLI::IsMember({"sim", "direct"}));
-  verb.add_option("--motion", options.motion,
-                  "CSV of the target's poses or the device's joints over time, and of letting go and the clutch");
+  verb.add_option(
+      "--motion", options.motion,
+      "CSV of the target's poses or the device's joints over time, and of letting go and the clutch");
   verb.add_option("--integrator", options.integrator, "in place of the scene's")
       ->check(CLI::IsMember(std::vector<std::string>(integrator_names.begin(), integrator_names.end())));
   verb.add_option("--step", options.step, "s, in place of the scene's")->check(number_in(1e-6, 0.1));

@@ -52,7 +52,7 @@ inline constexpr std::array<FaultName, 3> fault_names{{
 
 struct RunStatistics {
   std::uint64_t cycles = 0;
-  // From the first cycle after the ramp of engaging: until then the body is on its way to the target.
+  // Of engaged cycles after the ramp: until then the body is on its way to the target, or let go.
   PoseErrorStatistics following, sensing, encoders;
   std::array<std::uint64_t, limit_names.size()> limit_cycles{};  // cycles with that limit
   std::array<std::uint64_t, fault_names.size()> fault_cycles{};
@@ -60,7 +60,7 @@ struct RunStatistics {
 
   void add(const CycleRecord& record) noexcept {
     ++cycles;
-    if (!has(record.limited, Limited::ramp)) {
+    if (record.engaged && !has(record.limited, Limited::ramp)) {
       following.add(record.following);
       sensing.add(record.sensing);
       encoders.add(record.encoders);

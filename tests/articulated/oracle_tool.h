@@ -69,7 +69,8 @@ class OracleTool {
       par_.bodies[i].body = rigid_body(body.m, body.I_B);
       par_.bodies[i].device.rise = 0;
       if (body.coupling)
-        par_.bodies[i].coupling = {body.coupling->k_t, body.coupling->g_t, body.coupling->k_r, body.coupling->g_r};
+        par_.bodies[i].coupling = {body.coupling->k_t, body.coupling->g_t, body.coupling->k_r,
+                                   body.coupling->g_r};
       const Quat q(body.start.q.w(), body.start.q.x(), body.start.q.y(), body.start.q.z());
       place(x_, i, {.X_WB = {body.start.p, q}, .V_WB = {body.start.w, body.start.v}});
       engage_at(x_, i, target(i, 0));

@@ -11,8 +11,8 @@ namespace godobject {
 namespace {
 
 struct Errors {
-  double position = 0, angle = 0;        // worst against the reference, m and rad
-  double drift_m = 0, drift_rad = 0;     // worst violation of a joint
+  double position = 0, angle = 0;     // worst against the reference, m and rad
+  double drift_m = 0, drift_rad = 0;  // worst violation of a joint
 };
 
 template <class I>
@@ -54,13 +54,14 @@ class ArticulatedReference : public ::testing::Test {
 
 template <class I>
 void print(const char* name, double h, const Errors& e) {
-  std::printf("%-10s %-14s %7.4f ms: %.2e m, %.2e rad; drift %.1e m, %.1e rad\n", name, I::name, 1e3 * h, e.position,
-              e.angle, e.drift_m, e.drift_rad);
+  std::printf("%-10s %-14s %7.4f ms: %.2e m, %.2e rad; drift %.1e m, %.1e rad\n", name, I::name, 1e3 * h,
+              e.position, e.angle, e.drift_m, e.drift_rad);
 }
 
 /// Errors at a ladder of halved steps, printed.
 template <class I>
-std::vector<Errors> ladder(const char* name, const oracle::ReferenceCase& reference, double h, int steps, double until) {
+std::vector<Errors> ladder(const char* name, const oracle::ReferenceCase& reference, double h, int steps,
+                           double until) {
   std::vector<Errors> all;
   for (int i = 0; i < steps; ++i, h /= 2) {
     all.push_back(run<I>(reference, h, until));

@@ -40,8 +40,9 @@ class Engage : public ::testing::Test {
     run_.constants().feedback.gains = {.k = 1000, .g = 2, .k_r = 2, .g_r = 0.05};
     run_.constants().device.rise = 0.05;
     EXPECT_EQ(validate(run_.par), Invalid::nothing);
-    place(run_.x, 0, {.X_WB = {.p = random_.vector(), .q = random_.rotation()},
-                      .V_WB = {.w = 5 * random_.vector(), .v = random_.vector()}});
+    place(run_.x, 0,
+          {.X_WB = {.p = random_.vector(), .q = random_.rotation()},
+           .V_WB = {.w = 5 * random_.vector(), .v = random_.vector()}});
     run_.device().engaged = false;
   }
 

@@ -10,9 +10,12 @@ namespace {
 TEST(Feedback, IsEquationEight) {
   Random random(1);
   for (int i = 0; i < 1000; ++i) {
-    const SpringParams gains{.k = random.uniform(0, 1e3), .g = random.uniform(0, 10),
-                             .k_r = random.uniform(0, 5), .g_r = random.uniform(0, 1)};
-    const RigidBodyState x{.X_WB = {.p = random.vector(), .q = random.rotation()}, .v_W = random.vector(),
+    const SpringParams gains{.k = random.uniform(0, 1e3),
+                             .g = random.uniform(0, 10),
+                             .k_r = random.uniform(0, 5),
+                             .g_r = random.uniform(0, 1)};
+    const RigidBodyState x{.X_WB = {.p = random.vector(), .q = random.rotation()},
+                           .v_W = random.vector(),
                            .w_B = random.vector()};
     const Target d{.X_WD = {.p = random.vector(), .q = random.rotation()},
                    .V_WD = {.w = random.vector(), .v = random.vector()}};
@@ -48,8 +51,8 @@ TEST(Feedback, WithinItsLimitsIsShownAsItIs) {
 }
 
 TEST(Feedback, KeepsItsDirectionAtTheLimits) {
-  const FeedbackParams par{.gains = {}, .max_force = 5, .max_torque = 0.2, .max_force_rate = 1e9,
-                           .max_torque_rate = 1e9};
+  const FeedbackParams par{
+      .gains = {}, .max_force = 5, .max_torque = 0.2, .max_force_rate = 1e9, .max_torque_rate = 1e9};
   Limited limited;
   const Wrench F = shown(par, {.tau = Vec3(3, 0, 4), .f = Vec3(0, 300, -400)}, 1, limited);
   EXPECT_LE((F.f - Vec3(0, 3, -4)).norm(), 1e-12);
@@ -58,8 +61,8 @@ TEST(Feedback, KeepsItsDirectionAtTheLimits) {
 }
 
 TEST(Feedback, ApproachesAtItsRate) {
-  const FeedbackParams par{.gains = {}, .max_force = 5, .max_torque = 0.5, .max_force_rate = 100,
-                           .max_torque_rate = 10};
+  const FeedbackParams par{
+      .gains = {}, .max_force = 5, .max_torque = 0.5, .max_force_rate = 100, .max_torque_rate = 10};
   Limited limited;
   const Wrench F = shown(par, {.tau = Vec3(0.4, 0, 0), .f = Vec3(0, 4, 0)}, 10, limited);
   EXPECT_LE((F.f - Vec3(0, 1, 0)).norm(), 1e-12);

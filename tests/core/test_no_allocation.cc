@@ -24,12 +24,11 @@ class NoAllocation : public ::testing::Test {
   }
 };
 
-using Scenes = ::testing::Types<
-    OneBody<ImplicitEuler, None, None>, OneBody<TrBdf2, None, None>,
-    OneBody<ImplicitEuler, PoseDevice, DampedSpring, LimitedFeedback>,
-    OneBody<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>,
-    OneBody<TrBdf2, RelativeDevice, DampedSpring, LimitedFeedback>,
-    OneBody<TrBdf2, AdmittanceDevice, DampedSpring, LimitedFeedback>>;
+using Scenes = ::testing::Types<OneBody<ImplicitEuler, None, None>, OneBody<TrBdf2, None, None>,
+                                OneBody<ImplicitEuler, PoseDevice, DampedSpring, LimitedFeedback>,
+                                OneBody<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>,
+                                OneBody<TrBdf2, RelativeDevice, DampedSpring, LimitedFeedback>,
+                                OneBody<TrBdf2, AdmittanceDevice, DampedSpring, LimitedFeedback>>;
 TYPED_TEST_SUITE(NoAllocation, Scenes);
 
 void disturb(Empty&, int) {}
@@ -75,18 +74,64 @@ TEST(AllocationGuardItself, NoticesEachWatchedCall) {
   timespec t{};
   char byte = 0;
   const std::vector<std::pair<const char*, std::function<void()>>> deeds{
-      {"malloc", [&] { keep(std::malloc(8)); std::free(kept); }},
-      {"malloc", [&] { int* p = new int(1); keep(p); delete p; }},
-      {"malloc", [&] { std::vector<double> v(10); keep(v.data()); }},
-      {"calloc", [&] { keep(std::calloc(2, 8)); std::free(kept); }},
-      {"realloc", [&] { keep(std::malloc(8)); keep(std::realloc(kept, 16)); std::free(kept); }},
-      {"free", [&] { keep(nullptr); std::free(kept); }},
-      {"aligned_alloc", [&] { keep(std::aligned_alloc(64, 64)); std::free(kept); }},
-      {"posix_memalign", [&] { void* p = nullptr; if (posix_memalign(&p, 64, 64) == 0) std::free(p); }},
-      {"pthread_mutex_lock", [&] { pthread_mutex_lock(&mutex); pthread_mutex_unlock(&mutex); }},
+      {"malloc",
+       [&] {
+         keep(std::malloc(8));
+         std::free(kept);
+       }},
+      {"malloc",
+       [&] {
+         int* p = new int(1);
+         keep(p);
+         delete p;
+       }},
+      {"malloc",
+       [&] {
+         std::vector<double> v(10);
+         keep(v.data());
+       }},
+      {"calloc",
+       [&] {
+         keep(std::calloc(2, 8));
+         std::free(kept);
+       }},
+      {"realloc",
+       [&] {
+         keep(std::malloc(8));
+         keep(std::realloc(kept, 16));
+         std::free(kept);
+       }},
+      {"free",
+       [&] {
+         keep(nullptr);
+         std::free(kept);
+       }},
+      {"aligned_alloc",
+       [&] {
+         keep(std::aligned_alloc(64, 64));
+         std::free(kept);
+       }},
+      {"posix_memalign",
+       [&] {
+         void* p = nullptr;
+         if (posix_memalign(&p, 64, 64) == 0) std::free(p);
+       }},
+      {"pthread_mutex_lock",
+       [&] {
+         pthread_mutex_lock(&mutex);
+         pthread_mutex_unlock(&mutex);
+       }},
       {"clock_gettime", [&] { clock_gettime(CLOCK_MONOTONIC, &t); }},
-      {"nanosleep", [] { timespec nothing{}; nanosleep(&nothing, nullptr); }},
-      {"clock_nanosleep", [] { timespec nothing{}; clock_nanosleep(CLOCK_MONOTONIC, 0, &nothing, nullptr); }},
+      {"nanosleep",
+       [] {
+         timespec nothing{};
+         nanosleep(&nothing, nullptr);
+       }},
+      {"clock_nanosleep",
+       [] {
+         timespec nothing{};
+         clock_nanosleep(CLOCK_MONOTONIC, 0, &nothing, nullptr);
+       }},
       {"read", [&] { byte = static_cast<char>(read(-1, &byte, 1)); }},
       {"write", [&] { byte = static_cast<char>(write(-1, &byte, 1)); }}};
   for (const auto& [name, deed] : deeds) {

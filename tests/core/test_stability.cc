@@ -12,18 +12,17 @@ namespace {
 struct Case {
   Real h, m, k, k_r, zeta, zeta_r;
   Mat3 I_B;
-  Vec3 moments;      // principal moments of I_B
-  Start start;       // of the body
+  Vec3 moments;  // principal moments of I_B
+  Start start;   // of the body
   Target target;
   Vec3 gravity_W = Vec3::Zero();
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) {
   return os << "h " << c.h << " m " << c.m << " k " << c.k << " k_r " << c.k_r << " zeta " << c.zeta
-            << " zeta_r " << c.zeta_r << " moments " << c.moments.transpose() << "\nI\n" << c.I_B
-            << "\nbody at "
-            << c.start.X_WB.p.transpose() << ", q (w x y z) " << c.start.X_WB.q.w() << ' '
-            << c.start.X_WB.q.vec().transpose() << ", v " << c.start.V_WB.v.transpose() << ", w "
+            << " zeta_r " << c.zeta_r << " moments " << c.moments.transpose() << "\nI\n"
+            << c.I_B << "\nbody at " << c.start.X_WB.p.transpose() << ", q (w x y z) " << c.start.X_WB.q.w()
+            << ' ' << c.start.X_WB.q.vec().transpose() << ", v " << c.start.V_WB.v.transpose() << ", w "
             << c.start.V_WB.w.transpose() << "\ntarget at " << c.target.X_WD.p.transpose() << ", q "
             << c.target.X_WD.q.w() << ' ' << c.target.X_WD.q.vec().transpose() << ", w "
             << c.target.V_WD.w.transpose();
@@ -35,7 +34,9 @@ Running<OneBody<Integrator>> start(const Case& c) {
   run.par.h = c.h;
   run.par.gravity_W = c.gravity_W;
   run.constants().body = rigid_body(c.m, c.I_B);
-  run.constants().coupling = {.k = c.k, .g = c.zeta * std::sqrt(c.m * c.k), .k_r = c.k_r,
+  run.constants().coupling = {.k = c.k,
+                              .g = c.zeta * std::sqrt(c.m * c.k),
+                              .k_r = c.k_r,
                               .g_r = c.zeta_r * std::sqrt(c.moments.maxCoeff() * c.k_r)};
   EXPECT_EQ(validate(run.par), Invalid::nothing);
   place(run.x, 0, c.start);
@@ -69,8 +70,9 @@ template <class Integrator>
     if (any(run.out.fault) || !is_finite(run.body()))
       return ::testing::AssertionFailure() << "step " << n << ": not finite\n" << c;
     if (!(after <= before * (1 + Real(5e-10)) + rounding(c)))
-      return ::testing::AssertionFailure() << "step " << n << ": energy from " << before * before << " to "
-                                           << after * after << " J\n" << c;
+      return ::testing::AssertionFailure()
+             << "step " << n << ": energy from " << before * before << " to " << after * after << " J\n"
+             << c;
     before = after;
   }
   return ::testing::AssertionSuccess();

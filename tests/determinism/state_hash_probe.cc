@@ -55,16 +55,15 @@ void set_up(Params<S>& par, State<S>& x) {
   par.num_bodies = 2;
   par.gravity_W = Vec3(0, 0, -9.81);
   Mat3 I_B;
-  I_B << 5e-3, 1e-3, -5e-4,
-         1e-3, 3e-3, 4e-4,
-        -5e-4, 4e-4, 6e-3;
+  I_B << 5e-3, 1e-3, -5e-4, 1e-3, 3e-3, 4e-4, -5e-4, 4e-4, 6e-3;
   for (std::size_t i = 0; i < 2; ++i) {
     BodyParams<S>& body = par.bodies[i];
     body.body = rigid_body(i == 0 ? 0.2 : 0.7, I_B);
     if constexpr (uses<typename S::Coupling>) body.coupling = {.k = 1500, .g = 30, .k_r = 4, .g_r = 0.2};
     if constexpr (uses<typename S::Feedback>) body.feedback.gains = {.k = 800, .g = 1, .k_r = 1, .g_r = 0.02};
-    place(x, i, {.X_WB = {.p = Vec3(0.1, 0.2, 0.3), .q = Quat(0.5, 0.5, -0.5, 0.5)},
-                 .V_WB = {.w = Vec3(1, 9, 2), .v = Vec3(0.1, 0, 0.2)}});
+    place(x, i,
+          {.X_WB = {.p = Vec3(0.1, 0.2, 0.3), .q = Quat(0.5, 0.5, -0.5, 0.5)},
+           .V_WB = {.w = Vec3(1, 9, 2), .v = Vec3(0.1, 0, 0.2)}});
   }
 }
 

@@ -74,7 +74,8 @@ TEST(Candump, RoundTripOfRandomFrames) {
     f.bit_rate_switch = f.fd && random() % 2 != 0;
     f.remote = !f.fd && random() % 4 == 0;
     f.size = f.fd ? fd_sizes[random() % 11] : static_cast<std::uint8_t>(random() % 9);
-    if (!f.remote) for (std::uint8_t k = 0; k < f.size; ++k) f.data[k] = static_cast<std::uint8_t>(random());
+    if (!f.remote)
+      for (std::uint8_t k = 0; k < f.size; ++k) f.data[k] = static_cast<std::uint8_t>(random());
     in.t_ns = static_cast<Nanoseconds>(random() % 4'000'000'000'000'000) * 1000;
     const std::string line = line_of(in);
     ReceivedFrame out;

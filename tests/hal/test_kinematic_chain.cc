@@ -14,8 +14,8 @@ namespace {
 ChainParams oblique_chain() {
   ChainParams chain;
   chain.X_WB = {Vec3(0.1, -0.2, 0.3), Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()))};
-  const JointKind kinds[] = {JointKind::hinge, JointKind::slider, JointKind::hinge,
-                             JointKind::hinge, JointKind::slider, JointKind::hinge};
+  const ChainJointKind kinds[] = {ChainJointKind::hinge, ChainJointKind::slider, ChainJointKind::hinge,
+                             ChainJointKind::hinge, ChainJointKind::slider, ChainJointKind::hinge};
   for (int i = 0; i < 6; ++i) {
     ChainJoint joint;
     joint.name = "joint" + std::to_string(i);

@@ -45,7 +45,9 @@ RigParams two_joints() {
   rig.chain.joints = {{.name = "yaw"}, {.name = "pitch", .axis_J = Vec3::UnitY()}};
   rig.chain.X_LH.p = Vec3(0.1, 0, 0);
   rig.encoders = {{.joint = "yaw", .node_id = 1, .calibration = {.counts_per_unit = 1000}}};
-  rig.drives = {{.joint = "pitch", .node_id = 2, .torque_rate_Nm_per_s = 1000,
+  rig.drives = {{.joint = "pitch",
+                 .node_id = 2,
+                 .torque_rate_Nm_per_s = 1000,
                  .calibration = {.counts_per_unit = 1000}}};
   return rig;
 }
@@ -61,8 +63,9 @@ class RigTest : public testing::Test {
   }
   void answer_encoder() { receive(cia406::make_position(1, encoder_counts), now + answer_ns); }
   void answer_drive() {
-    receive(cia402::make_status(2, {.statusword = cia402::encode_state(drive_state),
-                                    .position_counts = drive_counts}), now + answer_ns);
+    receive(cia402::make_status(
+                2, {.statusword = cia402::encode_state(drive_state), .position_counts = drive_counts}),
+            now + answer_ns);
   }
   void finish_cycle() {
     rig.receive(now + ms / 2);

@@ -205,8 +205,8 @@ TEST(Motion, WrenchColumnsDriveAnAdmittanceDevice) {
 TEST(Motion, JointColumnsGiveTheHandlePose) {
   SceneConfig scene = one_coupled_body();
   RigParams rig;
-  rig.chain.joints = {{.name = "slide", .kind = JointKind::slider, .X_PJ = {}, .axis_J = Vec3::UnitX()},
-                      {.name = "turn", .kind = JointKind::hinge, .X_PJ = {}, .axis_J = Vec3::UnitZ()}};
+  rig.chain.joints = {{.name = "slide", .kind = ChainJointKind::slider, .X_PJ = {}, .axis_J = Vec3::UnitX()},
+                      {.name = "turn", .kind = ChainJointKind::hinge, .X_PJ = {}, .axis_J = Vec3::UnitZ()}};
   rig.chain.X_LH.p = Vec3(0, 0.1, 0);
   scene.device =
       DeviceConfig{.name = "d", .kind = DeviceKind::non_haptic, .limits = {}, .rig = rig, .plant = {}};

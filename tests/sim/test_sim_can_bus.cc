@@ -400,7 +400,8 @@ TEST(SimCanBus, LossHappensAsOftenAsAsked) {
   for (int i = 0; i < 10000; ++i) {
     bus.send(0, frame_of(0x100, 0));
     bus.wire.advance_to(bus.wire.now() + 100 * us);
-    while (bus.ports[1].try_receive(received)) {}
+    while (bus.ports[1].try_receive(received)) {
+    }
   }
   EXPECT_NEAR(static_cast<double>(bus.ports[1].lost()), 1000, 5 * 30);  // five standard deviations
   EXPECT_EQ(bus.ports[1].counters().received + bus.ports[1].lost(), 10000u);

@@ -21,13 +21,32 @@ namespace godobject {
 namespace {
 
 enum Watched {
-  call_malloc, call_calloc, call_realloc, call_free, call_posix_memalign, call_aligned_alloc,
-  call_mutex_lock, call_write, call_read, call_nanosleep, call_clock_nanosleep, call_clock_gettime,
+  call_malloc,
+  call_calloc,
+  call_realloc,
+  call_free,
+  call_posix_memalign,
+  call_aligned_alloc,
+  call_mutex_lock,
+  call_write,
+  call_read,
+  call_nanosleep,
+  call_clock_nanosleep,
+  call_clock_gettime,
   num_watched
 };
-constexpr std::array<const char*, num_watched> names{
-    "malloc", "calloc", "realloc", "free", "posix_memalign", "aligned_alloc",
-    "pthread_mutex_lock", "write", "read", "nanosleep", "clock_nanosleep", "clock_gettime"};
+constexpr std::array<const char*, num_watched> names{"malloc",
+                                                     "calloc",
+                                                     "realloc",
+                                                     "free",
+                                                     "posix_memalign",
+                                                     "aligned_alloc",
+                                                     "pthread_mutex_lock",
+                                                     "write",
+                                                     "read",
+                                                     "nanosleep",
+                                                     "clock_nanosleep",
+                                                     "clock_gettime"};
 
 // Plain data of static size: a thread's first access allocates nothing.
 thread_local bool armed = false;

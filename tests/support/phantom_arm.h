@@ -18,12 +18,12 @@ inline ChainParams phantom_arm() {
   ChainParams chain;
   chain.X_WB = at(-link_m, link_m);
   chain.joints = {
-      {"yaw", JointKind::hinge, Pose{}, Vec3::UnitZ()},
-      {"shoulder", JointKind::hinge, Pose{}, Vec3::UnitY()},
-      {"elbow", JointKind::hinge, at(link_m, 0), Vec3::UnitY()},
-      {"gimbal_z", JointKind::hinge, at(0, -link_m), Vec3::UnitZ()},
-      {"gimbal_x", JointKind::hinge, Pose{}, Vec3::UnitX()},
-      {"gimbal_y", JointKind::hinge, Pose{}, Vec3::UnitY()},
+      {"yaw", ChainJointKind::hinge, Pose{}, Vec3::UnitZ()},
+      {"shoulder", ChainJointKind::hinge, Pose{}, Vec3::UnitY()},
+      {"elbow", ChainJointKind::hinge, at(link_m, 0), Vec3::UnitY()},
+      {"gimbal_z", ChainJointKind::hinge, at(0, -link_m), Vec3::UnitZ()},
+      {"gimbal_x", ChainJointKind::hinge, Pose{}, Vec3::UnitX()},
+      {"gimbal_y", ChainJointKind::hinge, Pose{}, Vec3::UnitY()},
   };
   return chain;
 }

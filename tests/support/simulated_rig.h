@@ -75,8 +75,7 @@ class SimulatedRig {
     for (const DriveParams& d : params.drives) {
       drive_ports.push_back(&open_port(wires[d.bus]));
       drives.push_back(std::make_unique<SimDrive>(
-          *drive_ports.back(),
-          SimDriveParams{.drive = d, .heartbeat_period_ns = heartbeat_ns}));
+          *drive_ports.back(), SimDriveParams{.drive = d, .heartbeat_period_ns = heartbeat_ns}));
       nodes[d.bus].push_back(drives.back().get());
     }
     rig = std::make_unique<Rig>(params, hosts);
