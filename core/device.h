@@ -2,6 +2,8 @@
 // Impedance and non-haptic devices are PoseDevice (with and without feedback).
 #pragma once
 
+#include <algorithm>
+
 #include "core/fault.h"
 #include "core/scene.h"
 #include "core/target.h"
@@ -9,7 +11,8 @@
 namespace godobject {
 
 struct RampParams {
-  Real rise = 0.5;  // s from engaging to full coupling; 0: at once
+  Real rise = 0.5;   // s from engaging to full coupling; 0: at once
+  Real lost = 0.02;  // s (and at least 3 steps) without a valid sample after which the device engages anew
 };
 
 struct RampState {
@@ -21,6 +24,7 @@ struct RampState {
 struct Pull {
   Target from, to;     // target at the start and the end of the step, quaternions of one sign
   RampState ramp;      // during this step
+  Real held = 0;       // s since the last valid sample
   Wrench F_WB;         // force and torque applied by the hand (admittance)
   bool live = true;    // false: no valid sample; the target rests and nothing is shown to the hand
   bool fresh = false;  // first step after engaging or letting go: no history may be used
@@ -30,20 +34,29 @@ struct Pull {
 struct DeviceState {
   Target last;  // target of the last step
   RampState ramp;
+  Real held = 0;  // s since the last valid sample
 };
 
-/// The ramp: 0 in the first engaged step, so that engaging moves nothing; then rising linearly to 1.
-inline void advance_ramp(const RampParams& par, const RampState& x, bool engage, Real h, Pull& pull,
-                         Limited& limited) noexcept {
-  pull.fresh = engage != x.engaged;
-  pull.ramp = {.s = 0, .engaged = engage};
-  if (!engage) return;
-  if (x.s == 1 || par.rise <= h) {
+/// The ramp: 0 in the first engaged step, so that engaging moves nothing; then rising linearly to 1. Engaging takes
+/// a valid sample, and so does going on after a long time without one.
+inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted, bool valid, Real h,
+                       Limited& limited) noexcept {
+  const RampState before = valid && x.held > std::max(par.lost, 3 * h) ? RampState{} : x.ramp;
+  const bool engage = wanted && (valid || before.engaged);
+  Pull pull;
+  pull.live = valid;
+  pull.held = valid ? 0 : x.held + h;
+  pull.fresh = engage != before.engaged;
+  pull.ramp.engaged = engage;
+  if (!valid) limited |= Limited::held;
+  if (!engage) return pull;
+  if (before.s == 1 || par.rise <= h) {
     pull.ramp.s = 1;
   } else {
-    pull.ramp.s = pull.fresh ? 0 : std::min(Real(1), x.s + h / par.rise);
+    pull.ramp.s = pull.fresh ? 0 : std::min(Real(1), before.s + h / par.rise);
     limited |= Limited::ramp;
   }
+  return pull;
 }
 
 /// A quaternion and its negative are one attitude: takes the one nearer to `reference`.
@@ -64,15 +77,10 @@ struct PoseDevice {
 
   static Pull pull(const Params& par, const Input& in, const RigidBodyState&, Real h, const State& x,
                    Limited& limited) noexcept {
-    Pull d;
-    advance_ramp(par, x.ramp, in.engaged, h, d, limited);
+    Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
     d.from = x.last;
-    d.to = {.X_WD = {.p = in.X_WD.p, .q = renormalized(in.X_WD.q)}, .V_WD = in.V_WD};
-    if (!in.valid) {
-      d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
-      d.live = false;
-      limited |= Limited::held;
-    }
+    d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
+    if (in.valid) d.to = {.X_WD = {.p = in.X_WD.p, .q = renormalized(in.X_WD.q)}, .V_WD = in.V_WD};
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
     return d;
@@ -93,16 +101,13 @@ struct RelativeDevice {
 
   static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
                    Limited& limited) noexcept {
-    Pull d;
-    advance_ramp(par, x.ramp, in.engaged, h, d, limited);
+    Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
     d.from = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
     d.to.X_WD = d.from.X_WD;
     if (in.clutch && in.valid) {
       d.to.X_WD = {.p = d.from.X_WD.p + in.dp_W, .q = renormalized(exp_so3(in.dphi_W) * d.from.X_WD.q)};
       d.to.V_WD = {.w = in.dphi_W / h, .v = in.dp_W / h};
     }
-    d.live = in.valid;
-    if (!d.live) limited |= Limited::held;
     return d;
   }
 };
@@ -119,15 +124,9 @@ struct AdmittanceDevice {
 
   static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
                    Limited& limited) noexcept {
-    Pull d;
-    advance_ramp(par, x.ramp, in.engaged, h, d, limited);
+    Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
     d.from = d.to = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
-    if (in.valid) {
-      d.F_WB = {.tau = d.ramp.s * in.F_WB.tau, .f = d.ramp.s * in.F_WB.f};
-    } else {
-      d.live = false;
-      limited |= Limited::held;
-    }
+    if (in.valid) d.F_WB = {.tau = d.ramp.s * in.F_WB.tau, .f = d.ramp.s * in.F_WB.f};
     return d;
   }
 };

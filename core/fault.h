@@ -9,7 +9,8 @@ namespace godobject {
 enum class Fault : std::uint32_t {
   none = 0,
   input_not_finite = 1u << 0,  // NaN or infinity in an input: the step was not taken
-  input_not_unit = 1u << 1,  // a target quaternion off unit length by more than 1e-6: the step was not taken
+  // a target quaternion off unit length by more than 1e-6, or an increment of more than half a turn: not taken
+  input_not_unit = 1u << 1,
   state_not_finite = 1u << 2,  // the step's result was not finite: it was not committed
 };
 

@@ -57,6 +57,7 @@ class Hash {
   void add(const DeviceState& x) noexcept {
     add(x.last);
     add(x.ramp);
+    add(x.held);
   }
   template <int slot>
   void add(const Absent<slot>&) noexcept {}

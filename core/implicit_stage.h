@@ -11,8 +11,6 @@
 // energy while the target rests: docs/theory/stage.md has the proof, tests/core/test_stability.cc the sweep.
 #pragma once
 
-#include <algorithm>
-
 #include "core/coupling.h"
 #include "core/rigid_body.h"
 

@@ -8,7 +8,7 @@ namespace godobject {
 struct RigidBodyParams {
   Real m = 1;                   // mass, kg, > 0
   Mat3 I_B = Mat3::Identity();  // inertia about the centre of mass in body axes, kg m^2, positive definite
-  Real anisotropy = 1;          // sqrt(I_max / I_min): see gyroscopic_newton_weight
+  Real anisotropy = 1;          // sqrt(I_max / I_min): see rho in implicit_rotation; rigid_body() fills it in
 };
 
 /// The translation lives in the world frame, the rotation in the body frame, where I_B is constant.

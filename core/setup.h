@@ -15,6 +15,7 @@ enum class Invalid : std::uint8_t {
   too_many_bodies,  // more than the scene's max_bodies, or none
   mass_not_positive,
   inertia_not_positive,  // not symmetric, or an eigenvalue not above zero
+  anisotropy_too_small,  // below sqrt(I_max / I_min): make the parameters with rigid_body()
   gain_negative,         // a stiffness, damping, limit or ramp below zero or not finite
 };
 
@@ -34,7 +35,7 @@ template <int slot>
 bool is_valid(const Absent<slot>&) noexcept {
   return true;
 }
-inline bool is_valid(const RampParams& par) noexcept { return is_gain(par.rise); }
+inline bool is_valid(const RampParams& par) noexcept { return is_gain(par.rise) && is_gain(par.lost); }
 inline bool is_valid(const SpringParams& par) noexcept {
   return is_gain(par.k) && is_gain(par.g) && is_gain(par.k_r) && is_gain(par.g_r);
 }
@@ -53,6 +54,9 @@ Invalid validate(const Params<S>& par) noexcept {
     if (!(b.body.m > 0 && b.body.m - b.body.m == 0)) return Invalid::mass_not_positive;
     if (!((I - I.transpose()).norm() <= Real(1e-9) * I.norm() && principal_moments(I).x() > 0))
       return Invalid::inertia_not_positive;
+    const Vec3 moments = principal_moments(I);
+    if (!(b.body.anisotropy * b.body.anisotropy * moments.x() >= Real(0.999) * moments.z()))
+      return Invalid::anisotropy_too_small;
     if (!is_valid(b.coupling) || !is_valid(b.feedback) || !is_valid(b.device)) return Invalid::gain_negative;
   }
   return Invalid::nothing;

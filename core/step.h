@@ -18,7 +18,9 @@ inline Fault check(const PoseDevice::Input& in) noexcept {
   return std::abs(in.X_WD.q.squaredNorm() - 1) <= Real(2e-6) ? Fault::none : Fault::input_not_unit;
 }
 inline Fault check(const RelativeDevice::Input& in) noexcept {
-  return !in.valid || is_finite(in.dp_W.sum() + in.dphi_W.sum()) ? Fault::none : Fault::input_not_finite;
+  if (!in.valid) return Fault::none;
+  if (!is_finite(in.dp_W.sum() + in.dphi_W.sum())) return Fault::input_not_finite;
+  return in.dphi_W.squaredNorm() <= pi * pi ? Fault::none : Fault::input_not_unit;
 }
 inline Fault check(const AdmittanceDevice::Input& in) noexcept {
   return !in.valid || is_finite(sum(in.F_WB)) ? Fault::none : Fault::input_not_finite;
@@ -48,7 +50,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     x.bodies[i].memory = w.next[i].memory;
     x.bodies[i].coupling = w.next[i].coupling;
     if constexpr (uses<typename S::Device>)
-      x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp};
+      x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp, .held = w.pulls[i].held};
   }
   x.tick += 1;
 }
@@ -87,7 +89,8 @@ template <Scene S>
       S::Feedback::show(par.bodies[i].feedback, wanted, par.h, body.feedback, out.bodies[i].feedback,
                         out.limited);
     }
-    if (any(out.fault)) continue;  // the pose last given stands: x itself may be damaged
+    // after a fault the state is that of the step before, unless the caller damaged it: then the last pose stands
+    if (any(out.fault) && !is_finite(sum(body.x.X_WB) + body.x.v_W.sum() + body.x.w_B.sum())) continue;
     if constexpr (uses<typename S::Joints>) {
       if (!any(out.fault)) out.bodies[i].joint = {.F_C = w.tree[i].F_C};
     }

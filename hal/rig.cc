@@ -5,8 +5,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "hal/can_timing.h"
-
 namespace godobject {
 
 namespace {
@@ -15,19 +13,12 @@ constexpr int max_refused_in_a_row = 3;
 
 Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds); }
 
-// The nodes take their samples when SYNC is received: at the end of the frame, before the intermission.
-Nanoseconds sync_duration(const BusParams& bus) noexcept {
-  FrameBits bits = exact_bits(canopen::make_sync());
-  bits.nominal_rate -= intermission_bits;
-  return duration_ns(bits, {.nominal = bus.bit_rate, .data = bus.bit_rate});
-}
-
 }  // namespace
 
 Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), chain_(params.chain) {
   assert(validate(params).empty() && buses.size() == params.buses.size());
   for (std::size_t i = 0; i < buses.size(); ++i) {
-    buses_.push_back({.bus = buses[i], .sync_duration_ns = sync_duration(params.buses[i])});
+    buses_.push_back({.bus = buses[i], .syncs = SyncAttribution(params.buses[i])});
   }
   const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
   for (const EncoderParams& encoder : params.encoders) {
@@ -100,11 +91,15 @@ void Rig::stop() noexcept {
 
 void Rig::sync(Nanoseconds now) noexcept {
   if (state_ == RigState::off) return;
-  if (running() && !complete()) ++counters_.incomplete_syncs;
-  for (std::size_t i = 0; i < buses_.size(); ++i) send(i, canopen::make_sync());
-  ++counters_.syncs;
-  previous_sync_ns_ = sync_ns_;
-  sync_ns_ = now;
+  const bool last_was_complete = complete();
+  bool queued = false;
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    if (!send(i, canopen::make_sync())) continue;
+    buses_[i].syncs.sync_queued(now);
+    queued = true;
+  }
+  if (queued) ++counters_.syncs;
+  if (queued && running() && !last_was_complete) ++counters_.incomplete_syncs;
   if (now >= heartbeat_due_ns_) {
     heartbeat_due_ns_ = now + to_ns(params_.heartbeat_period_s);
     for (std::size_t i = 0; i < buses_.size(); ++i) {
@@ -114,10 +109,11 @@ void Rig::sync(Nanoseconds now) noexcept {
 }
 
 bool Rig::complete() const noexcept {
-  const auto encoder_answered = [this](const EncoderOnBus& e) { return e.answered_sync == counters_.syncs; };
+  const auto last_sync = [this](std::size_t node) { return buses_[nodes_[node].bus].syncs.num_syncs(); };
+  const auto encoder_answered = [&](const EncoderOnBus& e) { return e.answered_sync == last_sync(e.node); };
   // a drive may leave out every_nth_sync - 1 of them, in a phase of its own
-  const auto drive_answered = [this](const DriveOnBus& d) {
-    return counters_.syncs - d.answered_sync < d.every_nth_sync;
+  const auto drive_answered = [&](const DriveOnBus& d) {
+    return last_sync(d.node) - d.answered_sync < d.every_nth_sync;
   };
   return std::ranges::all_of(encoders_, encoder_answered) && std::ranges::all_of(drives_, drive_answered);
 }
@@ -149,7 +145,7 @@ CommandReport Rig::command(const Wrench& F_hand_W, Nanoseconds now) noexcept {
   CommandReport report;
   if (state_ == RigState::off) return report;
   JointVector tau = configuration_.joint_torques(F_hand_W);
-  if (!tau.allFinite()) raise(RigFault::command_not_finite, 0);
+  if (!tau.allFinite()) raise(RigFault::command_not_finite, std::nullopt);
   if (state_ != RigState::armed) tau.setZero();
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     DriveOnBus& drive = drives_[i];
@@ -184,7 +180,8 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
   return false;
 }
 
-void Rig::raise(RigFault fault, std::size_t bus, std::uint8_t node_id, std::uint16_t emcy_code) noexcept {
+void Rig::raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id,
+                std::uint16_t emcy_code) noexcept {
   if (state_ == RigState::off) return;
   fault_log_.raise(fault, bus, node_id, emcy_code);
   state_ = RigState::fault;
@@ -195,9 +192,9 @@ std::string Rig::fault_text() const {
   for (const RigFaultText& text : rig_fault_texts()) {
     if (!any(faults() & text.fault)) continue;
     const RigFaultRecord& record = fault_log_.record(text.fault);
-    out << text.name << " (" << params_.buses[record.bus].name;
-    if (record.node_id != 0) {
-      const RigNode& node = nodes_[buses_[record.bus].node_of_id[record.node_id] - std::size_t{1}];
+    out << text.name << " (" << (record.bus ? params_.buses[*record.bus].name : "host");
+    if (record.bus && record.node_id != 0) {
+      const RigNode& node = nodes_[buses_[*record.bus].node_of_id[record.node_id] - std::size_t{1}];
       out << " node " << int{record.node_id} << ", "
           << (node.kind == NodeKind::encoder ? "encoder of " + params_.encoders[node.device].joint
                                              : "drive of " + params_.drives[node.device].joint);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "hal/rig_fault.h"
 #include "hal/rig_node.h"
 #include "hal/rig_validate.h"
+#include "hal/sync_attribution.h"
 
 namespace godobject {
 
@@ -49,15 +51,19 @@ struct CommandReport {
 };
 
 struct RigCounters {
-  std::uint64_t syncs = 0;
+  std::uint64_t syncs = 0;             // queued on one bus at least
   std::uint64_t incomplete_syncs = 0;  // not every expected answer had come before the next SYNC
   std::uint64_t frames = 0;
-  std::uint64_t malformed = 0;  // wrong size or an undefined value
-  std::uint64_t foreign = 0;    // from no node of this rig
+  std::uint64_t malformed = 0;          // wrong size or an undefined value
+  std::uint64_t foreign = 0;            // from no node of this rig
+  std::uint64_t receive_truncated = 0;  // receive() stopped at max_frames_per_receive on a bus
 };
 
 class Rig {
  public:
+  /// Per bus: bounds the work of a cycle on a bus that babbles.
+  static constexpr int max_frames_per_receive = 512;
+
   /// params: validate(params) is empty. buses: one per params.buses, open, outliving the rig.
   /// Allocates; nothing later does.
   Rig(const RigParams& params, std::span<CanBus* const> buses);
@@ -75,11 +81,12 @@ class Rig {
   /// any -> off: drives disabled, nodes pre-operational.
   void stop() noexcept;
 
-  /// SYNC on every bus: the first frame of the cycle. Positions are measured when it ends.
+  /// SYNC on every bus: the first frame of the cycle. Positions are measured when it ends. now: in the clock
+  /// of the buses' receive stamps. A bus that refuses it has no SYNC in this cycle.
   void sync(Nanoseconds now) noexcept;
-  /// Decodes what has arrived so far.
+  /// Decodes what has arrived so far, up to max_frames_per_receive on each bus; the next call carries on.
   void receive(Nanoseconds now) noexcept;
-  /// Every answer expected to the last SYNC has arrived.
+  /// Every answer expected to the last SYNC of each bus has arrived.
   bool complete() const noexcept;
   /// Supervises (state changes and faults happen here, once the answers are in: a host that woke late is
   /// no fault of the device), then gives the handle.
@@ -110,7 +117,7 @@ class Rig {
  private:
   struct Bus {
     CanBus* bus = nullptr;
-    Nanoseconds sync_duration_ns = 0;
+    SyncAttribution syncs;
     int refused_in_a_row = 0;
     std::array<std::uint8_t, canopen::max_node_id + 1> node_of_id{};  // index into nodes_ plus 1; 0: none
   };
@@ -131,14 +138,15 @@ class Rig {
   Eigen::Index joint_named(const std::string& name) const;
 
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
-  void raise(RigFault fault, std::size_t bus, std::uint8_t node_id = 0, std::uint16_t emcy_code = 0) noexcept;
+  void raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id = 0,
+             std::uint16_t emcy_code = 0) noexcept;
   void raise(RigFault fault, const RigNode& node) noexcept { raise(fault, node.bus, node.id); }
 
   // rig_receive.cc
   void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
   void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
   void on_emergency(RigNode& node, const CanFrame& frame) noexcept;
-  void on_position(RigNode& node, const ReceivedFrame& received) noexcept;
+  void on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept;
 
   // rig_supervise.cc
   void supervise(Nanoseconds now) noexcept;
@@ -164,7 +172,6 @@ class Rig {
 
   RigState state_ = RigState::off;
   Nanoseconds boot_started_ns_ = 0;
-  Nanoseconds sync_ns_ = 0, previous_sync_ns_ = 0;
   Nanoseconds heartbeat_due_ns_ = 0;
   ChainConfiguration configuration_;  // of the last read()
   RigFaultLog fault_log_;

@@ -12,21 +12,21 @@ std::size_t index_of(RigFault fault) noexcept {
 
 constexpr std::array<RigFaultText, num_rig_faults> texts{{
     {RigFault::boot_timeout, "boot_timeout",
-     "a node did not become operational, or a drive not enabled, within boot_timeout_s",
-     "check power, cable, node id, bit rate; raise boot_timeout_s for a slow device"},
-    {RigFault::heartbeat_lost, "heartbeat_lost", "a node's heartbeat stayed away for heartbeat_timeout_s",
-     "check power and cable; set the node's 1017h well below heartbeat_timeout_s"},
+     "a node did not become operational, or a drive not enabled, within boot_timeout",
+     "check power, cable, node id, bit rate; raise boot_timeout for a slow device"},
+    {RigFault::heartbeat_lost, "heartbeat_lost", "a node's heartbeat stayed away for heartbeat_timeout",
+     "check power and cable; set the node's 1017h well below heartbeat_timeout"},
     {RigFault::node_restarted, "node_restarted",
      "a node re-booted or left Operational while the rig was running",
      "check its supply voltage; then clear the faults and arm again"},
     {RigFault::emergency, "emergency", "a node sent an emergency message (EMCY)",
      "look the code up in the device's manual, remove the cause, clear the faults"},
-    {RigFault::sample_stale, "sample_stale", "a joint has had no good sample for longer than stale_after_s",
+    {RigFault::sample_stale, "sample_stale", "a joint has had no good sample for longer than stale_after",
      "check the encoder's cable and that its position PDO answers every SYNC; check the bus load"},
     {RigFault::sample_implausible, "sample_implausible",
      "a joint sensor jumped faster than its max_speed allows",
      "check shielding, counts_per_unit and modulus_counts; raise max_speed if the motion was real"},
-    {RigFault::drive_silent, "drive_silent", "a drive's status has not come for longer than stale_after_s",
+    {RigFault::drive_silent, "drive_silent", "a drive's status has not come for longer than stale_after",
      "check the drive's cable, its TPDO1 and status_every_nth_sync; check the bus load"},
     {RigFault::drive_not_enabled, "drive_not_enabled", "a drive left Operation Enabled",
      "read its error code 603Fh, remove the cause, clear the faults and arm again"},
@@ -43,7 +43,7 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
 
 std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept { return texts; }
 
-bool RigFaultLog::raise(RigFault fault, std::size_t bus, std::uint8_t node_id,
+bool RigFaultLog::raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id,
                         std::uint16_t emcy_code) noexcept {
   if (any(faults_ & fault)) return false;
   faults_ = faults_ | fault;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -45,17 +46,18 @@ std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept;
 
 /// Where and how often a fault came up.
 struct RigFaultRecord {
-  std::uint64_t count = 0;      // times raised since construction
-  std::size_t bus = 0;          // of the latest
-  std::uint8_t node_id = 0;     // of the latest; 0: no single node
-  std::uint16_t emcy_code = 0;  // of the latest emergency
+  std::uint64_t count = 0;         // times raised since construction
+  std::optional<std::size_t> bus;  // of the latest; none: the fault is of the host, not of a bus
+  std::uint8_t node_id = 0;        // of the latest; 0: no single node
+  std::uint16_t emcy_code = 0;     // of the latest emergency
 };
 
 /// The sticky bits and their records.
 class RigFaultLog {
  public:
   /// Sets a single bit; counted when it was not set yet. True then.
-  bool raise(RigFault fault, std::size_t bus, std::uint8_t node_id = 0, std::uint16_t emcy_code = 0) noexcept;
+  bool raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id = 0,
+             std::uint16_t emcy_code = 0) noexcept;
   /// Clears the bits; the counts stay.
   void clear() noexcept { faults_ = RigFault::none; }
 

@@ -6,8 +6,6 @@ namespace godobject {
 
 namespace {
 
-constexpr int max_frames_per_call = 512;  // bounds the work of a cycle on a bus that babbles
-
 constexpr bool is_emergency(std::uint32_t cob_id) noexcept {
   return cob_id > canopen::emcy_cob_id(0) && cob_id <= canopen::emcy_cob_id(canopen::max_node_id);
 }
@@ -23,16 +21,20 @@ constexpr bool is_heartbeat(std::uint32_t cob_id) noexcept {
 void Rig::receive(Nanoseconds now) noexcept {
   ReceivedFrame received;
   for (std::size_t i = 0; i < buses_.size(); ++i) {
-    for (int n = 0; n < max_frames_per_call && buses_[i].bus->try_receive(received); ++n) {
-      ++counters_.frames;
+    int num_frames = 0;
+    while (num_frames < max_frames_per_receive && buses_[i].bus->try_receive(received)) {
+      ++num_frames;
       decode(i, received, now);
     }
+    counters_.frames += static_cast<std::uint64_t>(num_frames);
+    if (num_frames == max_frames_per_receive) ++counters_.receive_truncated;
   }
 }
 
 // In the predefined connection set the node id is the low seven bits of the COB-ID.
 void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept {
   const CanFrame& frame = received.frame;
+  const SyncAttribution::Answer answer = buses_[bus].syncs.on_frame(received);
   const std::size_t node_plus_1 = buses_[bus].node_of_id[frame.id & canopen::max_node_id];
   if (!canopen::is_canopen(frame) || node_plus_1 == 0) {
     ++counters_.foreign;
@@ -40,7 +42,7 @@ void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now
   }
   RigNode& node = nodes_[node_plus_1 - 1];
   if (is_position(frame.id)) {
-    on_position(node, received);
+    on_position(node, frame, answer);
   } else if (is_heartbeat(frame.id)) {
     on_heartbeat(node, frame, now);
   } else if (is_emergency(frame.id)) {
@@ -48,27 +50,21 @@ void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now
   }
 }
 
-void Rig::on_position(RigNode& node, const ReceivedFrame& received) noexcept {
-  if (counters_.syncs == 0) return;
-  // what was complete before this SYNC had ended answers the one before
-  const Nanoseconds duration_ns = buses_[node.bus].sync_duration_ns;
-  const bool late = received.t_ns <= sync_ns_ + duration_ns;
-  const Nanoseconds t_ns = (late ? previous_sync_ns_ : sync_ns_) + duration_ns;
-  const std::uint64_t answered = late ? counters_.syncs - 1 : counters_.syncs;
-
+void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept {
+  if (answer.sync == 0) return;
   ParseResult result;
   if (node.kind == NodeKind::encoder) {
     EncoderOnBus& encoder = encoders_[node.device];
     std::uint32_t position_counts = 0;
-    result = cia406::parse_position(received.frame, node.id, position_counts);
+    result = cia406::parse_position(frame, node.id, position_counts);
     if (result == ParseResult::ok) {
-      encoder.encoder.update(position_counts, t_ns);
-      encoder.answered_sync = answered;
+      encoder.encoder.update(position_counts, answer.t_ns);
+      encoder.answered_sync = answer.sync;
     }
   } else {
     DriveOnBus& drive = drives_[node.device];
-    result = drive.drive.on_status(received.frame, t_ns);
-    if (result == ParseResult::ok) drive.answered_sync = answered;
+    result = drive.drive.on_status(frame, answer.t_ns);
+    if (result == ParseResult::ok) drive.answered_sync = answer.sync;
   }
   if (result != ParseResult::ok) ++counters_.malformed;
 }

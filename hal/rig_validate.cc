@@ -39,12 +39,12 @@ class Checker {
   }
 
   void check_timing() {
-    require_positive(rig_.cycle_s, "", "cycle_s");
-    require(rig_.stale_after_s >= rig_.cycle_s, "stale_after_s is ", rig_.stale_after_s,
-            ", must be at least cycle_s (", rig_.cycle_s, ")");
-    require_positive(rig_.boot_timeout_s, "", "boot_timeout_s");
-    require_positive(rig_.heartbeat_timeout_s, "", "heartbeat_timeout_s");
-    require_positive(rig_.heartbeat_period_s, "", "heartbeat_period_s");
+    require_positive(rig_.cycle_s, "", "step");
+    require(rig_.stale_after_s >= rig_.cycle_s, "stale_after is ", rig_.stale_after_s,
+            ", must be at least step (", rig_.cycle_s, ")");
+    require_positive(rig_.boot_timeout_s, "", "boot_timeout");
+    require_positive(rig_.heartbeat_timeout_s, "", "heartbeat_timeout");
+    require_positive(rig_.heartbeat_period_s, "", "heartbeat_period");
     require(rig_.host_node_id >= 1 && rig_.host_node_id <= canopen::max_node_id, "host_node_id is ",
             int{rig_.host_node_id}, ", must be 1..127");
     require(!rig_.buses.empty() && rig_.buses.size() <= max_buses, "the rig has ", rig_.buses.size(),
@@ -77,13 +77,13 @@ class Checker {
   void check_encoder(const EncoderParams& encoder) {
     const std::string where = "encoder of joint '" + encoder.joint + "': ";
     check_device(encoder.joint, encoder.bus, encoder.node_id, where);
-    check_calibration(encoder.calibration, encoder.max_speed, where);
+    check_calibration(encoder.calibration, "sign", encoder.max_speed, where);
   }
 
   void check_drive(const DriveParams& drive) {
     const std::string where = "drive of joint '" + drive.joint + "': ";
     check_device(drive.joint, drive.bus, drive.node_id, where);
-    check_calibration(drive.calibration, drive.max_speed, where);
+    check_calibration(drive.calibration, "counts_sign", drive.max_speed, where);
     require_positive(drive.torque_rated_Nm, where, "torque_rated_Nm");
     require(drive.torque_max_Nm > 0 && drive.torque_max_Nm <= 32.767 * drive.torque_rated_Nm, where,
             "torque_max_Nm is ", drive.torque_max_Nm, ", must be > 0 and at most 32.767 torque_rated_Nm");
@@ -108,9 +108,10 @@ class Checker {
     nodes_.emplace_back(bus, node_id);
   }
 
-  void check_calibration(const Calibration& calibration, double max_speed, const std::string& where) {
+  void check_calibration(const Calibration& calibration, const char* sign_key, double max_speed,
+                         const std::string& where) {
     require_positive(calibration.counts_per_unit, where, "counts_per_unit");
-    require(calibration.sign == 1 || calibration.sign == -1, where, "sign is ", calibration.sign,
+    require(calibration.sign == 1 || calibration.sign == -1, where, sign_key, " is ", calibration.sign,
             ", must be 1 or -1");
     constexpr std::uint64_t counts_of_32_bits = std::uint64_t{1} << 32;
     require(calibration.modulus_counts <= counts_of_32_bits && calibration.modulus_counts != 1, where,
@@ -121,7 +122,7 @@ class Checker {
         calibration.modulus_counts == 0 ? counts_of_32_bits : calibration.modulus_counts;
     const double reach_counts = max_speed * calibration.counts_per_unit * rig_.stale_after_s;
     require(2 * reach_counts < static_cast<double>(modulus), where,
-            "at max_speed the joint travels half of modulus_counts within stale_after_s: lower one of them");
+            "at max_speed the joint travels half of modulus_counts within stale_after: lower one of them");
   }
 
   void check_sensors_of(const ChainJoint& joint) {

@@ -10,8 +10,8 @@ namespace godobject {
 
 inline constexpr std::size_t max_buses = 4;
 
-/// One sentence per broken rule, naming the joint, device or key, the value and the admissible range;
-/// empty when a Rig can be built. Set-up only: allocates.
+/// One sentence per broken rule, naming the joint, device or scene-file key, the value and the admissible
+/// range; empty when a Rig can be built. Set-up only: allocates.
 std::vector<std::string> validate(const RigParams& rig);
 
 }  // namespace godobject

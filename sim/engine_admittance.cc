@@ -1,4 +1,4 @@
-// Compositions: tools moved by a force.
+// Compositions: tools moved by a force, with and without a spring.
 #include "sim/engine_of.h"
 
 namespace godobject {
@@ -6,6 +6,16 @@ namespace {
 
 template <class I, std::size_t N>
 struct Admittance {
+  static constexpr std::size_t max_bodies = N;
+  using Integrator = I;
+  using Device = AdmittanceDevice;
+  using Coupling = None;
+  using Joints = None;
+  using Feedback = None;
+};
+
+template <class I, std::size_t N>
+struct AdmittanceOnSpring {
   static constexpr std::size_t max_bodies = N;
   using Integrator = I;
   using Device = AdmittanceDevice;
@@ -18,6 +28,7 @@ struct Admittance {
 
 void add_admittance(std::vector<CompositionRow>& table) {
   add_all<Admittance>(table, "admittance", DeviceKind::admittance);
+  add_all<AdmittanceOnSpring>(table, "admittance-spring", DeviceKind::admittance);
 }
 
 }  // namespace godobject

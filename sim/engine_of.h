@@ -167,12 +167,14 @@ void add_haptic(std::vector<CompositionRow>& table);
 void add_relative(std::vector<CompositionRow>& table);
 void add_admittance(std::vector<CompositionRow>& table);
 
-/// Adds the scene with both integrators and both capacities.
+/// Adds the scene with both integrators and all capacities.
 template <template <class, std::size_t> class SceneOf>
 void add_all(std::vector<CompositionRow>& table, const char* name, DeviceKind kind) {
   table.push_back(row<SceneOf<ImplicitEuler, 1>>(name, kind));
+  table.push_back(row<SceneOf<ImplicitEuler, 2>>(name, kind));
   table.push_back(row<SceneOf<ImplicitEuler, 8>>(name, kind));
   table.push_back(row<SceneOf<TrBdf2, 1>>(name, kind));
+  table.push_back(row<SceneOf<TrBdf2, 2>>(name, kind));
   table.push_back(row<SceneOf<TrBdf2, 8>>(name, kind));
 }
 

@@ -1,4 +1,4 @@
-// Compositions: tools moved by increments through a clutch.
+// Compositions: tools moved by increments through a clutch, with and without a shown force.
 #include "sim/engine_of.h"
 
 namespace godobject {
@@ -11,6 +11,16 @@ struct Relative {
   using Device = RelativeDevice;
   using Coupling = DampedSpring;
   using Joints = None;
+  using Feedback = None;
+};
+
+template <class I, std::size_t N>
+struct RelativeHaptic {
+  static constexpr std::size_t max_bodies = N;
+  using Integrator = I;
+  using Device = RelativeDevice;
+  using Coupling = DampedSpring;
+  using Joints = None;
   using Feedback = LimitedFeedback;
 };
 
@@ -18,6 +28,7 @@ struct Relative {
 
 void add_relative(std::vector<CompositionRow>& table) {
   add_all<Relative>(table, "relative", DeviceKind::relative);
+  add_all<RelativeHaptic>(table, "relative-haptic", DeviceKind::relative);
 }
 
 }  // namespace godobject

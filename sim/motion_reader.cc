@@ -11,6 +11,7 @@ namespace godobject {
 
 inline constexpr double unit_tolerance = 1e-3;  // recorded quaternions are rounded to few digits
 inline constexpr std::size_t max_reported = 20;
+inline constexpr double max_position_m = 1e6;  // beyond it a double resolves no more than 0.1 nm
 
 class MotionReader {
  public:
@@ -64,6 +65,11 @@ class MotionReader {
       case Content::joints: return joint_columns();
     }
     return {};
+  }
+
+  bool is_position(const std::string& column) const {
+    const auto has_suffix = [&](const char* suffix) { return column.ends_with(suffix); };
+    return std::ranges::any_of(std::array{".x", ".y", ".z"}, has_suffix);
   }
 
   bool is_device(DeviceKind kind) const { return scene_.device && scene_.device->kind == kind; }
@@ -135,9 +141,12 @@ class MotionReader {
     for (const std::string& name : columns) {
       const std::size_t column = *table_.find(name);
       for (std::size_t row = 0; row < table_.num_rows() && num_errors < max_reported; ++row) {
-        if (std::isfinite(table_.at(row, column))) continue;
+        const double value = table_.at(row, column);
+        const bool too_far = is_position(name) && std::abs(value) > max_position_m;
+        if (std::isfinite(value) && !too_far) continue;
         ++num_errors;
-        log_.error(table_.place(row, column), "'" + name + "' must be finite");
+        log_.error(table_.place(row, column),
+                   "'" + name + (too_far ? "' must be within 1e6 m: is it in metres?" : "' must be finite"));
       }
     }
   }

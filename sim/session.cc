@@ -1,6 +1,8 @@
 #include "sim/session.h"
 
+#include <array>
 #include <cmath>
+#include <string_view>
 
 namespace godobject {
 namespace {
@@ -8,9 +10,24 @@ namespace {
 /// Answers to a SYNC are waited for this share of the period; the rest is for the step and the commands.
 constexpr double gather_share = 0.75;
 constexpr int gather_polls = 16;
+/// The last frames are no more than a few cycles': a command to each drive, a message to each node.
+constexpr int flush_periods = 10;
 
 PoseError difference(const Pose& a, const Pose& b) noexcept {
   return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
+}
+
+/// The names of RigParams' members as the keys they come from.
+std::string in_words_of_a_scene(std::string text) {
+  constexpr std::array<std::array<std::string_view, 2>, 5> names{
+      {{"stale_after_s", "stale_after"},
+       {"boot_timeout_s", "boot_timeout"},
+       {"heartbeat_timeout_s", "heartbeat_timeout"},
+       {"heartbeat_period_s", "heartbeat_period"},
+       {"cycle_s", "step"}}};
+  for (const auto& [member, key] : names)
+    for (std::size_t at; (at = text.find(member)) != std::string::npos;) text.replace(at, member.size(), key);
+  return text;
 }
 
 }  // namespace
@@ -35,7 +52,9 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
     }
     RigParams rig = *scene.device->rig;
     rig.cycle_s = scene.step;
-    for (const std::string& error : validate(rig)) made.errors.push_back(error);
+    for (const std::string& error : validate(rig)) made.errors.push_back(in_words_of_a_scene(error));
+    if (scene.device->kind == DeviceKind::admittance)
+      made.errors.push_back("admittance devices run with --bus direct for now");
     if (!made.errors.empty()) return made;
     s->sim_rig_ = std::make_unique<SimRig>(s->scene_, s->motion_);
     s->rig_.emplace(rig, s->sim_rig_->host_buses());
@@ -63,15 +82,39 @@ bool Session::boot(double limit_s) {
     static_cast<void>(exchange(0));
     static_cast<void>(rig_->command({}, t_now_ns_));
     if (rig_->state() == RigState::fault) return false;
+    motion_start_ns_ = t_bus_ns_;
     if (rig_->state() == RigState::ready) return rig_->arm();
   }
+  return false;
+}
+
+void Session::shut_down() noexcept {
+  if (!rig_) return;
+  rig_->disarm();
+  const std::int64_t limit = std::llround(shut_down_limit_s / scene_.step);
+  for (std::int64_t i = 0; i < limit && commands_torque(); ++i) {
+    static_cast<void>(exchange(motion_time(cycle_)));
+    static_cast<void>(rig_->command({}, t_now_ns_));
+  }
+  t_bus_ns_ += period_ns_;
+  sim_rig_->run_wires(t_bus_ns_);  // room in the transmit queues
+  rig_->stop();
+  t_bus_ns_ += flush_periods * period_ns_;
+  sim_rig_->run_wires(t_bus_ns_);
+}
+
+bool Session::commands_torque() const noexcept {
+  for (std::size_t i = 0; i < rig_->num_drives(); ++i)
+    if (rig_->commanded_torque_Nm(i) != 0) return true;
   return false;
 }
 
 void Session::cycle(CycleRecord& record) noexcept {
   ++cycle_;
   sense(motion_time(cycle_));
+  const Nanoseconds step_start = step_clock_();
   const StepReport report = engine_->step(samples_);
+  record.step_ns = step_clock_() - step_start;
   act(record);
 
   if (exact_engine_) static_cast<void>(exact_engine_->step(exact_samples_));
@@ -153,7 +196,10 @@ void Session::measure(CycleRecord& record) const noexcept {
   const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
   record.following = difference(view.X_WB, relative ? view.target.X_WD : X_WH);
   record.sensing = difference(samples_[body].X_WD, X_WH);
-  if (exact_engine_) record.encoders = difference(view.X_WB, exact_engine_->view(body).X_WB);
+  if (!exact_engine_) return;
+  const BodyView exact = exact_engine_->view(body);
+  record.exact_following = difference(exact.X_WB, relative ? exact.target.X_WD : X_WH);
+  record.encoders = difference(view.X_WB, exact.X_WB);
 }
 
 std::vector<double> Session::bus_load_percent() const {

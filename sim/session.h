@@ -19,6 +19,7 @@ enum class BusChoice : std::uint8_t {
 };
 
 inline constexpr std::size_t max_session_bodies = 8;
+inline constexpr double shut_down_limit_s = 2;
 
 /// Distance and angle between two poses.
 struct PoseError {
@@ -40,8 +41,11 @@ struct CycleRecord {
   // Of the first driven body. The handle is where the device really is; without a bus, where the motion is.
   PoseError following;  // body against handle (relative devices: against its target)
   PoseError sensing;    // sample the core got against handle
-  PoseError encoders;   // body against the body of an engine that is told the handle exactly
-  double energy = 0;    // J
+  // Of an engine beside it that is told the handle exactly; zero without a bus.
+  PoseError exact_following;  // its body against the handle
+  PoseError encoders;         // body against its body
+  double energy = 0;          // J
+  Nanoseconds step_ns = 0;    // the engine's step alone, by the step clock
 };
 
 class Session {
@@ -63,18 +67,24 @@ class Session {
   /// One step. Real-time.
   void cycle(CycleRecord& record) noexcept;
 
+  /// Ends a run, wherever it stands: bus cycles until no torque is commanded, at most shut_down_limit_s of
+  /// bus time; then drives disabled, nodes pre-operational, and these frames on the wires. The engine stays
+  /// as it is.
+  void shut_down() noexcept;
+
   const SceneConfig& scene() const noexcept { return scene_; }
   const Engine& engine() const noexcept { return *engine_; }
   /// Whether there is a body that follows a pose, and so a following error.
   bool follows() const noexcept;
+  BusChoice bus() const noexcept { return rig_ ? BusChoice::sim : BusChoice::direct; }
   /// Null without a bus.
   const Rig* rig() const noexcept { return rig_ ? &*rig_ : nullptr; }
   /// Mean load of each simulated bus so far, percent; empty without a bus.
   std::vector<double> bus_load_percent() const;
   /// Time on the buses' clock at which the motion begins, after boot().
-  Nanoseconds motion_start_ns() const noexcept {
-    return t_bus_ns_ - static_cast<Nanoseconds>(cycle_) * period_ns_;
-  }
+  Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
+  /// Steps are timed by this; by default they are not.
+  void set_step_clock(Nanoseconds (*now)() noexcept) noexcept { step_clock_ = now; }
   void set_bus_observer(const BusObserver& observer) noexcept {
     if (sim_rig_) sim_rig_->set_observer(observer);
   }
@@ -87,6 +97,7 @@ class Session {
   double motion_time(std::uint64_t cycle) const noexcept { return static_cast<double>(cycle) * scene_.step; }
   BodySample motion_sample(std::size_t driven, double t) const noexcept;
   DeviceSample exchange(double motion_time) noexcept;
+  bool commands_torque() const noexcept;
   void sense(double t) noexcept;
   void act(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
@@ -101,9 +112,11 @@ class Session {
   std::unique_ptr<Engine> exact_engine_;  // runs beside it on exact_samples_, with a bus only
   std::unique_ptr<SimRig> sim_rig_;
   std::optional<Rig> rig_;
+  Nanoseconds (*step_clock_)() noexcept = []() noexcept { return Nanoseconds{0}; };
   Nanoseconds period_ns_ = 0;
   Nanoseconds t_bus_ns_ = 0;  // bus time at the start of this cycle
   Nanoseconds t_now_ns_ = 0;  // bus time after the answers to SYNC
+  Nanoseconds motion_start_ns_ = 0;
   std::uint64_t cycle_ = 0;
 };
 

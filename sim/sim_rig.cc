@@ -1,14 +1,28 @@
 #include "sim/sim_rig.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace godobject {
 namespace {
 
-/// No two nodes' clocks agree: heartbeats in step would all come between the same SYNC and its answers.
-constexpr Nanoseconds heartbeat_period_ns(std::uint8_t node_id) noexcept {
-  return 100'000'000 + Nanoseconds{node_id} * 1'000'000;
+/// Up to 2.27 times the shortest of the rig. No two nodes' clocks agree: heartbeats in step would all come
+/// between the same SYNC and its answers.
+Nanoseconds heartbeat_period_ns(double shortest_s, std::uint8_t node_id) noexcept {
+  return std::llround(1e9 * shortest_s * (1 + 0.01 * node_id));
 }
 
 }  // namespace
+
+BusLoadParams simulated_load(const RigParams& rig) noexcept {
+  constexpr double resolution_s = 1e-3;  // of object 1017h
+  constexpr double per_timeout = 5;      // the slowest node still sends two
+  BusLoadParams load;
+  load.heartbeat_period_s =
+      std::max(resolution_s, std::min(rig.heartbeat_period_s, rig.heartbeat_timeout_s / per_timeout));
+  load.host_node_id = rig.host_node_id;
+  return load;
+}
 
 SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
     : params_(*scene.device->rig), motion_(motion), chain_(params_.chain), ik_(params_.chain) {
@@ -26,15 +40,16 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
     host.set_receive_delay(static_cast<Nanoseconds>(scene.wire.delay_s * 1e9));
     host_buses_.push_back(&host);
   }
+  const double heartbeat_s = simulated_load(params_).heartbeat_period_s;
   for (const EncoderParams& e : params_.encoders) {
     auto node = std::make_unique<SimEncoder>(add_port(e.bus), e.node_id, e.calibration,
-                                             heartbeat_period_ns(e.node_id));
+                                             heartbeat_period_ns(heartbeat_s, e.node_id));
     buses_[e.bus]->nodes.push_back(node.get());
     encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint)});
   }
   for (const DriveParams& d : params_.drives) {
     SimDriveParams drive{.drive = d};
-    drive.heartbeat_period_ns = heartbeat_period_ns(d.node_id);
+    drive.heartbeat_period_ns = heartbeat_period_ns(heartbeat_s, d.node_id);
     auto node = std::make_unique<SimDrive>(add_port(d.bus), drive);
     buses_[d.bus]->nodes.push_back(node.get());
     drives_.push_back({.node = std::move(node),

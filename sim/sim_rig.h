@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "hal/bus_load.h"
 #include "sim/inverse_kinematics.h"
 #include "sim/motion.h"
 #include "sim/sim_drive.h"
@@ -18,6 +19,9 @@ struct BusObserver {
   void (*on_frame)(void* context, std::size_t bus, const ReceivedFrame& frame) = nullptr;
   void* context = nullptr;
 };
+
+/// What the simulated nodes send besides their answers to SYNC: a heartbeat well within the host's timeout.
+BusLoadParams simulated_load(const RigParams& rig) noexcept;
 
 class SimRig {
  public:

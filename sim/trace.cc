@@ -26,7 +26,7 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
       columns.push_back(scene.bodies[body].name + ".target." + name);
     }
   }
-  columns.insert(columns.end(), {"penetration", "fault"});
+  columns.insert(columns.end(), {"penetration", "fault", "limited", "rig_fault"});
   return columns;
 }
 
@@ -37,7 +37,7 @@ TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene) : fi
 }
 
 void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-                      double penetration, std::uint32_t fault) {
+                      double penetration, const TraceBits& bits) {
   number(t);
   for (const TraceBody& body : bodies) {
     pose(body.X_WB);
@@ -50,7 +50,7 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
   }
   for (const TraceDriven& d : driven) pose(d.X_WD);
   number(penetration);
-  number(fault);
+  for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) number(word);
   buffer_.back() = '\n';
   if (buffer_.size() > buffer_size) flush();
 }

@@ -1,6 +1,6 @@
 // The trace of a run as CSV: t, per body <body>.x y z qw qx qy qz vx vy vz wx wy wz, per driven body
 // <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, for the same bodies the target they were
-// pulled to, <body>.target.x y z qw qx qy qz, then penetration and fault.
+// pulled to, <body>.target.x y z qw qx qy qz, then penetration, fault, limited and rig_fault.
 // World frame, SI; every number reads back as the same double.
 #pragma once
 
@@ -27,15 +27,19 @@ struct TraceDriven {
   Pose X_WD;        // the target
 };
 
+/// The bits of Fault, Limited and RigFault as unsigned numbers.
+struct TraceBits {
+  std::uint32_t fault = 0, limited = 0, rig_fault = 0;
+};
+
 /// Writes rows into a buffer and the buffer to the file when it is full. Not for the real-time thread.
 class TraceWriter {
  public:
   TraceWriter(const std::string& path, const SceneConfig& scene);
 
   /// bodies, driven: as many as the scene has bodies and driven bodies. penetration: m.
-  /// fault: the bits as an unsigned number.
   void row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-           double penetration, std::uint32_t fault);
+           double penetration, const TraceBits& bits);
   /// Writes what is left. False when anything did not reach the file.
   [[nodiscard]] bool close();
 

@@ -10,7 +10,7 @@
 namespace godobject {
 namespace {
 
-constexpr double advised_load_percent = 50, planned_load_percent = 70, full_load_percent = 100;
+constexpr double advised_load_percent = 50, planned_load_percent = 70;
 
 void print_composition(const Composition& c) {
   std::printf("\n# composition '%s': the smallest compiled one that covers the scene\n", c.name.c_str());
@@ -24,21 +24,20 @@ void print_composition(const Composition& c) {
     std::printf("#   %-32s %8zu bytes\n", other.name.c_str(), other.bytes());
 }
 
-void print_bus_load(const BusLoad& load, const BusParams& bus) {
-  std::printf("\n# bus %s, %.0f bit/s: %.1f %% nominal, %.1f %% worst case\n", load.bus.c_str(), bus.bit_rate,
-              load.nominal_percent, load.worst_percent);
+void print_bus_load(const BusLoad& load) {
+  std::printf("\n# bus %s: %.1f %% nominal, %.1f %% worst case\n", load.bus.c_str(), load.nominal_percent,
+              load.worst_percent);
   std::printf("#   %-32s %6s %10s %8s %6s\n", "message", "id", "period ms", "bits", "worst");
   for (const BusMessage& m : load.messages)
     std::printf("#   %-32s  0x%03X %10g %8d %6d\n", m.name.c_str(), static_cast<unsigned>(m.cob_id),
                 1e3 * m.period_s, m.nominal_bits, m.worst_bits);
 }
 
-/// False when the bus cannot carry its messages.
-bool judge_bus_load(const std::string& scene, const BusLoad& load) {
+/// More than the bus can carry is an error of prepare().
+void advise_on_bus_load(const std::string& scene, const BusLoad& load) {
   const char* verdict = nullptr;
-  if (load.worst_percent > full_load_percent) {
-    verdict = "error: the bus cannot carry its messages; raise bit_rate, raise step, or use more buses";
-  } else if (load.worst_percent > planned_load_percent) {
+  if (load.worst_percent > full_load_percent) return;
+  if (load.worst_percent > planned_load_percent) {
     verdict = "warning: above 70 %, messages of low priority may come a period late; use more buses";
   } else if (load.worst_percent > advised_load_percent) {
     verdict = "warning: above 50 %, little is left for repeated and sporadic messages";
@@ -46,32 +45,27 @@ bool judge_bus_load(const std::string& scene, const BusLoad& load) {
   if (verdict)
     std::fprintf(stderr, "%s: bus %s: worst-case load %.1f %%: %s\n", scene.c_str(), load.bus.c_str(),
                  load.worst_percent, verdict);
-  return load.worst_percent <= full_load_percent;
 }
 
-/// A scene without buses runs with --bus direct only, and is checked for that.
 ExitCode check(const std::string& path) {
-  const LoadResult loaded = load_scene(path);
-  const bool has_rig = loaded.scene && loaded.scene->device && loaded.scene->device->rig;
   RunOptions options;
   options.scene = path;
-  options.bus = has_rig ? BusChoice::sim : BusChoice::direct;
   const PreparedRun prepared = prepare(options);
   for (const std::string& note : prepared.notes) std::fprintf(stderr, "%s\n", note.c_str());
   for (const std::string& error : prepared.errors) std::fprintf(stderr, "%s\n", error.c_str());
-  if (!prepared.session) return ExitCode::usage;
+  if (!prepared.session) {
+    for (const BusLoad& load : prepared.bus_loads) print_bus_load(load);
+    return ExitCode::usage;
+  }
 
   const SceneConfig& scene = prepared.session->scene();
   std::printf("# effective configuration\n%s", effective_config_toml(scene).c_str());
   print_composition(prepared.session->engine().composition());
-  if (!scene.device || !scene.device->rig) return ExitCode::ok;
-  bool all_fit = true;
-  const std::vector<BusLoad> loads = bus_load(*scene.device->rig, {});
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    print_bus_load(loads[i], scene.device->rig->buses[i]);
-    all_fit = judge_bus_load(path, loads[i]) && all_fit;
+  for (const BusLoad& load : prepared.bus_loads) {
+    print_bus_load(load);
+    advise_on_bus_load(path, load);
   }
-  return all_fit ? ExitCode::ok : ExitCode::usage;
+  return ExitCode::ok;
 }
 
 }  // namespace

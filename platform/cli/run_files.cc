@@ -32,7 +32,10 @@ void RunFiles::add(const CycleRecord& record) {
   }
   constexpr double penetration = 0;  // of the deepest contact: this program's compositions have none
   trace_->row(record.t, std::span(bodies).first(record.num_bodies), std::span(driven).first(driven_.size()),
-              penetration, static_cast<std::uint32_t>(record.fault));
+              penetration,
+              {.fault = static_cast<std::uint32_t>(record.fault),
+               .limited = static_cast<std::uint32_t>(record.limited),
+               .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});
 }
 
 std::vector<std::string> RunFiles::close() {

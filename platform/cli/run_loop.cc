@@ -39,10 +39,20 @@ BusObserver observer_into(Ring<BusFrame>& ring) {
 
 /// To the point where the first cycle can run, in this thread.
 bool boot(Session& session, RunFiles& files) {
+  session.set_step_clock([]() noexcept { return MonotonicClock{}.now(); });
   if (files.wants_frames()) session.set_bus_observer(observer_into(files));
-  if (!session.boot(boot_limit_s)) return false;
+  if (!session.boot(boot_limit_s)) {
+    session.shut_down();
+    return false;
+  }
   files.add(session.at_start());
   return true;
+}
+
+/// In this thread: the simulated buses have a clock of their own.
+void shut_down(Session& session, RunFiles& files) {
+  if (files.wants_frames()) session.set_bus_observer(observer_into(files));
+  session.shut_down();
 }
 
 /// The ring's other end: to the files and the status line.
@@ -75,10 +85,10 @@ class Drain {
 }  // namespace
 
 RunResult run_fast(Session& session, std::uint64_t num_cycles, RunFiles& files) {
+  const StopSignals stop;
   RunResult result;
   result.ready = boot(session, files);
   if (!result.ready) return result;
-  const StopSignals stop;
   const MonotonicClock clock;
   CycleRecord record;
   for (std::uint64_t i = 0; i < num_cycles && !stop.requested(); ++i) {
@@ -88,10 +98,13 @@ RunResult run_fast(Session& session, std::uint64_t num_cycles, RunFiles& files) 
     result.statistics.add(record);
     files.add(record);
   }
+  session.shut_down();
+  result.stopped_by = stop.name();
   return result;
 }
 
 std::optional<RunResult> run_realtime(Session& session, std::uint64_t num_cycles, RunFiles& files) {
+  const StopSignals stop;
   RunResult result;
   result.ready = boot(session, files);
   if (!result.ready) return result;
@@ -99,7 +112,6 @@ std::optional<RunResult> run_realtime(Session& session, std::uint64_t num_cycles
   Ring<BusFrame> frames(frame_ring);
   if (files.wants_frames()) session.set_bus_observer(observer_into(frames));
 
-  const StopSignals stop;
   const RtProcess process;
   RealtimeCycle cycle(session, num_cycles, stop.requested(), cycles);
   MonotonicClock clock;
@@ -114,6 +126,7 @@ std::optional<RunResult> run_realtime(Session& session, std::uint64_t num_cycles
       ended.store(true, std::memory_order_release);
     });
   } catch (const std::system_error&) {
+    shut_down(session, files);
     return std::nullopt;
   }
 
@@ -127,6 +140,8 @@ std::optional<RunResult> run_realtime(Session& session, std::uint64_t num_cycles
   }
   thread.join();
   drain.end();
+  shut_down(session, files);
+  result.stopped_by = stop.name();
   result.statistics = cycle.statistics();
   result.timing = loop->statistics();
   result.lost_cycles = cycles.lost();

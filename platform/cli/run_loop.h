@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "platform/cli/run_files.h"
@@ -15,7 +16,8 @@
 namespace godobject {
 
 struct RunResult {
-  bool ready = false;  // the device came up; otherwise no cycle was run
+  bool ready = false;           // the device came up; otherwise no cycle was run
+  std::string_view stopped_by;  // "SIGINT" or "SIGTERM"; empty: all cycles were run
   RunStatistics statistics;
   CyclicStatistics timing;                         // wake-up, late, skipped: --realtime only
   std::vector<RtStep> setup;                       // --realtime only

@@ -3,12 +3,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
+#include "sim/key.h"
 #include "sim/scene_toml.h"
 
 namespace godobject {
@@ -59,11 +62,16 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
   }
 }
 
-void check_record(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
+bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
+
+void check_record(const RunOptions& options, BusChoice bus, const SceneConfig& scene,
+                  std::vector<std::string>& errors) {
   if (options.record.empty()) return;
-  if (options.bus == BusChoice::direct) {
+  if (!has_rig(scene)) {
+    errors.push_back("--record: scene '" + scene.name + "' describes no buses to record");
+  } else if (bus == BusChoice::direct) {
     errors.push_back("--record: with --bus direct there is no bus to record");
-  } else if (scene.device && scene.device->rig) {
+  } else {
     for (const BusParams& bus : scene.device->rig->buses)
       if (bus.name.size() > max_interface_name)
         errors.push_back("--record: bus name '" + bus.name + "' is too long for a candump log, at most " +
@@ -75,7 +83,7 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   if (!options.integrator.empty()) scene.integrator = options.integrator;
   if (!options.step) return;
   scene.step = *options.step;
-  if (!scene.device || !scene.device->rig) return;
+  if (!has_rig(scene)) return;
   RigParams& rig = *scene.device->rig;
   rig.cycle_s = scene.step;
   // Samples come once a step: what was late at the scene's own step may be in time at a longer one.
@@ -90,6 +98,39 @@ std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& 
   return std::move(result.motion);
 }
 
+BusChoice choose_bus(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
+  if (options.bus) return *options.bus;
+  if (has_rig(scene)) return BusChoice::sim;
+  run.notes.push_back("scene '" + scene.name + "' describes no buses: it runs with --bus direct");
+  return BusChoice::direct;
+}
+
+/// What to name in a complaint about the scene as it would run: --step where it is only wrong with that.
+std::string blamed(const RunOptions& options, bool step_is_to_blame) {
+  if (!step_is_to_blame) return options.scene + ": ";
+  return options.scene + ": with --step " + shortest(*options.step) + ": ";
+}
+
+bool overloaded(const BusLoad& load) { return load.worst_percent > full_load_percent; }
+
+std::vector<BusLoad> loads_of(const RigParams& rig) { return bus_load(rig, simulated_load(rig)); }
+
+void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigParams& rig_of_scene,
+                     PreparedRun& run) {
+  run.bus_loads = loads_of(rig);
+  const std::vector<BusLoad> loads_of_scene = loads_of(rig_of_scene);
+  for (std::size_t i = 0; i < run.bus_loads.size(); ++i) {
+    const BusLoad& load = run.bus_loads[i];
+    if (!overloaded(load)) continue;
+    std::array<char, 32> percent{};
+    std::snprintf(percent.data(), percent.size(), "%.1f", load.worst_percent);
+    run.errors.push_back(blamed(options, options.step && !overloaded(loads_of_scene[i])) + "bus " + load.bus +
+                         ": worst-case load " + percent.data() +
+                         " %: error: the bus cannot carry its messages; raise bit_rate, raise step, or use "
+                         "more buses");
+  }
+}
+
 }  // namespace
 
 PreparedRun prepare(const RunOptions& options) {
@@ -100,17 +141,23 @@ PreparedRun prepare(const RunOptions& options) {
   check_outputs(options, run.errors);
   if (!loaded.scene) return run;
 
+  const SceneConfig scene_of_file = *loaded.scene;
   SceneConfig& scene = *loaded.scene;
-  check_record(options, scene, run.errors);
+  const BusChoice bus = choose_bus(options, scene, run);
+  check_record(options, bus, scene, run.errors);
   apply_overrides(options, scene);
   std::optional<Motion> motion = load_motion(options, scene, run);
   if (!motion || !run.errors.empty()) return run;
 
   const double duration = options.duration.value_or(motion->end().value_or(scene.duration));
   run.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step)));
-  Session::Made made = Session::make(scene, *std::move(motion), options.bus);
-  for (const std::string& error : made.errors) run.errors.push_back(options.scene + ":1:1: " + error);
-  run.session = std::move(made.session);
+  Session::Made made = Session::make(scene, *std::move(motion), bus);
+  const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
+                              validate(*scene_of_file.device->rig).empty();
+  for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
+  if (made.session && made.session->rig())
+    check_bus_loads(options, *scene.device->rig, *scene_of_file.device->rig, run);
+  if (run.errors.empty()) run.session = std::move(made.session);
   return run;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/bus_load.h"
 #include "sim/session.h"
 
 namespace godobject {
@@ -14,7 +15,7 @@ namespace godobject {
 struct RunOptions {
   std::string scene;  // path
   bool realtime = false;
-  BusChoice bus = BusChoice::sim;
+  std::optional<BusChoice> bus;    // by default sim where the scene describes buses
   std::optional<double> duration;  // s
   std::optional<double> step;      // s
   std::string integrator;          // empty: the scene's; the same goes for the paths below
@@ -25,9 +26,12 @@ struct RunOptions {
 struct PreparedRun {
   std::unique_ptr<Session> session;  // null where there are errors
   std::uint64_t num_cycles = 0;
-  std::vector<std::string> errors;  // "file:line:column: what" or "--option: what"
+  std::vector<BusLoad> bus_loads;   // what the scene's buses carry at worst; empty with --bus direct
+  std::vector<std::string> errors;  // "file:line:column: what", "file: what" or "--option: what"
   std::vector<std::string> notes;
 };
+
+inline constexpr double full_load_percent = 100;
 
 PreparedRun prepare(const RunOptions& options);
 

@@ -47,7 +47,8 @@ RunReport make_report(const RunOptions& options, const Session& session, const R
   RunReport report{.options = options, .session = session, .result = result, .buses = {}, .faults = {}};
   if (const Rig* rig = session.rig()) {
     const std::vector<double> measured = session.bus_load_percent();
-    const std::vector<BusLoad> computed = bus_load(*session.scene().device->rig, {});
+    const RigParams& rig_params = *session.scene().device->rig;
+    const std::vector<BusLoad> computed = bus_load(rig_params, simulated_load(rig_params));
     for (std::size_t i = 0; i < computed.size(); ++i) report.buses.push_back({computed[i], measured[i]});
     add_rig_faults(*rig, report.faults);
     if (!result.ready && report.faults.empty())

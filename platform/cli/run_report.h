@@ -36,9 +36,6 @@ struct RunReport {
 RunReport make_report(const RunOptions& options, const Session& session, const RunResult& result,
                       const std::vector<std::string>& incomplete_files);
 
-/// What share of the following error the encoders make (their counts, and the velocity made from counts), by
-/// rms of body against body told the handle exactly. 0 to 1, and above where the parts partly cancel.
-PoseError encoder_share(const RunStatistics& statistics);
 std::string hash_text(std::uint64_t hash);
 
 nlohmann::ordered_json to_json(const RunReport& report);

@@ -9,8 +9,9 @@ using Json = nlohmann::ordered_json;
 
 double to_us(std::int64_t ns) { return 1e-3 * static_cast<double>(ns); }
 
-/// [upper edge in us, count] of every bin that has something in it.
+/// null: nothing was measured. Histogram: [upper edge in us, count] of every bin that has something in it.
 Json to_json(const Histogram& h) {
+  if (h.count() == 0) return nullptr;
   Json bins = Json::array();
   for (std::size_t bin = 0; bin < Histogram::num_bins; ++bin)
     if (h.in_bin(bin) > 0) bins.push_back({to_us(Histogram::upper_edge(bin)), h.in_bin(bin)});
@@ -21,7 +22,9 @@ Json to_json(const Histogram& h) {
           {"histogram", std::move(bins)}};
 }
 
+/// null: no cycle was counted.
 Json to_json(const PoseErrorStatistics& e) {
+  if (e.count() == 0) return nullptr;
   return {{"rms_m", e.rms().m}, {"max_m", e.max().m}, {"rms_rad", e.rms().rad}, {"max_rad", e.max().rad}};
 }
 
@@ -50,12 +53,13 @@ Json to_array(const std::vector<T>& items) {
   return array;
 }
 
-Json timing(const CyclicStatistics& t) {
+Json timing(const CyclicStatistics& t, const Histogram& step_ns) {
   return {{"missed_deadlines", t.missed()},
           {"late_cycles", t.late},
           {"skipped_periods", t.skipped},
           {"wake_us", to_json(t.wake_ns)},
-          {"compute_us", to_json(t.compute_ns)}};
+          {"compute_us", to_json(t.compute_ns)},
+          {"step_us", to_json(step_ns)}};
 }
 
 Json machine(const std::vector<RtStep>& setup) {
@@ -70,6 +74,8 @@ Json answers(const RigCounters& c) {
           {"malformed", c.malformed},
           {"foreign", c.foreign}};
 }
+
+Json text_or_null(std::string_view text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json limits(const RunStatistics& statistics) {
   Json hit = Json::object();
@@ -87,19 +93,21 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   Json json{{"scene", scene.name},
             {"scene_file", options.scene},
             {"mode", options.realtime ? "realtime" : "fast"},
-            {"bus_mode", options.bus == BusChoice::sim ? "sim" : "direct"},
+            {"bus_mode", report.session.bus() == BusChoice::sim ? "sim" : "direct"},
+            {"stopped_by", text_or_null(report.result.stopped_by)},
             {"integrator", scene.integrator},
             {"composition", report.session.engine().composition().name},
             {"step_s", scene.step},
             {"cycles", statistics.cycles},
             {"motion_start_on_bus_s", 1e-9 * static_cast<double>(report.session.motion_start_ns())},
-            {"timing", timing(report.result.timing)}};
+            {"timing", timing(report.result.timing, statistics.step_ns)}};
   if (report.session.follows()) {
     json["following"] = to_json(statistics.following);
     json["sensing"] = to_json(statistics.sensing);
-    json["encoders"] = to_json(statistics.encoders);
-    json["encoders"]["share_of_following_m"] = encoder_share(statistics).m;
-    json["encoders"]["share_of_following_rad"] = encoder_share(statistics).rad;
+    if (report.session.bus() == BusChoice::sim) {
+      json["exact_following"] = to_json(statistics.exact_following);
+      json["encoders"] = to_json(statistics.encoders);
+    }
   }
   json["bus"] = to_array(report.buses);
   if (const Rig* rig = report.session.rig()) json["answers"] = answers(rig->counters());

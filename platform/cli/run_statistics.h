@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "platform/histogram.h"
 #include "sim/session.h"
 
 namespace godobject {
@@ -52,17 +53,20 @@ inline constexpr std::array<FaultName, 3> fault_names{{
 
 struct RunStatistics {
   std::uint64_t cycles = 0;
+  Histogram step_ns;  // the engine's step alone
   // Of engaged cycles after the ramp: until then the body is on its way to the target, or let go.
-  PoseErrorStatistics following, sensing, encoders;
+  PoseErrorStatistics following, sensing, exact_following, encoders;
   std::array<std::uint64_t, limit_names.size()> limit_cycles{};  // cycles with that limit
   std::array<std::uint64_t, fault_names.size()> fault_cycles{};
   RigFault rig_faults = RigFault::none;
 
   void add(const CycleRecord& record) noexcept {
     ++cycles;
+    step_ns.add(record.step_ns);
     if (record.engaged && !has(record.limited, Limited::ramp)) {
       following.add(record.following);
       sensing.add(record.sensing);
+      exact_following.add(record.exact_following);
       encoders.add(record.encoders);
     }
     constexpr std::size_t num_core_limits = 6;

@@ -14,6 +14,10 @@ void print_timing(std::FILE* out, const char* label, const Histogram& h) {
 }
 
 void print_error(std::FILE* out, const char* label, const PoseErrorStatistics& e) {
+  if (e.count() == 0) {
+    std::fprintf(out, "  %-18s not measured: no cycle was engaged with the ramp complete\n", label);
+    return;
+  }
   std::fprintf(out, "  %-18s rms %.3g m, max %.3g m; rms %.3g rad, max %.3g rad\n", label, e.rms().m,
                e.max().m, e.rms().rad, e.max().rad);
 }
@@ -22,12 +26,10 @@ void print_errors(std::FILE* out, const RunReport& report) {
   if (!report.session.follows()) return;
   const RunStatistics& statistics = report.result.statistics;
   print_error(out, "following error", statistics.following);
-  if (report.buses.empty()) return;
+  if (report.session.bus() == BusChoice::direct || statistics.following.count() == 0) return;
+  print_error(out, "  with no encoders", statistics.exact_following);
+  print_error(out, "  encoders add", statistics.encoders);
   print_error(out, "sensing error", statistics.sensing);
-  print_error(out, "due to encoders", statistics.encoders);
-  const PoseError share = encoder_share(statistics);
-  std::fprintf(out, "  %-18s %.1f %% of the following error in position, %.1f %% in attitude\n", "",
-               100 * share.m, 100 * share.rad);
 }
 
 void print_limits(std::FILE* out, const RunStatistics& statistics) {
@@ -58,11 +60,6 @@ void print_files(std::FILE* out, const RunOptions& options) {
 
 }  // namespace
 
-PoseError encoder_share(const RunStatistics& statistics) {
-  const PoseError part = statistics.encoders.rms(), whole = statistics.following.rms();
-  return {.m = whole.m > 0 ? part.m / whole.m : 0, .rad = whole.rad > 0 ? part.rad / whole.rad : 0};
-}
-
 std::string hash_text(std::uint64_t hash) {
   std::array<char, 17> text{};
   std::snprintf(text.data(), text.size(), "%016" PRIx64, hash);
@@ -75,11 +72,18 @@ void print_summary(std::FILE* out, const RunReport& report) {
   const Composition& composition = report.session.engine().composition();
   std::fprintf(out, "%s: %" PRIu64 " cycles of %g s, composition '%s', %zu bytes\n", scene.name.c_str(),
                result.statistics.cycles, scene.step, composition.name.c_str(), composition.bytes());
+  if (!result.stopped_by.empty())
+    std::fprintf(out, "  %-18s %s, after %g s\n", "stopped by", result.stopped_by.data(),
+                 static_cast<double>(result.statistics.cycles) * scene.step);
   if (report.options.realtime)
     std::fprintf(out, "  %-18s %" PRIu64 " (%" PRIu64 " cycles late, %" PRIu64 " periods skipped)\n",
                  "missed deadlines", result.timing.missed(), result.timing.late, result.timing.skipped);
   print_timing(out, "wake-up", result.timing.wake_ns);
   print_timing(out, "compute", result.timing.compute_ns);
+  if (result.timing.compute_ns.count() > 0)
+    std::fprintf(
+        out, "  %-18s (with simulation: the motion%s)\n", "",
+        report.session.bus() == BusChoice::sim ? ", the device, its buses and the exact engine" : "");
   print_errors(out, report);
   for (const BusReport& bus : report.buses)
     std::fprintf(out, "  %-18s %s: %.1f %% measured, %.1f %% worst case\n", "bus load",

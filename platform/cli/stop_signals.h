@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <string_view>
 
 namespace godobject {
 
@@ -11,8 +12,12 @@ class StopSignals {
  public:
   StopSignals() noexcept {
     requested_ = false;
+    signal_ = 0;
     struct sigaction action {};
-    action.sa_handler = [](int) { requested_ = true; };
+    action.sa_handler = [](int signal) {
+      signal_ = signal;
+      requested_ = true;
+    };
     sigaction(SIGINT, &action, &former_int_);
     sigaction(SIGTERM, &action, &former_term_);
   }
@@ -24,10 +29,17 @@ class StopSignals {
   StopSignals& operator=(const StopSignals&) = delete;
 
   const std::atomic<bool>& requested() const noexcept { return requested_; }
+  /// "SIGINT" or "SIGTERM", whichever came last; empty where none has come.
+  std::string_view name() const noexcept {
+    if (!requested_) return "";
+    return signal_ == SIGINT ? "SIGINT" : "SIGTERM";
+  }
 
  private:
   static inline std::atomic<bool> requested_{false};
-  static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler");
+  static inline std::atomic<int> signal_{0};
+  static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+                "set in a signal handler");
   struct sigaction former_int_ {
   }, former_term_{};
 };

@@ -20,6 +20,40 @@ Running<OneBody<ImplicitEuler, DevicePart>> stiff_follower() {
   return run;
 }
 
+TEST(DeviceRamp, EngagingWaitsForAValidSample) {
+  Running<OneBody<TrBdf2>> run;
+  run.constants().body = rigid_body(0.1, 1e-3 * Mat3::Identity());
+  run.constants().coupling = {.k = 1000, .g = 14, .k_r = 1, .g_r = 0.03};
+  run.constants().device.rise = 0.1;
+  place(run.x, 0, {.X_WB = {.p = Vec3(1, 2, 3), .q = Quat::Identity()}, .V_WB = {}});
+  run.device().valid = false;
+  run.step(200);
+  EXPECT_EQ(run.body().X_WB.p, Vec3(1, 2, 3));
+  run.device().X_WD.p = Vec3(1, 2, 3);
+  run.device().valid = true;
+  run.step(200);
+  EXPECT_LE((run.body().X_WB.p - Vec3(1, 2, 3)).norm(), 1e-12);
+}
+
+TEST(DeviceRamp, ALongGapInTheSamplesEndsTheEngagement) {
+  for (const int gap : {5, 50}) {
+    Running<OneBody<TrBdf2>> run;
+    run.constants().body = rigid_body(0.1, 1e-3 * Mat3::Identity());
+    run.constants().coupling = {.k = 1000, .g = 14, .k_r = 1, .g_r = 0.03};
+    run.constants().device.rise = 0.1;
+    run.step(200);
+    run.device().valid = false;
+    run.step(gap);
+    const Vec3 before = run.body().X_WB.p;
+    run.device().valid = true;
+    run.device().X_WD.p = Vec3(0.1, 0, 0);
+    run.step();
+    const bool anew = gap * h > run.constants().device.lost;
+    EXPECT_EQ(has(run.out.limited, Limited::ramp), anew) << gap;
+    EXPECT_EQ((run.body().X_WB.p - before).norm() < 1e-9, anew) << gap;
+  }
+}
+
 TEST(DeviceRamp, RisesLinearlyFromZeroInTheFirstEngagedStep) {
   Running<OneBody<ImplicitEuler>> run;
   run.constants().device.rise = 0.01;

@@ -242,5 +242,29 @@ TEST(FaultOfQuaternion, OffUnitLengthIsRefused) {
   }
 }
 
+TEST(Fault, InTheFirstStepLeavesThePoseWhereTheBodyWasPut) {
+  Running<OneBody<TrBdf2>> run;
+  place(run.x, 0, {.X_WB = {.p = Vec3(1, 2, 3), .q = Quat::Identity()}, .V_WB = {}});
+  run.device().X_WD.p.x() = std::numeric_limits<Real>::quiet_NaN();
+  run.step();
+  EXPECT_EQ(run.out.fault, Fault::input_not_finite);
+  EXPECT_EQ(run.out.bodies[0].X_WB.p, Vec3(1, 2, 3));
+}
+
+TEST(Fault, AnIncrementOfMoreThanHalfATurnIsRefused) {
+  Running<OneBody<TrBdf2, RelativeDevice>> run;
+  run.device().dphi_W = Vec3(0, 0, 15);
+  run.step();
+  EXPECT_EQ(run.out.fault, Fault::input_not_unit);
+}
+
+TEST(Validate, RefusesAnAnisotropyThatIsTooSmall) {
+  Running<OneBody<TrBdf2>> run;
+  run.constants().body = rigid_body(1, Vec3(1e-5, 0.5, 1).asDiagonal());
+  EXPECT_EQ(validate(run.par), Invalid::nothing);
+  run.constants().body.anisotropy = 1;
+  EXPECT_EQ(validate(run.par), Invalid::anisotropy_too_small);
+}
+
 }  // namespace
 }  // namespace godobject

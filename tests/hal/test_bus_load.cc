@@ -27,7 +27,7 @@ RigParams rig_of(int num_encoders, int num_drives) {
   return rig;
 }
 
-// The table of wire.md 3.12: 1 kHz at 1 Mbit/s, in tenths of a percent, and the rate at 100 % worst case.
+// SYNC, N encoders and M motors: 1 kHz at 1 Mbit/s, in tenths of a percent, and the rate at 100 % worst case.
 TEST(BusLoad, IsTheHandbooksTable) {
   struct Row {
     int encoders, drives;

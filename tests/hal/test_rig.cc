@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <limits>
 #include <set>
 
 #include "hal/cia406.h"
@@ -12,7 +13,8 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
-constexpr Nanoseconds answer_ns = 150'000;  // end of an answer on the wire, after its SYNC
+constexpr Nanoseconds sync_bits = 49;       // on the wire, without the intermission
+constexpr Nanoseconds answer_ns = 250'000;  // end of an answer on the wire, after its SYNC
 
 class ScriptedBus final : public CanBus {
  public:
@@ -186,6 +188,80 @@ TEST_F(RigTest, LateAnswerBelongsToTheSyncBefore) {
   answer_encoder();
   rig.receive(now + ms / 2);
   EXPECT_TRUE(rig.complete());
+}
+
+TEST_F(RigTest, AnswerInFlightWhenSyncIsQueuedBelongsToTheSyncBefore) {
+  boot_and_arm();
+  cycle();
+  rig.sync(now);
+  answer_drive();
+  finish_cycle();
+  rig.sync(now);
+  const CanFrame answer = cia406::make_position(1, 0);
+  constexpr Nanoseconds in_flight_end_ns = 60'000;
+  receive(answer, now + in_flight_end_ns);
+  answer_drive();
+  rig.receive(now + ms / 2);
+  EXPECT_FALSE(rig.complete());
+  EXPECT_EQ(rig.encoder(0).sample(now).t_ns, now - ms + sync_bits * 1000);
+  answer_encoder();
+  rig.receive(now + ms / 2);
+  EXPECT_TRUE(rig.complete());
+  EXPECT_EQ(rig.encoder(0).sample(now).t_ns, now + in_flight_end_ns + (intermission_bits + sync_bits) * 1000);
+  EXPECT_EQ(rig.encoder(0).counters().out_of_order, 0u);
+}
+
+TEST_F(RigTest, RefusedSyncIsNotOneThatWentUnanswered) {
+  boot_and_arm();
+  const std::uint64_t syncs = rig.counters().syncs;
+  bus.full = true;
+  rig.sync(now);
+  bus.full = false;
+  receive(cia406::make_position(1, 7), now + answer_ns);  // a second answer to the SYNC before
+  finish_cycle();
+  EXPECT_EQ(rig.counters().syncs, syncs);
+  EXPECT_EQ(rig.encoder(0).counters().out_of_order, 1u);
+  EXPECT_LT(sample.t_ns, now - ms - ms / 2);
+  cycle();
+  EXPECT_EQ(rig.counters().syncs, syncs + 1);
+  EXPECT_EQ(rig.counters().incomplete_syncs, 0u);
+  EXPECT_EQ(rig.faults(), RigFault::none);
+}
+
+TEST_F(RigTest, SyncRefusedAgainAndAgainIsAFault) {
+  boot_and_arm();
+  bus.full = true;
+  rig.sync(now);
+  rig.sync(now + ms);
+  EXPECT_EQ(rig.faults(), RigFault::none);
+  rig.sync(now + 2 * ms);
+  EXPECT_EQ(rig.faults(), RigFault::send_refused);
+}
+
+TEST_F(RigTest, ABabblingBusIsReadInPartsAndThatIsCounted) {
+  boot_and_arm();
+  const std::uint64_t frames = rig.counters().frames;
+  rig.sync(now);
+  for (int i = 0; i < Rig::max_frames_per_receive; ++i)
+    receive(cia406::make_position(99, 0), now + answer_ns);
+  answer_encoder();
+  answer_drive();
+  rig.receive(now + ms / 2);
+  EXPECT_EQ(rig.counters().receive_truncated, 1u);
+  EXPECT_EQ(rig.counters().frames, frames + Rig::max_frames_per_receive);
+  EXPECT_FALSE(rig.complete());
+  rig.receive(now + ms / 2);
+  EXPECT_EQ(rig.counters().receive_truncated, 1u);
+  EXPECT_TRUE(rig.complete());
+}
+
+TEST_F(RigTest, NotFiniteCommandIsBlamedOnNoBus) {
+  boot_and_arm();
+  F.f.x() = std::numeric_limits<double>::quiet_NaN();
+  cycle();
+  EXPECT_EQ(rig.faults(), RigFault::command_not_finite);
+  EXPECT_FALSE(rig.fault_log().record(RigFault::command_not_finite).bus.has_value());
+  EXPECT_TRUE(rig.fault_text().starts_with("command_not_finite (host): ")) << rig.fault_text();
 }
 
 TEST_F(RigTest, LostHeartbeat) {

@@ -62,10 +62,11 @@ const BrokenRule broken_rules[] = {
     {"bus 'can1': bit_rate is 0, must be > 0", [](RigParams& r) { r.buses[1].bit_rate = 0; }},
     {"counts_per_unit is -5, must be > 0",
      [](RigParams& r) { r.encoders[0].calibration.counts_per_unit = -5; }},
-    {"sign is 0, must be 1 or -1", [](RigParams& r) { r.encoders[0].calibration.sign = 0; }},
+    {"encoder of joint 'yaw': sign is 0, must be 1 or -1",
+     [](RigParams& r) { r.encoders[0].calibration.sign = 0; }},
     {"modulus_counts is 8589934592",
      [](RigParams& r) { r.encoders[0].calibration.modulus_counts = 1ull << 33; }},
-    {"half of modulus_counts within stale_after_s",
+    {"half of modulus_counts within stale_after:",
      [](RigParams& r) {
        r.encoders[0].calibration.counts_per_unit = 1000;
        r.encoders[0].calibration.modulus_counts = 299;
@@ -77,9 +78,12 @@ const BrokenRule broken_rules[] = {
     {"torque_rate_Nm_per_s is -1", [](RigParams& r) { r.drives[0].torque_rate_Nm_per_s = -1; }},
     {"joint_per_motor_rad is 0", [](RigParams& r) { r.drives[0].joint_per_motor_rad = 0; }},
     {"status_every_nth_sync is 241", [](RigParams& r) { r.drives[0].status_every_nth_sync = 241; }},
-    {"cycle_s is 0", [](RigParams& r) { r.cycle_s = 0; }},
-    {"stale_after_s is 0.0005, must be at least cycle_s", [](RigParams& r) { r.stale_after_s = 5e-4; }},
-    {"boot_timeout_s is 0", [](RigParams& r) { r.boot_timeout_s = 0; }},
+    {"step is 0", [](RigParams& r) { r.cycle_s = 0; }},
+    {"stale_after is 0.0005, must be at least step (", [](RigParams& r) { r.stale_after_s = 5e-4; }},
+    {"boot_timeout is 0", [](RigParams& r) { r.boot_timeout_s = 0; }},
+    {"heartbeat_timeout is 0", [](RigParams& r) { r.heartbeat_timeout_s = 0; }},
+    {"heartbeat_period is 0", [](RigParams& r) { r.heartbeat_period_s = 0; }},
+    {"drive of joint 'yaw': counts_sign is 0", [](RigParams& r) { r.drives[0].calibration.sign = 0; }},
 };
 
 INSTANTIATE_TEST_SUITE_P(Rules, RigValidateEach, testing::ValuesIn(broken_rules));

@@ -36,8 +36,11 @@ TEST_F(CliErrors, OptionsAreNamedWithWhatIsAdmissible) {
       {"run " + rigid + " --report /", "--report: '/' is a directory"},
       {"run " + rigid + " --bus direct --record " + path("b.log"), "--record: with --bus direct"},
       {"run " + rigid + " --motion /no/such.csv", "/no/such.csv:1:1: "},
-      {"run sim/scenes/admittance.toml",
-       "sim/scenes/admittance.toml:1:1: scene 'admittance' describes no buses"},
+      {"run sim/scenes/admittance.toml --bus sim",
+       "sim/scenes/admittance.toml: scene 'admittance' describes no buses"},
+      {"run sim/scenes/admittance.toml --record " + path("b.log"), "--record: scene 'admittance'"},
+      {"run sim/scenes/admittance.toml --bus sim --record " + path("b.log"), "--record: scene 'admittance'"},
+      {"run " + rigid + " --step 2e-4", "with --step 0.0002: bus can0: worst-case load "},
       {"run /no/such.toml", "/no/such.toml:1:1: "},
   };
   for (const Case& c : cases) {
@@ -78,6 +81,43 @@ TEST_F(CliErrors, SceneFilesAreRefusedWithThePlace) {
     }
     EXPECT_EQ(read_file(trace), "kept");
   }
+}
+
+/// Replaces `what`, which must be there, in the shipped scene.
+std::string rigid_with(const std::string& what, const std::string& by) {
+  std::string text = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
+  text.replace(text.find(what), what.size(), by);
+  return text;
+}
+
+TEST_F(CliErrors, RunRefusesWhatCheckRefuses) {
+  const std::string full = write("full.toml", rigid_with("bit_rate = 1e6", "bit_rate = 5e5"));
+  const std::string stale = write(
+      "stale.toml", rigid_with("[device.chain]", "[device.supervision]\nstale_after = 5e-4\n[device.chain]"));
+  const std::string pushed =
+      write("pushed.toml", rigid_with("kind = \"impedance\"", "kind = \"admittance\""));
+  struct Case {
+    std::string scene;
+    std::string message;
+  };
+  for (const Case& c : {Case{full, full + ": bus can0: worst-case load 1"},
+                        Case{stale, stale + ": stale_after is 0.0005, must be at least step (0.001)"},
+                        Case{pushed, "admittance devices run with --bus direct for now"}}) {
+    for (const std::string verb : {"check ", "run --duration 0.1 "}) {
+      const ProgramResult result = run_program(verb + c.scene);
+      EXPECT_EQ(result.exit_code, 2) << result.output;
+      EXPECT_THAT(result.output, HasSubstr(c.message)) << verb;
+    }
+  }
+}
+
+TEST_F(CliErrors, MotionMuchTooFarIsRefused) {
+  const std::string motion = write("motion.csv",
+                                   "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n"
+                                   "0,0,0,0,1,0,0,0\n0.1,0,2e6,0,1,0,0,0\n");
+  const ProgramResult result = run_program("run " + rigid + " --motion " + motion);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr(motion + ":3:7: 'tool.y' must be within 1e6 m"));
 }
 
 TEST_F(CliErrors, MotionIsRefusedWithThePlace) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -84,8 +85,9 @@ TEST_F(CliRun, RecordIsACandumpLogOfBothBusesInTheOrderOfTime) {
 TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
   const ProgramResult result = run("a", rigid + " --duration 1 --integrator implicit-euler");
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  for (const char* part : {"compute", "following error", "sensing error", "due to encoders", "bus load",
-                           "limits hit", "faults", "state hash", "a.csv", "a.log", "a.json"})
+  for (const char* part :
+       {"compute", "following error", "sensing error", "with no encoders", "encoders add", "with simulation",
+        "bus load", "limits hit", "faults", "state hash", "a.csv", "a.log", "a.json"})
     EXPECT_THAT(result.output, HasSubstr(part));
   const nlohmann::json json = report("a");
   EXPECT_EQ(json["cycles"], 1000);
@@ -97,6 +99,8 @@ TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
   std::uint64_t counted = 0;
   for (const auto& bin : json["timing"]["compute_us"]["histogram"]) counted += bin[1].get<std::uint64_t>();
   EXPECT_EQ(counted, 1000u);
+  EXPECT_TRUE(json["timing"]["wake_us"].is_null());
+  EXPECT_TRUE(json["stopped_by"].is_null());
   ASSERT_EQ(json["bus"].size(), 2u);
   for (const auto& bus : json["bus"]) {
     EXPECT_GT(bus["measured_percent"], 20);
@@ -108,22 +112,66 @@ TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
   EXPECT_THAT(json["state_hash"].get<std::string>(), testing::MatchesRegex("[0-9a-f]{16}"));
 }
 
+/// The last frames of a run: every drive disabled with no torque, every node out of Operational.
+TEST_F(CliRun, EndsWithTheMotorsOff) {
+  ASSERT_EQ(run("a", rigid + " --duration 1").exit_code, 0);
+  const LoadResult scene = load_scene(GODOBJECT_SOURCE_DIR "/" + rigid);
+  std::map<std::uint32_t, std::uint32_t> last_command;  // RPDO1: controlword and torque
+  std::set<int> pre_operational;
+  std::size_t with_torque = 0;
+  std::istringstream log(read_file(path("a.log")));
+  for (std::string line; std::getline(log, line);) {
+    ReceivedFrame received;
+    std::string_view bus;
+    ASSERT_EQ(parse_candump(line, received, bus), CandumpResult::ok) << line;
+    const CanFrame& frame = received.frame;
+    if (frame.id == 0x000 && frame.data[0] == 0x80) pre_operational.insert(frame.data[1]);
+    if ((frame.id & 0x780u) != 0x200) continue;
+    std::uint32_t command = 0;
+    for (int i = 3; i >= 0; --i) command = command << 8 | frame.data[static_cast<std::size_t>(i)];
+    last_command[frame.id] = command;
+    with_torque += command >> 16 != 0 ? 1 : 0;
+  }
+  EXPECT_GT(with_torque, 100u);
+  const RigParams& rig = *scene.scene->device->rig;
+  ASSERT_EQ(last_command.size(), rig.drives.size());
+  for (const auto& [id, command] : last_command) EXPECT_EQ(command, 0u) << std::hex << id;
+  EXPECT_EQ(pre_operational.size(), rig.drives.size() + rig.encoders.size());
+}
+
+TEST_F(CliRun, WithoutACountedCycleThereIsNoFollowingError) {
+  const ProgramResult result = run("a", rigid + " --duration 0.1");  // the ramp takes 0.5 s
+  ASSERT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.output, HasSubstr("not measured"));
+  EXPECT_TRUE(report("a")["following"].is_null());
+}
+
+TEST_F(CliRun, NodesKeepTheHeartbeatTimeoutOfTheScene) {
+  std::string scene = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
+  const std::string before = "[device.chain]";
+  scene.insert(scene.find(before), "[device.supervision]\nheartbeat_timeout = 0.05\n");
+  const ProgramResult result = run_program("run " + write("watched.toml", scene) + " --duration 1");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+}
+
+TEST_F(CliRun, AMotionMayBeginWithAByteOrderMark) {
+  const std::string motion = write("motion.csv", "\xEF\xBB\xBFt,tool.engaged\n0,1\n");
+  const ProgramResult result = run_program("run " + rigid + " --duration 0.1 --motion " + motion);
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+}
+
 TEST_F(CliRun, DirectHasNoSensingError) {
   ASSERT_EQ(run_program("run " + rigid + " --bus direct --duration 1 --report " + path("a.json")).exit_code,
             0);
   EXPECT_EQ(report("a")["sensing"]["max_m"], 0.0);
-  EXPECT_EQ(report("a")["encoders"]["max_m"], 0.0);
+  EXPECT_FALSE(report("a").contains("encoders"));
   EXPECT_TRUE(report("a")["bus"].empty());
 }
 
 TEST_F(CliRun, EveryShippedSceneRuns) {
   for (const auto& entry : std::filesystem::directory_iterator(GODOBJECT_SOURCE_DIR "/sim/scenes")) {
     if (entry.path().extension() != ".toml") continue;
-    const LoadResult scene = load_scene(entry.path());
-    ASSERT_TRUE(scene.scene.has_value()) << scene.errors.front();
-    const bool has_rig = scene.scene->device && scene.scene->device->rig;
-    const ProgramResult result =
-        run_program("run " + entry.path().string() + " --duration 1 --bus " + (has_rig ? "sim" : "direct"));
+    const ProgramResult result = run_program("run " + entry.path().string() + " --duration 1");
     EXPECT_EQ(result.exit_code, 0) << entry.path() << '\n' << result.output;
   }
 }
@@ -141,10 +189,13 @@ TEST_F(CliRun, RealtimeGivesTheStatesOfFast) {
 }
 
 TEST_F(CliRun, AnInterruptedRunEndsWithItsSummaryAndCompleteFiles) {
-  const ProgramResult result = run_program("run " + rigid + " --realtime --duration 100 --trace " +
-                                           path("a.csv") + " & p=$!; sleep 1; kill -INT $p; wait $p");
+  const ProgramResult result =
+      run_program("run " + rigid + " --realtime --duration 100 --trace " + path("a.csv") + " --report " +
+                  path("a.json") + " & p=$!; sleep 1; kill -INT $p; wait $p");
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("state hash"));
+  EXPECT_THAT(result.output, testing::ContainsRegex("stopped by +SIGINT"));
+  EXPECT_EQ(report("a")["stopped_by"], "SIGINT");
   const CsvResult trace = read_csv(path("a.csv"));
   ASSERT_TRUE(trace.table.has_value());
   EXPECT_GT(trace.table->num_rows(), 10u);

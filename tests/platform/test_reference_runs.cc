@@ -26,13 +26,11 @@ class ReferenceRuns : public ProgramTest {
   }
 
   /// Worst over the times of the reference, which the run must all have.
-  WorstError lissajous(const std::string& integrator, double step) const {
-    const CsvTable ours =
-        run("coupling-lissajous", "--integrator " + integrator + " --step " + std::to_string(step) +
-                                      " --motion " +
-                                      shared_file("reference/coupling-lissajous/motion.csv").string());
-    const CsvTable reference =
-        read_csv(shared_file("reference/coupling-lissajous/reference.csv").string()).table.value();
+  WorstError error_of(const std::string& scene, const std::string& integrator, double step) const {
+    const std::string folder = shared_file("reference/" + scene).string();
+    const CsvTable ours = run(scene, "--integrator " + integrator + " --step " + std::to_string(step) +
+                                         " --motion " + folder + "/motion.csv");
+    const CsvTable reference = read_csv(folder + "/reference.csv").table.value();
     WorstError worst;
     for (std::size_t row = 0; row < reference.num_rows(); ++row) {
       const auto at = static_cast<std::size_t>(std::llround(reference.at(row, 0) / step));
@@ -47,6 +45,9 @@ class ReferenceRuns : public ProgramTest {
       worst.rad = std::max(worst.rad, 2 * std::sqrt(std::min(minus_sq, plus_sq)));  // |dq| = 2 sin(angle / 4)
     }
     return worst;
+  }
+  WorstError lissajous(const std::string& integrator, double step) const {
+    return error_of("coupling-lissajous", integrator, step);
   }
 };
 
@@ -68,6 +69,19 @@ TEST_F(ReferenceRuns, LissajousConvergesWithTheOrdersOfTheSchemes) {
     EXPECT_GE(std::log2(coarse.m / fine.m) / halvings, order) << integrator;
     EXPECT_GE(std::log2(coarse.rad / fine.rad) / halvings, order) << integrator;
   }
+}
+
+TEST_F(ReferenceRuns, StepResponseIsWithinBoundsAndOfSecondOrder) {
+  if (shared_file("reference").empty()) GTEST_SKIP() << "shared/reference is not here";
+  const WorstError coarse = error_of("coupling-step", "tr-bdf2", 1e-3);
+  const WorstError fine = error_of("coupling-step", "tr-bdf2", 0.25e-3);
+  EXPECT_LE(coarse.m, 1e-4);
+  EXPECT_LE(coarse.rad, 5e-4);
+  const double halvings = 2;
+  EXPECT_GE(std::log2(coarse.m / fine.m) / halvings, 1.9);
+  EXPECT_GE(std::log2(coarse.rad / fine.rad) / halvings, 1.9);
+  std::printf("worst error of tr-bdf2: %.3g m %.3g rad at 1 ms, %.3g m %.3g rad at 0.25 ms\n", coarse.m,
+              coarse.rad, fine.m, fine.rad);
 }
 
 TEST_F(ReferenceRuns, TorqueFreeKeepsEnergyAndAngularMomentum) {

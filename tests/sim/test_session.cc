@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -73,6 +74,7 @@ class SessionSwitches : public testing::TestWithParam<Case> {
 using SessionEngage = SessionSwitches;
 using SessionFollow = SessionSwitches;
 using SessionClutch = SessionSwitches;
+using SessionShutDown = SessionSwitches;
 
 /// Steps by the velocity before it: exactly in position; in attitude but for the gyroscopic torque, which
 /// turns the angular velocity of a body of revolution by less than w^2 a second.
@@ -190,6 +192,32 @@ TEST_P(SessionClutch, OpenTheTargetRests) {
   EXPECT_NEAR(offset, missed, 0.1 * missed);
 }
 
+/// Whatever torque the motors had; the state stays what it was.
+TEST_P(SessionShutDown, TurnsTheMotorsOff) {
+  const std::unique_ptr<Session> s = session("t,tool.engaged\n0,1\n");
+  CycleRecord record;
+  const auto torque = [&] {
+    double sum = 0;
+    for (std::size_t i = 0; i < s->rig()->num_drives(); ++i)
+      sum += std::abs(s->rig()->commanded_torque_Nm(i));
+    return sum;
+  };
+  for (int i = 0; i < 2000 && (i < 700 || torque() < 1e-3); ++i) s->cycle(record);
+  ASSERT_GT(torque(), 1e-3);
+  const std::uint64_t hash = s->engine().state_hash();
+  const Nanoseconds motion_start = s->motion_start_ns();
+  s->shut_down();
+  EXPECT_EQ(torque(), 0);
+  EXPECT_EQ(s->rig()->state(), RigState::off);
+  EXPECT_EQ(s->rig()->faults(), RigFault::none);
+  EXPECT_EQ(s->engine().state_hash(), hash);
+  EXPECT_EQ(s->motion_start_ns(), motion_start);
+  s->shut_down();  // once more: nothing left to do
+  EXPECT_EQ(s->rig()->state(), RigState::off);
+}
+
+INSTANTIATE_TEST_SUITE_P(Haptic, SessionShutDown,
+                         testing::Values(Case{"rigid.toml", BusChoice::sim, "tr-bdf2"}), name_of);
 INSTANTIATE_TEST_SUITE_P(Relative, SessionClutch, on_both_buses({"relative.toml"}), name_of);
 
 }  // namespace

@@ -21,9 +21,9 @@ SceneConfig coupled_and_free() {
   return scene;
 }
 
-TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationFault) {
+TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationBits) {
   const std::vector<std::string> columns = trace_columns(coupled_and_free());
-  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 2);
+  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 4);
   EXPECT_EQ(columns[0], "t");
   EXPECT_EQ(columns[4], "tool.qw");
   EXPECT_EQ(columns[14], "brick.x");
@@ -33,6 +33,8 @@ TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationFault) {
   EXPECT_EQ(columns[45], "tool.target.qz");
   EXPECT_EQ(columns[46], "penetration");
   EXPECT_EQ(columns[47], "fault");
+  EXPECT_EQ(columns[48], "limited");
+  EXPECT_EQ(columns[49], "rig_fault");
 }
 
 TEST(Trace, NumbersReadBackBitForBit) {
@@ -48,7 +50,7 @@ TEST(Trace, NumbersReadBackBitForBit) {
     driven[0].coupling.f = Vec3(1, 2, 3);
     driven[0].feedback.tau = Vec3(4, 5, 6);
     driven[0].X_WD.p = Vec3(7, 8, 9);
-    writer.row(1e-3 * i, bodies, driven, -1e-4, 0x80000001u);
+    writer.row(1e-3 * i, bodies, driven, -1e-4, {.fault = 0x80000001u, .limited = 16, .rig_fault = 32});
   }
   ASSERT_TRUE(writer.close());
 
@@ -73,6 +75,8 @@ TEST(Trace, NumbersReadBackBitForBit) {
     EXPECT_EQ(at(i, "tool.target.z"), 9);
     EXPECT_EQ(at(i, "penetration"), -1e-4);
     EXPECT_EQ(at(i, "fault"), 2147483649.0);
+    EXPECT_EQ(at(i, "limited"), 16);
+    EXPECT_EQ(at(i, "rig_fault"), 32);
   }
 }
 
