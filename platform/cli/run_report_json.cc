@@ -54,12 +54,9 @@ Json to_array(const std::vector<T>& items) {
 }
 
 Json timing(const CyclicStatistics& t, const Histogram& step_ns) {
-  return {{"missed_deadlines", t.missed()},
-          {"late_cycles", t.late},
-          {"skipped_periods", t.skipped},
-          {"wake_us", to_json(t.wake_ns)},
-          {"compute_us", to_json(t.compute_ns)},
-          {"step_us", to_json(step_ns)}};
+  return {{"missed_deadlines", t.missed()},      {"late_cycles", t.late},
+          {"skipped_periods", t.skipped},        {"wake_us", to_json(t.wake_ns)},
+          {"compute_us", to_json(t.compute_ns)}, {"step_us", to_json(step_ns)}};
 }
 
 Json machine(const std::vector<RtStep>& setup) {

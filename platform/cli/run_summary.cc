@@ -9,16 +9,16 @@ namespace {
 void print_timing(std::FILE* out, const char* label, const Histogram& h) {
   if (h.count() == 0) return;
   const auto us = [&](double share) { return 1e-3 * static_cast<double>(h.percentile(share)); };
-  std::fprintf(out, "  %-18s p50 %.1f, p99 %.1f, p99.9 %.1f, max %.1f us\n", label, us(0.5), us(0.99),
+  std::fprintf(out, "  %-26s p50 %.1f, p99 %.1f, p99.9 %.1f, max %.1f us\n", label, us(0.5), us(0.99),
                us(0.999), 1e-3 * static_cast<double>(h.max()));
 }
 
 void print_error(std::FILE* out, const char* label, const PoseErrorStatistics& e) {
   if (e.count() == 0) {
-    std::fprintf(out, "  %-18s not measured: no cycle was engaged with the ramp complete\n", label);
+    std::fprintf(out, "  %-26s not measured: no cycle was engaged with the ramp complete\n", label);
     return;
   }
-  std::fprintf(out, "  %-18s rms %.3g m, max %.3g m; rms %.3g rad, max %.3g rad\n", label, e.rms().m,
+  std::fprintf(out, "  %-26s rms %.3g m, max %.3g m; rms %.3g rad, max %.3g rad\n", label, e.rms().m,
                e.max().m, e.rms().rad, e.max().rad);
 }
 
@@ -33,7 +33,7 @@ void print_errors(std::FILE* out, const RunReport& report) {
 }
 
 void print_limits(std::FILE* out, const RunStatistics& statistics) {
-  std::fprintf(out, "  %-18s", "limits hit");
+  std::fprintf(out, "  %-26s", "limits hit");
   bool any_hit = false;
   for (std::size_t i = 0; i < limit_names.size(); ++i) {
     if (statistics.limit_cycles[i] == 0) continue;
@@ -45,9 +45,9 @@ void print_limits(std::FILE* out, const RunStatistics& statistics) {
 }
 
 void print_faults(std::FILE* out, const std::vector<FaultReport>& faults) {
-  if (faults.empty()) std::fprintf(out, "  %-18s none\n", "faults");
+  if (faults.empty()) std::fprintf(out, "  %-26s none\n", "faults");
   for (const FaultReport& fault : faults) {
-    std::fprintf(out, "  %-18s %s: %s", "FAULT", fault.name.c_str(), fault.text.c_str());
+    std::fprintf(out, "  %-26s %s: %s", "FAULT", fault.name.c_str(), fault.text.c_str());
     if (fault.cycles > 0) std::fprintf(out, " (%" PRIu64 " cycles)", fault.cycles);
     std::fputc('\n', out);
   }
@@ -55,7 +55,7 @@ void print_faults(std::FILE* out, const std::vector<FaultReport>& faults) {
 
 void print_files(std::FILE* out, const RunOptions& options) {
   for (const std::string& file : {options.trace, options.record, options.report})
-    if (!file.empty()) std::fprintf(out, "  %-18s %s\n", "file", file.c_str());
+    if (!file.empty()) std::fprintf(out, "  %-26s %s\n", "file", file.c_str());
 }
 
 }  // namespace
@@ -73,30 +73,27 @@ void print_summary(std::FILE* out, const RunReport& report) {
   std::fprintf(out, "%s: %" PRIu64 " cycles of %g s, composition '%s', %zu bytes\n", scene.name.c_str(),
                result.statistics.cycles, scene.step, composition.name.c_str(), composition.bytes());
   if (!result.stopped_by.empty())
-    std::fprintf(out, "  %-18s %s, after %g s\n", "stopped by", result.stopped_by.data(),
+    std::fprintf(out, "  %-26s %s, after %g s\n", "stopped by", result.stopped_by.data(),
                  static_cast<double>(result.statistics.cycles) * scene.step);
   if (report.options.realtime)
-    std::fprintf(out, "  %-18s %" PRIu64 " (%" PRIu64 " cycles late, %" PRIu64 " periods skipped)\n",
+    std::fprintf(out, "  %-26s %" PRIu64 " (%" PRIu64 " cycles late, %" PRIu64 " periods skipped)\n",
                  "missed deadlines", result.timing.missed(), result.timing.late, result.timing.skipped);
   print_timing(out, "wake-up", result.timing.wake_ns);
-  print_timing(out, "compute", result.timing.compute_ns);
-  if (result.timing.compute_ns.count() > 0)
-    std::fprintf(
-        out, "  %-18s (with simulation: the motion%s)\n", "",
-        report.session.bus() == BusChoice::sim ? ", the device, its buses and the exact engine" : "");
+  print_timing(out, "compute (with simulation)", result.timing.compute_ns);
+  print_timing(out, "  the step alone", result.statistics.step_ns);
   print_errors(out, report);
   for (const BusReport& bus : report.buses)
-    std::fprintf(out, "  %-18s %s: %.1f %% measured, %.1f %% worst case\n", "bus load",
+    std::fprintf(out, "  %-26s %s: %.1f %% measured, %.1f %% worst case\n", "bus load",
                  bus.computed.bus.c_str(), bus.measured_percent, bus.computed.worst_percent);
   if (const Rig* rig = report.session.rig())
-    std::fprintf(out, "  %-18s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers",
+    std::fprintf(out, "  %-26s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers",
                  rig->counters().incomplete_syncs, rig->counters().syncs);
   print_limits(out, result.statistics);
   print_faults(out, report.faults);
   if (report.options.realtime)
-    std::fprintf(out, "  %-18s %" PRIu64 " cycles, %" PRIu64 " frames\n", "lost to the files",
+    std::fprintf(out, "  %-26s %" PRIu64 " cycles, %" PRIu64 " frames\n", "lost to the files",
                  result.lost_cycles, result.lost_frames);
-  std::fprintf(out, "  %-18s %s\n", "state hash", hash_text(report.session.engine().state_hash()).c_str());
+  std::fprintf(out, "  %-26s %s\n", "state hash", hash_text(report.session.engine().state_hash()).c_str());
   print_files(out, report.options);
 }
 
