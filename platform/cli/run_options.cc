@@ -64,12 +64,12 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
 
 bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
 
-void check_record(const RunOptions& options, BusChoice bus, const SceneConfig& scene,
+void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
                   std::vector<std::string>& errors) {
   if (options.record.empty()) return;
   if (!has_rig(scene)) {
     errors.push_back("--record: scene '" + scene.name + "' describes no buses to record");
-  } else if (bus == BusChoice::direct) {
+  } else if (choice == BusChoice::direct) {
     errors.push_back("--record: with --bus direct there is no bus to record");
   } else {
     for (const BusParams& bus : scene.device->rig->buses)

@@ -13,7 +13,7 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
-constexpr Nanoseconds sync_bits = 49;       // on the wire, without the intermission
+constexpr Nanoseconds sync_bits = 48;       // on the wire, without the intermission
 constexpr Nanoseconds answer_ns = 250'000;  // end of an answer on the wire, after its SYNC
 
 class ScriptedBus final : public CanBus {

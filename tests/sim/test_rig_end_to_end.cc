@@ -282,6 +282,31 @@ TEST(RigEndToEnd, StopSwitchesTheDrivesOff) {
     EXPECT_EQ(encoder->nmt_state(), canopen::NmtState::pre_operational);
 }
 
+TEST(RigEndToEnd, SamplesAreStampedWithTheEndOfASyncThatAForeignFrameDelayed) {
+  SimulatedRig sim;
+  ASSERT_TRUE(sim.boot());
+  SimCanWire& wire = sim.wires[0];
+  SimCanPort foreign(wire);
+  ASSERT_TRUE(foreign.open());
+  Nanoseconds sync_end_ns = 0;
+  wire.set_observer({.on_frame =
+                         [](void* context, const ReceivedFrame& received) {
+                           if (received.frame.id == canopen::sync_cob_id)
+                             *static_cast<Nanoseconds*>(context) = received.t_ns;
+                         },
+                     .context = &sync_end_ns});
+  for (int k = 0; k < 20; ++k) {
+    const Nanoseconds queued_ns = sim.now;
+    ASSERT_EQ(foreign.try_send({.id = 0x7FE, .size = 8}), SendResult::queued);
+    wire.advance_to(queued_ns);  // on the wire when SYNC is queued
+    sim.cycle();
+    ASSERT_TRUE(sim.complete) << k;
+    ASSERT_GT(sync_end_ns, queued_ns + 150'000);
+    for (std::size_t i = 0; i < sim.rig->num_encoders(); ++i)
+      ASSERT_EQ(sim.rig->encoder(i).sample(sim.now).t_ns, sync_end_ns) << k << ' ' << i;
+  }
+}
+
 TEST(RigEndToEnd, TheCycleDoesNotAllocate) {
 #ifndef GODOBJECT_COUNTS_MALLOC
   GTEST_SKIP() << "malloc belongs to a sanitizer or another C library";
