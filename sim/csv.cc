@@ -98,7 +98,7 @@ CsvResult parse_csv(std::string_view text, const std::string& file) { return Csv
 
 CsvResult read_csv(const std::string& path) {
   const std::optional<std::string> text = read_text(path);
-  if (!text) return {std::nullopt, {format_diagnostic(path, {}, "cannot be read: is the path right?")}};
+  if (!text) return {std::nullopt, {path + ": cannot be read: is the path right?"}};
   return parse_csv(*text, path);
 }
 

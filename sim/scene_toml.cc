@@ -25,7 +25,7 @@ LoadResult parse_scene(std::string_view toml, const std::string& file) {
 
 LoadResult load_scene(const std::string& path) {
   const std::optional<std::string> text = read_text(path);
-  if (!text) return {std::nullopt, {format_diagnostic(path, {}, "cannot be read: is the path right?")}, {}};
+  if (!text) return {std::nullopt, {path + ": cannot be read: is the path right?"}, {}};
   return parse_scene(*text, path);
 }
 

@@ -112,31 +112,46 @@ TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
   EXPECT_THAT(json["state_hash"].get<std::string>(), testing::MatchesRegex("[0-9a-f]{16}"));
 }
 
-/// The last frames of a run: every drive disabled with no torque, every node out of Operational.
-TEST_F(CliRun, EndsWithTheMotorsOff) {
-  ASSERT_EQ(run("a", rigid + " --duration 1").exit_code, 0);
-  const LoadResult scene = load_scene(GODOBJECT_SOURCE_DIR "/" + rigid);
-  std::map<std::uint32_t, std::uint32_t> last_command;  // RPDO1: controlword and torque
-  std::set<int> pre_operational;
-  std::size_t with_torque = 0;
-  std::istringstream log(read_file(path("a.log")));
+/// What the log of a run's frames says of its end.
+struct LastFrames {
+  std::map<std::pair<std::string, std::uint32_t>, std::uint32_t> commands;  // RPDO1: controlword and torque
+  std::set<std::pair<std::string, int>> pre_operational;
+  std::size_t commands_with_torque = 0;
+};
+
+LastFrames last_frames(const std::string& text) {
+  LastFrames last;
+  std::istringstream log(text);
   for (std::string line; std::getline(log, line);) {
     ReceivedFrame received;
     std::string_view bus;
-    ASSERT_EQ(parse_candump(line, received, bus), CandumpResult::ok) << line;
+    EXPECT_EQ(parse_candump(line, received, bus), CandumpResult::ok) << line;
     const CanFrame& frame = received.frame;
-    if (frame.id == 0x000 && frame.data[0] == 0x80) pre_operational.insert(frame.data[1]);
+    if (frame.id == 0x000 && frame.data[0] == 0x80) last.pre_operational.emplace(bus, frame.data[1]);
     if ((frame.id & 0x780u) != 0x200) continue;
     std::uint32_t command = 0;
     for (int i = 3; i >= 0; --i) command = command << 8 | frame.data[static_cast<std::size_t>(i)];
-    last_command[frame.id] = command;
-    with_torque += command >> 16 != 0 ? 1 : 0;
+    last.commands[{std::string(bus), frame.id}] = command;
+    last.commands_with_torque += command >> 16 != 0 ? 1 : 0;
   }
-  EXPECT_GT(with_torque, 100u);
-  const RigParams& rig = *scene.scene->device->rig;
-  ASSERT_EQ(last_command.size(), rig.drives.size());
-  for (const auto& [id, command] : last_command) EXPECT_EQ(command, 0u) << std::hex << id;
-  EXPECT_EQ(pre_operational.size(), rig.drives.size() + rig.encoders.size());
+  return last;
+}
+
+/// Every drive disabled with no torque, every node out of Operational; also where a fault came up.
+TEST_F(CliRun, EndsWithTheMotorsOff) {
+  std::string faulty = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
+  const std::string encoder = "[[device.encoder]]\n";
+  faulty.insert(faulty.find(encoder) + encoder.size(), "max_speed = 0.05\n");
+  const RigParams rig = *load_scene(GODOBJECT_SOURCE_DIR "/" + rigid).scene->device->rig;
+  for (const auto& [scene, exit_code] : {std::pair{rigid, 0}, {write("faulty.toml", faulty), 1}}) {
+    const ProgramResult result = run("a", scene + " --duration 1");
+    ASSERT_EQ(result.exit_code, exit_code) << result.output;
+    const LastFrames last = last_frames(read_file(path("a.log")));
+    EXPECT_TRUE(exit_code == 1 || last.commands_with_torque > 100);
+    EXPECT_EQ(last.commands.size(), rig.drives.size());
+    for (const auto& [drive, command] : last.commands) EXPECT_EQ(command, 0u) << drive.first << drive.second;
+    EXPECT_EQ(last.pre_operational.size(), rig.drives.size() + rig.encoders.size());
+  }
 }
 
 TEST_F(CliRun, WithoutACountedCycleThereIsNoFollowingError) {
@@ -149,9 +164,11 @@ TEST_F(CliRun, WithoutACountedCycleThereIsNoFollowingError) {
 TEST_F(CliRun, NodesKeepTheHeartbeatTimeoutOfTheScene) {
   std::string scene = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
   const std::string before = "[device.chain]";
-  scene.insert(scene.find(before), "[device.supervision]\nheartbeat_timeout = 0.05\n");
+  scene.insert(scene.find(before), "[device.supervision]\nheartbeat_timeout = 0.05\nhost_node_id = 100\n");
   const ProgramResult result = run_program("run " + write("watched.toml", scene) + " --duration 1");
   EXPECT_EQ(result.exit_code, 0) << result.output;
+  const ProgramResult check = run_program("check " + path("watched.toml"));
+  EXPECT_THAT(check.output, testing::ContainsRegex("host heartbeat +0x764 +10 "));
 }
 
 TEST_F(CliRun, AMotionMayBeginWithAByteOrderMark) {

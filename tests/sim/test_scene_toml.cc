@@ -220,7 +220,7 @@ TEST(SceneToml, AllErrorsOfAFileAreReportedInItsOrder) {
 TEST(SceneToml, SyntaxErrorsAndMissingFilesAreRefused) {
   EXPECT_THAT(parse("[scene\nname = 1").errors, ElementsAre(HasSubstr("a.toml:1:")));
   EXPECT_THAT(parse("[scene]\nname = \"a\"\nname = \"b\"").errors, ElementsAre(HasSubstr("a.toml:3:")));
-  EXPECT_THAT(load_scene("no/such.toml").errors, ElementsAre(HasSubstr("no/such.toml:1:1: cannot be read")));
+  EXPECT_THAT(load_scene("no/such.toml").errors, ElementsAre(HasSubstr("no/such.toml: cannot be read")));
 }
 
 TEST(SceneToml, NonHapticDeviceHasNoFeedback) {
