@@ -32,19 +32,18 @@ struct Follower : DeviceOnly<I, N> {
 /// A tool that follows a pose and shows a force.
 template <class I, std::size_t N>
 struct Haptic : Follower<I, N> {
-  using Joints = None;
   using Feedback = LimitedFeedback;
 };
 
-/// A tool moved by increments through a clutch, which shows a force.
+/// A tool moved by increments through a clutch.
 template <class I, std::size_t N>
-struct Relative : Haptic<I, N> {
+struct Relative : Follower<I, N> {
   using Device = RelativeDevice;
 };
 
 /// A tool moved by a force.
 template <class I, std::size_t N>
-struct Admittance : Follower<I, N> {
+struct Admittance : DeviceOnly<I, N> {
   using Device = AdmittanceDevice;
 };
 

@@ -7,7 +7,7 @@ struct PulledByNobody {
   using Integrator = godobject::TrBdf2;
   using Device = godobject::None;
   using Coupling = godobject::DampedSpring;
-  using Joints = None;
+  using Joints = godobject::None;
   using Feedback = godobject::None;
 };
 static_assert(godobject::Scene<PulledByNobody>);

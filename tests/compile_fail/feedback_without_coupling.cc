@@ -7,7 +7,7 @@ struct NothingToFeel {
   using Integrator = godobject::ImplicitEuler;
   using Device = godobject::PoseDevice;
   using Coupling = godobject::None;
-  using Joints = None;
+  using Joints = godobject::None;
   using Feedback = godobject::LimitedFeedback;
 };
 static_assert(godobject::Scene<NothingToFeel>);

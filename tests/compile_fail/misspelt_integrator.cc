@@ -6,7 +6,7 @@ struct WithoutIntegrator {
   using Integrator = godobject::RigidBodyState;
   using Device = godobject::None;
   using Coupling = godobject::None;
-  using Joints = None;
+  using Joints = godobject::None;
   using Feedback = godobject::None;
 };
 static_assert(godobject::Scene<WithoutIntegrator>);

@@ -7,7 +7,7 @@ struct Haptic {
   using Integrator = godobject::TrBdf2;
   using Device = godobject::PoseDevice;
   using Coupling = godobject::DampedSpring;
-  using Joints = None;
+  using Joints = godobject::None;
   using Feedback = godobject::LimitedFeedback;
 };
 static_assert(godobject::Scene<Haptic>);

@@ -15,7 +15,7 @@ ChainParams oblique_chain() {
   ChainParams chain;
   chain.X_WB = {Vec3(0.1, -0.2, 0.3), Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()))};
   const ChainJointKind kinds[] = {ChainJointKind::hinge, ChainJointKind::slider, ChainJointKind::hinge,
-                             ChainJointKind::hinge, ChainJointKind::slider, ChainJointKind::hinge};
+                                  ChainJointKind::hinge, ChainJointKind::slider, ChainJointKind::hinge};
   for (int i = 0; i < 6; ++i) {
     ChainJoint joint;
     joint.name = "joint" + std::to_string(i);
