@@ -55,12 +55,20 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   x.tick += 1;
 }
 
+// A step and all it calls in one function: the chain of its results stays in registers (docs/decisions/010). Builds
+// with assertions and sanitizers do without; they would compile for minutes.
+#ifdef NDEBUG
+#define GODOBJECT_FLATTEN [[gnu::flatten]]
+#else
+#define GODOBJECT_FLATTEN
+#endif
+
 /// One time step of length par.h: from state x and the devices' samples at the end of the step to the new
 /// state and what the devices are to show. A step whose input or result is not finite is not taken: x
 /// keeps all but the shown wrench, which goes to zero within its rate limit.
 template <Scene S>
-[[gnu::flatten]] void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
-                           Output<S>& out) noexcept {
+GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
+                            Output<S>& out) noexcept {
   out.fault = Fault::none;
   out.limited = Limited::none;
 
