@@ -1,8 +1,6 @@
 #include "sim/session.h"
 
-#include <array>
 #include <cmath>
-#include <string_view>
 
 namespace godobject {
 namespace {
@@ -15,19 +13,6 @@ constexpr int flush_periods = 10;
 
 PoseError difference(const Pose& a, const Pose& b) noexcept {
   return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
-}
-
-/// The names of RigParams' members as the keys they come from.
-std::string in_words_of_a_scene(std::string text) {
-  constexpr std::array<std::array<std::string_view, 2>, 5> names{
-      {{"stale_after_s", "stale_after"},
-       {"boot_timeout_s", "boot_timeout"},
-       {"heartbeat_timeout_s", "heartbeat_timeout"},
-       {"heartbeat_period_s", "heartbeat_period"},
-       {"cycle_s", "step"}}};
-  for (const auto& [member, key] : names)
-    for (std::size_t at; (at = text.find(member)) != std::string::npos;) text.replace(at, member.size(), key);
-  return text;
 }
 
 }  // namespace
@@ -52,7 +37,7 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
     }
     RigParams rig = *scene.device->rig;
     rig.cycle_s = scene.step;
-    for (const std::string& error : validate(rig)) made.errors.push_back(in_words_of_a_scene(error));
+    for (const std::string& error : validate(rig)) made.errors.push_back(error);
     if (scene.device->kind == DeviceKind::admittance)
       made.errors.push_back("admittance devices run with --bus direct for now");
     if (!made.errors.empty()) return made;
