@@ -8,6 +8,7 @@
 #include "core/device.h"
 #include "core/feedback.h"
 #include "core/integrator_tr_bdf2.h"
+#include "core/joint_imposed.h"
 
 namespace godobject {
 
@@ -59,6 +60,10 @@ class Hash {
     add(x.ramp);
     add(x.held);
   }
+  void add(const ImposedJoints::State& x) noexcept {
+    for (const JointCoordinates& a : {x.last.q, x.last.q_dot})
+      for (const Real c : {a.x(), a.y()}) add(c);
+  }
   template <int slot>
   void add(const Absent<slot>&) noexcept {}
 
@@ -79,6 +84,7 @@ std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
     hash.add(body.device);
     hash.add(body.coupling);
     hash.add(body.feedback);
+    hash.add(body.joint);
   }
   return hash.value();
 }

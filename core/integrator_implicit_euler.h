@@ -18,6 +18,7 @@ struct ImplicitEuler {
       w.next[i].coupling = x.bodies[i].coupling;
     }
     const auto at_the_end = [&w](std::size_t i) -> const Target& { return w.pulls[i].to; };
+    lead_joints(par, 1, w);
     solve_stage(par, par.h, at_the_end, w);
     for (std::size_t i = 0; i < num_bodies(par); ++i) w.next[i].x = moved(w.bases[i], w.velocities[i], par.h);
   }

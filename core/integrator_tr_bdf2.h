@@ -45,6 +45,7 @@ struct TrBdf2 {
         w.inside[i] = interpolated(w.pulls[i].from, w.pulls[i].to, c, h);
     }
     const auto inside = [&w](std::size_t i) -> const Target& { return w.inside[i]; };
+    lead_joints(par, c, w);
     solve_stage(par, h_1, inside, w);
 
     // (13)
@@ -63,6 +64,7 @@ struct TrBdf2 {
       }
     }
     const auto at_the_end = [&w](std::size_t i) -> const Target& { return w.pulls[i].to; };
+    lead_joints(par, 1, w);
     solve_stage(par, h_2, at_the_end, w);
 
     for (std::size_t i = 0; i < num_bodies(par); ++i) {

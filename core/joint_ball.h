@@ -7,11 +7,9 @@ namespace godobject {
 
 struct BallJoint {
   static constexpr JointKind kind = JointKind::ball;
-  static constexpr int dof = 3;
 
-  static JointMotion<3> motion(const JointFrames& X) noexcept {
-    JointMotion<3> m;
-    m.S_w.setIdentity();
+  static JointMotion<3, 0> motion(const JointFrames& X) noexcept {
+    JointMotion<3, 0> m;
     m.e_v = X.d_W;
     return m;
   }

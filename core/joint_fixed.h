@@ -1,4 +1,4 @@
-// Fixed joint, and the slider: the attitude of the child is the parent's.
+// Fixed joint: the child is part of the parent.
 #pragma once
 
 #include "core/joint.h"
@@ -14,26 +14,11 @@ inline Vec3 misalignment(const JointFrames& X) noexcept {
 
 struct FixedJoint {
   static constexpr JointKind kind = JointKind::fixed;
-  static constexpr int dof = 0;
 
-  static JointMotion<0> motion(const JointFrames& X) noexcept {
-    JointMotion<0> m;
+  static JointMotion<0, 0> motion(const JointFrames& X) noexcept {
+    JointMotion<0, 0> m;
     m.e_w = misalignment(X);
     m.e_v = X.d_W;
-    return m;
-  }
-};
-
-struct SliderJoint {
-  static constexpr JointKind kind = JointKind::slider;
-  static constexpr int dof = 1;
-
-  static JointMotion<1> motion(const JointFrames& X) noexcept {
-    const Vec3 z = X.R_WP.col(2);
-    JointMotion<1> m;
-    m.S_v = z;
-    m.e_w = misalignment(X);
-    m.e_v = X.d_W - z * z.dot(X.d_W);
     return m;
   }
 };

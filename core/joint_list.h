@@ -5,6 +5,7 @@
 #include "core/joint_cylindrical.h"
 #include "core/joint_fixed.h"
 #include "core/joint_hinge.h"
+#include "core/joint_slider.h"
 #include "core/joint_universal.h"
 
 namespace godobject {

@@ -7,17 +7,26 @@ namespace godobject {
 
 struct UniversalJoint {
   static constexpr JointKind kind = JointKind::universal;
-  static constexpr int dof = 2;
 
-  static JointMotion<2> motion(const JointFrames& X) noexcept {
+  static JointMotion<2, 0> motion(const JointFrames& X) noexcept {
     const Vec3 x = X.R_WP.col(0), y = X.R_WC.col(1);
     const Vec3 n = x.cross(y);
-    JointMotion<2> m;
-    m.S_w.col(0) = x;
-    m.S_w.col(1) = y;
+    JointMotion<2, 0> m;
+    m.turn = {x, y};
     m.e_w = n * (-x.dot(y) / n.squaredNorm());  // x.y = 0
     m.e_v = X.d_W;
     return m;
+  }
+
+  // R_PC = Rx(q0) Ry(q1)
+  static JointCoordinates coordinates(const JointFrames& X) noexcept {
+    const Mat3 &P = X.R_WP, &C = X.R_WC;
+    return {angle_of(P.col(2).dot(C.col(1)), P.col(1).dot(C.col(1))),
+            angle_of(P.col(0).dot(C.col(2)), P.col(0).dot(C.col(0)))};
+  }
+
+  static JointFrames at(const JointFrames& X, const JointCoordinates& q) noexcept {
+    return {.R_WP = turned(turned(X.R_WP, 0, q[0]), 1, q[1]), .R_WC = X.R_WC, .d_W = X.d_W};
   }
 };
 

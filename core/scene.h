@@ -4,7 +4,7 @@
 //     static constexpr int max_bodies = 1;
 //     using Integrator = TrBdf2;         // or ImplicitEuler
 //     using Device = PoseDevice;         // or RelativeDevice, AdmittanceDevice; None: free bodies
-//     using Joints = None;               // or TreeJoints
+//     using Joints = None;               // or TreeJoints<>
 //     using Coupling = DampedSpring;     // or None
 //     using Feedback = LimitedFeedback;  // or None: not haptic
 //   };
@@ -57,11 +57,14 @@ template <class S> concept DeviceIsAPart = Part<typename S::Device>;
 template <class S> concept JointsAreAPart = Part<typename S::Joints>;
 template <class S> concept CouplingIsAPart = Part<typename S::Coupling>;
 template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
+template <class S>
+concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
 concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
-    CouplingIsAPart<S> && FeedbackIsAPart<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+    CouplingIsAPart<S> && FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && CouplingNeedsDevice<S> &&
+    FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
 template <class S>
@@ -94,6 +97,7 @@ struct BodyState {
   RigidBodyState x;
   [[no_unique_address]] Slot<typename S::Integrator::Memory, 0> memory;
   [[no_unique_address]] Slot<typename S::Device::State, 3> device;
+  [[no_unique_address]] Slot<typename S::Joints::State, 4> joint;
   [[no_unique_address]] Slot<typename S::Coupling::State, 1> coupling;
   [[no_unique_address]] Slot<typename S::Feedback::State, 2> feedback;
 };
@@ -104,10 +108,15 @@ struct State {
   std::uint64_t tick = 0;  // steps taken
 };
 
+/// A part for every body, or nothing for all.
+template <class S, class T, int slot>
+using SlotOfAll = std::conditional_t<std::is_empty_v<T>, Absent<slot>, std::array<T, S::max_bodies>>;
+
 /// From the devices, once per step: the sample at the END of the step.
 template <class S>
 struct Input {
   std::array<typename S::Device::Input, S::max_bodies> devices;
+  [[no_unique_address]] SlotOfAll<S, typename S::Joints::Input, 4> joints;  // imposed coordinates
 };
 
 /// To the devices and to whoever watches.

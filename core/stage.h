@@ -15,6 +15,10 @@ struct NextBody {
   [[no_unique_address]] Slot<typename S::Coupling::State, 1> coupling;
 };
 
+/// Joints of the scene may follow the device.
+template <class S>
+inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::State>;
+
 /// Worthless between steps.
 template <class S>
 struct Scratch {
@@ -23,9 +27,10 @@ struct Scratch {
   std::array<Target, S::max_bodies> inside;             // targets inside the step
   std::array<RigidBodyState, S::max_bodies> bases;      // where the stage starts
   std::array<StageVelocity, S::max_bodies> velocities;  // what the stage solves for
-  [[no_unique_address]] std::conditional_t<uses<typename S::Joints>, std::array<TreeNode, S::max_bodies>,
+  [[no_unique_address]] std::conditional_t<uses<typename S::Joints>, Tree<S::max_bodies, typename S::Joints>,
                                            Absent<4>>
       tree;  // the bodies with their joints
+  [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
 };
 
 /// Solves (10) and (11) for every body over a time h from w.bases; target_of(i) is the target of body i at the end
@@ -57,16 +62,26 @@ void solve_stage(const Params<S>& par, Real h, const TargetOf& target_of, Scratc
     const TranslationSystem translation = implicit_translation(body.m, spring, base.v_W, e_W, v_D, F.f, h);
     const RotationSystem rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, F.tau, h);
     if constexpr (uses<typename S::Joints>) {
-      load(base, translation, rotation, h, w.tree[i]);
+      load(par.bodies[i].joint, base, translation, rotation, h, w.tree.nodes[i]);
+      if constexpr (S::Joints::Stabilisation::uses_base) w.tree.bases[i] = place(base);
     } else {
       w.velocities[i] = {.v_W = translation.b_W * (1 / translation.M),
                          .w_B = solve3(rotation.A_B, rotation.b_B)};
     }
   }
   if constexpr (uses<typename S::Joints>) {
-    for (std::size_t i = num_bodies(par); i-- > 0;) eliminate(par.bodies[i].joint, i, h, w.tree.data());
+    for (std::size_t i = num_bodies(par); i-- > 0;) eliminate(par.bodies[i].joint, i, h, w.tree);
     for (std::size_t i = 0; i < num_bodies(par); ++i)
-      w.velocities[i] = solved(par.bodies[i].joint, i, h, w.tree.data());
+      w.velocities[i] = solve_back(par.bodies[i].joint, i, h, w.tree);
+  }
+}
+
+/// Imposed joints at the fraction s of the step: where the coming stage is to lead them.
+template <Scene S>
+void lead_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
+  if constexpr (imposes<S>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i)
+      w.tree.led[i] = interpolated(w.leads[i], s, par.h);
   }
 }
 

@@ -26,6 +26,10 @@ inline Fault check(const AdmittanceDevice::Input& in) noexcept {
   return !in.valid || is_finite(sum(in.F_WB)) ? Fault::none : Fault::input_not_finite;
 }
 
+inline Fault check(const JointMotionSample& in) noexcept {
+  return is_finite(in.q.sum() + in.q_dot.sum()) ? Fault::none : Fault::input_not_finite;
+}
+
 template <class S>
 bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
   Real all = 0;
@@ -51,6 +55,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     x.bodies[i].coupling = w.next[i].coupling;
     if constexpr (uses<typename S::Device>)
       x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp, .held = w.pulls[i].held};
+    if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
   }
   x.tick += 1;
 }
@@ -80,6 +85,12 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
         w.pulls[i] = S::Device::pull(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
                                      x.bodies[i].device, out.limited);
   }
+  if constexpr (imposes<S>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) out.fault |= check(in.joints[i]);
+    if (!any(out.fault))
+      for (std::size_t i = 0; i < num_bodies(par); ++i)
+        w.leads[i] = lead(x.bodies[i].joint, in.joints[i], x.bodies[i].device.ramp, w.pulls[i], par.h);
+  }
 
   // motion: (10), (11), by one or two stages (12), (13)
   if (!any(out.fault)) {
@@ -100,7 +111,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
     // after a fault the state is that of the step before, unless the caller damaged it: then the last pose stands
     if (any(out.fault) && !is_finite(sum(body.x.X_WB) + body.x.v_W.sum() + body.x.w_B.sum())) continue;
     if constexpr (uses<typename S::Joints>) {
-      if (!any(out.fault)) out.bodies[i].joint = {.F_C = w.tree[i].F_C};
+      if (!any(out.fault)) out.bodies[i].joint = {.F_C = w.tree.nodes[i].F_C};
     }
     out.bodies[i].X_WB = body.x.X_WB;
     out.bodies[i].V_WB = {.w = to_world(body.x.X_WB.q, body.x.w_B), .v = body.x.v_W};

@@ -15,7 +15,7 @@ struct Articulated {
   static constexpr std::size_t max_bodies = 8;
   using Integrator = I;
   using Device = PoseDevice;
-  using Joints = TreeJoints;
+  using Joints = TreeJoints<>;
   using Coupling = DampedSpring;
   using Feedback = None;
 };
@@ -49,8 +49,8 @@ inline JointParams joint_params(const oracle::Joint& joint) {
     axes.setFromTwoVectors(Vec3::UnitZ(), joint.axis_P);
   }
   const Eigen::Quaterniond on_child = joint.q_PC.conjugate() * axes;
-  par.X_BP = {.p = joint.anchor_P, .q = Quat(axes.w(), axes.x(), axes.y(), axes.z())};
-  par.X_BC = {.p = joint.anchor_C, .q = Quat(on_child.w(), on_child.x(), on_child.y(), on_child.z())};
+  par.P = {.p = joint.anchor_P, .R = axes.toRotationMatrix()};
+  par.C = {.p = joint.anchor_C, .R = on_child.toRotationMatrix()};
   return par;
 }
 
@@ -75,7 +75,7 @@ class OracleTool {
       place(x_, i, {.X_WB = {body.start.p, q}, .V_WB = {body.start.w, body.start.v}});
       engage_at(x_, i, target(i, 0));
     }
-    for (const oracle::Joint& joint : problem.joints) par_.bodies[joint.child].joint = joint_params(joint);
+    for (const oracle::Joint& joint : problem.joints) static_cast<JointParams&>(par_.bodies[joint.child].joint) = joint_params(joint);
   }
 
   void step() {
@@ -98,12 +98,8 @@ class OracleTool {
     double m = 0, rad = 0;
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       const JointParams& joint = par_.bodies[i].joint;
-      const Pose& C = x_.bodies[i].x.X_WB;
-      const Pose P = joint.parent == world ? Pose{} : x_.bodies[joint.parent].x.X_WB;
-      const Mat3 R_P = P.q.toRotationMatrix(), R_C = C.q.toRotationMatrix();
-      const JointFrames X = {.R_WP = R_P * joint.X_BP.q.toRotationMatrix(),
-                             .R_WC = R_C * joint.X_BC.q.toRotationMatrix(),
-                             .d_W = C.p + R_C * joint.X_BC.p - P.p - R_P * joint.X_BP.p};
+      const TreePlace P = joint.parent == world ? TreePlace{} : place(x_.bodies[joint.parent].x);
+      const JointFrames X = joint_at(joint, P, place(x_.bodies[i].x)).X;
       with_joint(joint.kind, [&](auto kind) {
         const auto motion = kind.motion(X);
         m = std::max(m, motion.e_v.norm());

@@ -16,10 +16,23 @@ using Eigen::VectorXd;
 
 struct Node {
   std::size_t parent = world;
-  int dof = 0;
-  Matrix6 A;  // not symmetric, like that of a stage
+  int turns = 0, slides = 0;  // three turns: a ball
+  Matrix6 A;                  // not symmetric, like that of a stage
   Vector6 b;
-  EliminatedJoint joint;
+  std::array<Vec3, 2> axes;
+  std::array<AxisTerms, 2> along;
+  Twist beta;
+  Vec3 d;
+  std::array<EliminatedAxis, 2> eliminated;
+
+  Eigen::Index dof() const { return turns + slides; }
+  MatrixXd S() const {
+    MatrixXd all = MatrixXd::Zero(6, dof());
+    if (turns == 3) all.topRows<3>().setIdentity();
+    for (int c = 0; turns < 3 && c < turns + slides; ++c)
+      all.block<3, 1>(c < turns ? 0 : 3, c) = axes[static_cast<std::size_t>(c)];
+    return all;
+  }
 };
 
 Vector6 stacked(const Vec3& w, const Vec3& v) {
@@ -29,9 +42,9 @@ Vector6 stacked(const Vec3& w, const Vec3& v) {
 }
 
 /// X of V_child = X V_parent for a rigid motion.
-Matrix6 shift(const EliminatedJoint& joint) {
+Matrix6 shift(const Vec3& d) {
   Matrix6 X = Matrix6::Identity();
-  X.bottomLeftCorner<3, 3>() = -skew(joint.d);
+  X.bottomLeftCorner<3, 3>() = -skew(d);
   return X;
 }
 
@@ -41,13 +54,15 @@ class RandomTree {
     for (std::size_t i = 0; i < num_bodies; ++i) {
       Node& n = nodes_[i];
       n.parent = i == 0 ? world : static_cast<std::size_t>(uniform(0, static_cast<Real>(i)));
-      n.dof = static_cast<int>(uniform(0, 4));
+      n.turns = static_cast<int>(uniform(0, 4));
+      n.slides = n.turns == 3 ? 0 : static_cast<int>(uniform(0, static_cast<Real>(3 - n.turns)));
       const Matrix6 M = Matrix6::NullaryExpr([&] { return uniform(-1, 1); });
       n.A = M * M.transpose() + Matrix6::Identity() + Real(0.5) * (M - M.transpose());
       n.b = Vector6::NullaryExpr([&] { return uniform(-1, 1); });
-      EliminatedJoint& j = n.joint;
-      for (Mat3* S : {&j.S_w, &j.S_v}) *S = Mat3::NullaryExpr([&] { return uniform(-1, 1); });
-      for (Vec3* a : {&j.beta_w, &j.beta_v, &j.d}) *a = Vec3::NullaryExpr([&] { return uniform(-1, 1); });
+      for (Vec3* a : {&n.beta.w, &n.beta.v, &n.d}) *a = random_vector();
+      for (Vec3& a : n.axes) a = random_vector().normalized();
+      if (n.turns < 3)
+        for (AxisTerms& t : n.along) t = {.D = uniform(0, 2), .tau = uniform(-1, 1)};
     }
   }
 
@@ -58,25 +73,37 @@ class RandomTree {
     VectorXd r = VectorXd::Zero(2 * n);
     for (std::size_t k = 0; k < num_bodies; ++k) {
       const Node& node = nodes_[k];
-      const auto i = static_cast<Eigen::Index>(6 * k), d = static_cast<Eigen::Index>(node.dof);
+      const Eigen::Index i = 6 * static_cast<Eigen::Index>(k), d = node.dof();
       const bool on_world = node.parent == world;
       const Eigen::Index p = on_world ? 0 : static_cast<Eigen::Index>(6 * node.parent);
-      const Matrix6 X = shift(node.joint);
+      const Matrix6 X = shift(node.d);
       // body: A V - F + sum of X^T F over its children = b
       K.block<6, 6>(i, i) = node.A;
       K.block<6, 6>(i, n + i) = -Matrix6::Identity();
       r.segment<6>(i) = node.b;
       if (!on_world) K.block<6, 6>(p, n + i) = X.transpose();
-      // joint: no wrench along S, no motion across it
-      MatrixXd S(6, d);
-      S << node.joint.S_w.leftCols(d), node.joint.S_v.leftCols(d);
+      // joint, V = X V_parent + S q' + beta: no motion across S; along it F does what acts on the coordinate itself
+      const MatrixXd S = node.S();
       const MatrixXd Q =
           MatrixXd(Eigen::HouseholderQR<MatrixXd>(S).householderQ() * MatrixXd::Identity(6, 6));
       const MatrixXd across = d == 0 ? MatrixXd(MatrixXd::Identity(6, 6)) : MatrixXd(Q.rightCols(6 - d));
-      K.block(n + i, n + i, d, 6) = S.transpose();
       K.block(n + i + d, i, 6 - d, 6) = across.transpose();
       if (!on_world) K.block(n + i + d, p, 6 - d, 6) = -across.transpose() * X;
-      r.segment(n + i + d, 6 - d) = across.transpose() * stacked(node.joint.beta_w, node.joint.beta_v);
+      const Vector6 beta = stacked(node.beta.w, node.beta.v);
+      r.segment(n + i + d, 6 - d) = across.transpose() * beta;
+      if (d == 0) continue;
+      // q' = (S^T S)^-1 S^T (V - X V_parent - beta):  S^T F = tau - D q'
+      const MatrixXd pick = (S.transpose() * S).inverse() * S.transpose();
+      MatrixXd D = MatrixXd::Zero(d, d);
+      VectorXd tau = VectorXd::Zero(d);
+      for (Eigen::Index c = 0; node.turns < 3 && c < d; ++c) {
+        D(c, c) = node.along[static_cast<std::size_t>(c)].D;
+        tau[c] = node.along[static_cast<std::size_t>(c)].tau;
+      }
+      K.block(n + i, n + i, d, 6) = S.transpose();
+      K.block(n + i, i, d, 6) += D * pick;
+      if (!on_world) K.block(n + i, p, d, 6) -= D * pick * X;
+      r.segment(n + i, d) = tau + D * pick * beta;
     }
     return K.fullPivLu().solve(r);
   }
@@ -95,21 +122,41 @@ class RandomTree {
     }
     for (std::size_t k = num_bodies; k-- > 0;) {
       Node& n = nodes_[k];
-      with_dof(n.dof, [&](auto d) {
-        eliminate<d>(bodies[k], n.joint, n.parent == world ? nullptr : &bodies[n.parent]);
-      });
+      ArticulatedBody& a = bodies[k];
+      const bool hangs = n.parent != world;
+      set_off(a, n.beta);
+      if (n.turns == 3) {
+        eliminate_turns(a);
+        if (hangs) hang_mass(a, n.d, bodies[n.parent]);
+        continue;
+      }
+      for (std::size_t c = 0; c < static_cast<std::size_t>(n.dof()); ++c) {
+        const bool turn = c < static_cast<std::size_t>(n.turns);
+        (turn ? eliminate_turn : eliminate_slide)(a, n.axes[c], n.along[c], n.eliminated[c], true);
+      }
+      if (hangs) hang(a, n.d, bodies[n.parent]);
     }
     std::array<Twist, num_bodies> V;
     VectorXd all(12 * num_bodies);
     for (std::size_t k = 0; k < num_bodies; ++k) {
       const Node& n = nodes_[k];
-      const Twist V_P = n.parent == world ? Twist{} : V[n.parent];
-      with_dof(n.dof, [&](auto d) { V[k] = solved<d>(n.joint, V_P); });
       const ArticulatedBody& a = bodies[k];
+      const Twist V_P = n.parent == world ? Twist{} : shifted(V[n.parent], n.d);
+      Wrench F;
+      Twist along = V_P;
+      if (n.turns == 3) {
+        along.w = a.b_w - a.A_wv * V_P.v;
+        F = {.tau = Vec3::Zero(), .f = a.A_vv * V_P.v - a.b_v};
+      } else {
+        for (auto c = static_cast<std::size_t>(n.dof()); c-- > 0;)
+          (c < static_cast<std::size_t>(n.turns) ? along.w : along.v) +=
+              rate(n.eliminated[c], along) * n.axes[c];
+        F = {.tau = a.A_ww * V_P.w + a.A_wv * V_P.v - a.b_w, .f = a.A_vw * V_P.w + a.A_vv * V_P.v - a.b_v};
+      }
+      V[k] = {.w = along.w + n.beta.w, .v = along.v + n.beta.v};
       const auto i = static_cast<Eigen::Index>(6 * k);
       all.segment<6>(i) = stacked(V[k].w, V[k].v);
-      all.segment<6>(static_cast<Eigen::Index>(6 * num_bodies) + i) =
-          stacked(a.A_ww * V[k].w + a.A_wv * V[k].v - a.b_w, a.A_vw * V[k].w + a.A_vv * V[k].v - a.b_v);
+      all.segment<6>(static_cast<Eigen::Index>(6 * num_bodies) + i) = stacked(F.tau, F.f);
     }
     return all;
   }
@@ -117,15 +164,7 @@ class RandomTree {
  private:
   static constexpr std::size_t num_bodies = 7;
 
-  template <class F>
-  static void with_dof(int dof, F&& f) {
-    switch (dof) {
-      case 0: return f(std::integral_constant<int, 0>{});
-      case 1: return f(std::integral_constant<int, 1>{});
-      case 2: return f(std::integral_constant<int, 2>{});
-      default: return f(std::integral_constant<int, 3>{});
-    }
-  }
+  Vec3 random_vector() { return Vec3::NullaryExpr([&] { return uniform(-1, 1); }); }
   Real uniform(Real a, Real b) { return std::uniform_real_distribution<Real>(a, b)(engine_); }
 
   std::mt19937 engine_;

@@ -1,0 +1,54 @@
+// Imposed joints: g(x, t) = 0, the coordinates follow the device instead of the forces (the paper's imposed jaws).
+#pragma once
+
+#include "core/device.h"
+#include "core/joint.h"
+
+namespace godobject {
+
+/// Coordinates of an imposed joint and their rates.
+struct JointMotionSample {
+  JointCoordinates q = JointCoordinates::Zero();
+  JointCoordinates q_dot = JointCoordinates::Zero();
+};
+
+/// The imposed part of the joints. What the joint needs is in the reaction F_C.
+struct ImposedJoints {
+  struct Params {
+    bool imposed = false;
+  };
+  struct State {
+    JointMotionSample last;  // where the coordinates were led in the last step
+  };
+  using Input = JointMotionSample;  // at the END of the step; turns within [-pi, pi]
+};
+
+/// Where a joint is led during one step.
+struct Lead {
+  JointMotionSample from, to;
+};
+
+/// Towards the device's coordinates while it is engaged; during its ramp by the share that ends on them with the
+/// ramp, so that engaging moves nothing at once. Without a sample, or let go, the joint rests.
+inline Lead lead(const ImposedJoints::State& x, const JointMotionSample& in, const RampState& before,
+                 const Pull& pull, Real h) noexcept {
+  Lead l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
+  if (!pull.ramp.engaged || !pull.live) return l;
+  const Real s_0 = pull.fresh ? 0 : before.s, s = pull.ramp.s;
+  if (s_0 >= 1 || s >= 1) {
+    l.to = in;
+  } else {
+    l.to.q += (in.q - x.last.q) * ((s - s_0) / (1 - s_0));
+    l.to.q_dot = (l.to.q - x.last.q) * (1 / h);
+  }
+  return l;
+}
+
+/// Coordinates at the fraction s of a step of length h: the cubic through both ends and their rates, as (15).
+inline JointCoordinates interpolated(const Lead& l, Real s, Real h) noexcept {
+  const Real r = 1 - s;
+  return r * r * (1 + 2 * s) * l.from.q + s * s * (1 + 2 * r) * l.to.q + h * s * r * r * l.from.q_dot -
+         h * s * s * r * l.to.q_dot;
+}
+
+}  // namespace godobject
