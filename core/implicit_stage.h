@@ -17,35 +17,43 @@
 namespace godobject {
 
 /// How a body moves during a stage.
-struct StageVelocity {
-  Vec3 v_W = Vec3::Zero();
-  Vec3 w_B = Vec3::Zero();
+template <class T>
+struct StageVelocityOf {
+  Vector3<T> v_W = Vector3<T>::Zero();
+  Vector3<T> w_B = Vector3<T>::Zero();
 };
+using StageVelocity = StageVelocityOf<Real>;
 
 /// x with A x = b, by cofactors: 3 x 3, regular, one division.
-inline Vec3 solve3(const Mat3& A, const Vec3& b) noexcept {
-  const Vec3 a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
-  const Vec3 c0 = a1.cross(a2), c1 = a2.cross(a0), c2 = a0.cross(a1);
-  return Vec3(c0.dot(b), c1.dot(b), c2.dot(b)) * (1 / a0.dot(c0));
+template <class T = Real>
+Vector3<T> solve3(const Matrix3<T>& A, const Vector3<T>& b) noexcept {
+  const Vector3<T> a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
+  const Vector3<T> c0 = a1.cross(a2), c1 = a2.cross(a0), c2 = a0.cross(a1);
+  return Vector3<T>(c0.dot(b), c1.dot(b), c2.dot(b)) * T(1 / a0.dot(c0));
 }
 
 /// (10) as M v+ = b, world axes.
-struct TranslationSystem {
-  Real M = 1;
-  Vec3 b_W = Vec3::Zero();
+template <class T>
+struct TranslationSystemOf {
+  T M = 1;
+  Vector3<T> b_W = Vector3<T>::Zero();
 };
+using TranslationSystem = TranslationSystemOf<Real>;
 
 /// (11) as A w+ = b, body axes.
-struct RotationSystem {
-  Mat3 A_B = Mat3::Identity();
-  Vec3 b_B = Vec3::Zero();
+template <class T>
+struct RotationSystemOf {
+  Matrix3<T> A_B = Matrix3<T>::Identity();
+  Vector3<T> b_B = Vector3<T>::Zero();
 };
+using RotationSystem = RotationSystemOf<Real>;
 
 /// (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
-inline TranslationSystem implicit_translation(Real m, const SpringParams& spring, const Vec3& v_W,
-                                              const Vec3& e_W, const Vec3& v_D, const Vec3& F_W,
-                                              Real h) noexcept {
-  const Real hk = h * spring.k;
+template <class T>
+TranslationSystemOf<T> implicit_translation(const std::type_identity_t<T>& m, const SpringParamsOf<T>& spring,
+                                            const Vector3<T>& v_W, const Vector3<T>& e_W,
+                                            const Vector3<T>& v_D, const Vector3<T>& F_W, Real h) noexcept {
+  const T hk = h * spring.k;
   return {.M = m + h * (spring.g + hk), .b_W = m * v_W + h * (F_W + spring.g * v_D) + hk * e_W};
 }
 
@@ -55,26 +63,27 @@ inline TranslationSystem implicit_translation(Real m, const SpringParams& spring
 ///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + c [phi]x^2
 ///   damping       R+^T w_D   ->  w_D + h w_D x w+
 /// rho = 1 unless a step turns the body so far that the Newton term could do work.
-inline RotationSystem implicit_rotation(const RigidBodyParams& body, const SpringParams& spring,
-                                        const Vec3& w_B, const RotationError& error, const Vec3& w_D_B,
-                                        const Vec3& T_B, Real h) noexcept {
-  const Vec3& phi = error.phi_B;
-  const Vec3 L = body.I_B * w_B;
-  const Real hk = h * spring.k_r;
+template <class T>
+RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const SpringParamsOf<T>& spring,
+                                      const Vector3<T>& w_B, const RotationErrorOf<T>& error,
+                                      const Vector3<T>& w_D_B, const Vector3<T>& T_B, Real h) noexcept {
+  const Vector3<T>& phi = error.phi_B;
+  const Vector3<T> L = body.I_B * w_B;
+  const T hk = h * spring.k_r;
 
   // rho h |w| sqrt(I_max / I_min) <= 1/2
-  const Real swing_sq = 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm();
-  const Real rho = swing_sq <= 1 ? Real(1) : 1 / swing_sq;
-  const Vec3 hw = rho * h * w_B;
+  const T swing_sq = 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm();
+  const T rho = select(swing_sq <= 1, T(1), T(1 / swing_sq));
+  const Vector3<T> hw = T(rho * h) * w_B;
 
   // A = I + h (g_r + h k_r) 1 + [hw]x I - [turn]x + h^2 k_r c [phi]x^2,  [phi]x^2 = phi phi^T - |phi|^2 1
-  const Vec3 turn = h * (L + Real(0.5) * hk * phi + h * spring.g_r * w_D_B);
-  const Vec3 bent = (h * hk * error.curvature) * phi;
-  const Real diagonal = h * (spring.g_r + hk) - bent.dot(phi);
-  RotationSystem system;
-  Mat3& A = system.A_B;
+  const Vector3<T> turn = h * (L + T(Real(0.5) * hk) * phi + T(h * spring.g_r) * w_D_B);
+  const Vector3<T> bent = T(h * hk * error.curvature) * phi;
+  const T diagonal = h * (spring.g_r + hk) - bent.dot(phi);
+  RotationSystemOf<T> system;
+  Matrix3<T>& A = system.A_B;
   for (int j = 0; j < 3; ++j) A.col(j) = body.I_B.col(j) + hw.cross(body.I_B.col(j)) + phi[j] * bent;
-  A += skew(-turn);
+  A += skew<T>(-turn);
   A.diagonal().array() += diagonal;
   system.b_B = L + hw.cross(L) + h * (T_B + spring.g_r * w_D_B) + hk * phi;
   return system;

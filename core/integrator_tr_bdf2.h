@@ -16,13 +16,18 @@ namespace godobject {
 struct TrBdf2 {
   static constexpr const char* name = "tr-bdf2";
   static constexpr int order = 2;
-  struct Memory {
-    Vec3 a_W = Vec3::Zero();      // K_0: acceleration, m/s^2
-    Vec3 alpha_B = Vec3::Zero();  // K_0: angular acceleration in body axes, rad/s^2
-    bool known = false;           // false before the first step and when the force has jumped
+  template <class T>
+  struct MemoryOf {
+    Vector3<T> a_W = Vector3<T>::Zero();      // K_0: acceleration, m/s^2
+    Vector3<T> alpha_B = Vector3<T>::Zero();  // K_0: angular acceleration in body axes, rad/s^2
+    bool known = false;                       // false before the first step and when the force has jumped
 
-    friend Real sum(const Memory& m) noexcept { return m.a_W.sum() + m.alpha_B.sum(); }
+    MemoryOf<Real> of_lane(std::size_t j) const noexcept {
+      return {.a_W = lane(a_W, j), .alpha_B = lane(alpha_B, j), .known = known};
+    }
+    friend T sum(const MemoryOf& m) noexcept { return m.a_W.sum() + m.alpha_B.sum(); }
   };
+  using Memory = MemoryOf<Real>;
 
   static constexpr Real d = 0.29289321881345248;
   static constexpr Real c = 2 * d;
@@ -31,57 +36,79 @@ struct TrBdf2 {
   /// One step of all bodies from x to w.next through the targets of w.pulls.
   template <Scene S>
   static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+    using T = Lanes<S>;
     const Real h = par.h;
 
     // (12)
     const bool smooth = start_is_smooth(par, x, w);
     const Real h_1 = smooth ? d * h : c * h;
-    for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      const BodyState<S>& y = x.bodies[i];
+    for (std::size_t g = 0; g < num_groups(par); ++g) {
+      const GroupIn<S> group(g, num_bodies(par));
+      const Start<S> y(group, x);
       const Real dh = smooth ? d * h : 0;
-      w.bases[i] = extrapolated(y.x, y.x.v_W, y.x.w_B, y.memory.a_W, y.memory.alpha_B, dh);
-      w.next[i].coupling = y.coupling;
+      w.bases[g] = extrapolated<T>(y.x, y.x.v_W, y.x.w_B, y.a_W, y.alpha_B, dh);
+      recall_errors<S>(group, x, w.next[g]);
       if constexpr (uses<typename S::Device>)
-        w.inside[i] = interpolated(w.pulls[i].from, w.pulls[i].to, c, h);
+        w.inside[g] = interpolated<T>(
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
     }
-    const auto inside = [&w](std::size_t i) -> const Target& { return w.inside[i]; };
     lead_joints(par, c, w);
+    const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     solve_stage(par, h_1, inside, w);
 
     // (13)
     const bool still_smooth = smooth && turns_are_small(par, w);
     const Real h_2 = still_smooth ? d * h : (1 - c) * h;
-    for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      const BodyState<S>& y = x.bodies[i];
-      const StageVelocity& V_1 = w.velocities[i];
+    for (std::size_t g = 0; g < num_groups(par); ++g) {
+      const StageVelocityOf<T>& V_1 = w.velocities[g];
       if (still_smooth) {
-        const Vec3 a_1 = (V_1.v_W - w.bases[i].v_W) * (1 / h_1);
-        const Vec3 alpha_1 = (V_1.w_B - w.bases[i].w_B) * (1 / h_1);
-        w.bases[i] = extrapolated(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.memory.a_W + a_1,
-                                  y.memory.alpha_B + alpha_1, b * h);
+        const Start<S> y(GroupIn<S>(g, num_bodies(par)), x);
+        const Vector3<T> a_1 = (V_1.v_W - w.bases[g].v_W) * (1 / h_1);
+        const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
+        w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
+                                     y.alpha_B + alpha_1, b * h);
       } else {
-        w.bases[i] = moved(w.bases[i], V_1, h_1);
+        w.bases[g] = moved(w.bases[g], V_1, h_1);
       }
     }
-    const auto at_the_end = [&w](std::size_t i) -> const Target& { return w.pulls[i].to; };
     lead_joints(par, 1, w);
-    solve_stage(par, h_2, at_the_end, w);
+    solve_stage(par, h_2, targets_at_the_end(par, w), w);
 
-    for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      NextBody<S>& next = w.next[i];
-      const StageVelocity& V_2 = w.velocities[i];
-      next.memory = {.a_W = (V_2.v_W - w.bases[i].v_W) * (1 / h_2),
-                     .alpha_B = (V_2.w_B - w.bases[i].w_B) * (1 / h_2),
+    for (std::size_t g = 0; g < num_groups(par); ++g) {
+      Next<S>& next = w.next[g];
+      const StageVelocityOf<T>& V_2 = w.velocities[g];
+      next.memory = {.a_W = (V_2.v_W - w.bases[g].v_W) * (1 / h_2),
+                     .alpha_B = (V_2.w_B - w.bases[g].w_B) * (1 / h_2),
                      .known = true};
-      next.x = moved(w.bases[i], V_2, h_2);
+      next.x = moved(w.bases[g], V_2, h_2);
     }
   }
 
  private:
+  /// y_n and K_0 of a group.
+  template <class S>
+  struct Start {
+    using T = Lanes<S>;
+    // for a group of one no copies, but the body's own
+    template <class U>
+    using Held = std::conditional_t<num_lanes<T> == 1, const U&, U>;
+    Held<RigidBodyStateOf<T>> x;
+    Held<Eigen::Matrix<T, 3, 1>> a_W, alpha_B;
+
+    Start(const GroupIn<S>& group, const State<S>& y) noexcept
+        : x(gathered(group, [&](std::size_t i) -> const RigidBodyState& { return y.bodies[i].x; })),
+          a_W(gathered(group, [&](std::size_t i) -> const Vec3& { return y.bodies[i].memory.a_W; })),
+          alpha_B(gathered(group, [&](std::size_t i) -> const Vec3& { return y.bodies[i].memory.alpha_B; })) {
+    }
+  };
+
   /// y + t K.
-  static RigidBodyState extrapolated(const RigidBodyState& y, const Vec3& v_W, const Vec3& w_B,
-                                     const Vec3& a_W, const Vec3& alpha_B, Real t) noexcept {
-    return {.X_WB = moved(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
+  template <class T>
+  static RigidBodyStateOf<T> extrapolated(const RigidBodyStateOf<T>& y, const Vector3<T>& v_W,
+                                          const Vector3<T>& w_B, const Vector3<T>& a_W,
+                                          const Vector3<T>& alpha_B, Real t) noexcept {
+    return {.X_WB = moved<T>(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
   }
 
   /// h |w| sqrt(I_max / I_min) <= 1/2: the gyroscopic term is resolved.
@@ -106,7 +133,8 @@ struct TrBdf2 {
   static bool turns_are_small(const Params<S>& par, const Scratch<S>& w) noexcept {
     bool small = true;
     for (std::size_t i = 0; i < num_bodies(par); ++i)
-      small = small && turn_is_small(par.bodies[i].body, w.velocities[i].w_B, par.h);
+      small = small &&
+              turn_is_small(par.bodies[i].body, lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>), par.h);
     return small;
   }
 };

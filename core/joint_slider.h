@@ -17,9 +17,7 @@ struct SliderJoint {
     return m;
   }
 
-  static JointCoordinates coordinates(const JointFrames& X) noexcept {
-    return {X.R_WP.col(2).dot(X.d_W), 0};
-  }
+  static JointCoordinates coordinates(const JointFrames& X) noexcept { return {X.R_WP.col(2).dot(X.d_W), 0}; }
 
   static JointFrames at(const JointFrames& X, const JointCoordinates& q) noexcept {
     return {.R_WP = X.R_WP, .R_WC = X.R_WC, .d_W = X.d_W - q[0] * X.R_WP.col(2)};

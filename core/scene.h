@@ -27,6 +27,8 @@ struct Empty {};
 struct None {
   using Params = Empty;
   using State = Empty;
+  template <class>
+  using StateOf = Empty;
   using Input = Empty;
   using Output = Empty;
 };
@@ -62,9 +64,9 @@ concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || 
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
-concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
-    CouplingIsAPart<S> && FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && CouplingNeedsDevice<S> &&
-    FeedbackNeedsCoupling<S>;
+concept Scene =
+    HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> && CouplingIsAPart<S> &&
+    FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
 template <class S>

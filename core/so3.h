@@ -12,8 +12,9 @@ namespace godobject {
 inline constexpr Real pi = 3.14159265358979323846;
 
 /// [a]x, so that [a]x b = a x b.
-inline Mat3 skew(const Vec3& a) noexcept {
-  Mat3 s;
+template <class T = Real>
+Matrix3<T> skew(const Vector3<T>& a) noexcept {
+  Matrix3<T> s;
   // clang-format off
   s << 0, -a.z(), a.y(),
        a.z(), 0, -a.x(),
@@ -22,25 +23,25 @@ inline Mat3 skew(const Vec3& a) noexcept {
   return s;
 }
 
-/// q scaled back to unit length; one Newton step of 1/sqrt: an error d of the length becomes 3/2 d^2.
-inline Quat renormalized(const Quat& q) noexcept {
-  const Real s = Real(0.5) * (3 - q.coeffs().squaredNorm());
-  Quat r;
-  r.coeffs() = s * q.coeffs();
-  return r;
-}
-
 /// r scaled so that q * r is of unit length again, r being exactly of unit length: corrects the rounding of the
 /// step before, off the critical path. Lengths stay within 1e-15 of 1 however many products follow.
-inline Quat renormalizing(const Quat& r, const Quat& q) noexcept {
-  const Real s = Real(0.5) * (3 - q.coeffs().squaredNorm());
-  Quat scaled;
+template <class T = Real>
+Quaternion<T> renormalizing(const Quaternion<T>& r, const Quaternion<T>& q) noexcept {
+  const T s = Real(0.5) * (3 - q.coeffs().squaredNorm());
+  Quaternion<T> scaled;
   scaled.coeffs() = s * r.coeffs();
   return scaled;
 }
 
+/// q scaled back to unit length; one Newton step of 1/sqrt: an error d of the length becomes 3/2 d^2.
+template <class T = Real>
+Quaternion<T> renormalized(const Quaternion<T>& q) noexcept {
+  return renormalizing<T>(q, q);
+}
+
 /// exp: the turn by |a| <= pi about a. Relative error below 1e-15.
-inline Quat exp_so3(const Vec3& a) noexcept {
+template <class T = Real>
+Quaternion<T> exp_so3(const Vector3<T>& a) noexcept {
   // x = (|a|/2)^2 in [0, pi^2/4]:  q = (cos sqrt(x), a/2 sin sqrt(x) / sqrt(x))
   static constexpr std::array<Real, 9> sinc{1.0,
                                             -1.66666666666666657e-01,
@@ -61,14 +62,15 @@ inline Quat exp_so3(const Vec3& a) noexcept {
                                                -1.14706701653232714e-11,
                                                4.77687224914480734e-14,
                                                -1.51198278342179951e-16};
-  const Real x = Real(0.25) * a.squaredNorm();
-  const Real s = Real(0.5) * polynomial(sinc, x);
-  return Quat(polynomial(cosine, x), s * a.x(), s * a.y(), s * a.z());
+  const T x = Real(0.25) * a.squaredNorm();
+  const T s = Real(0.5) * polynomial<T>(sinc, x);
+  return {polynomial<T>(cosine, x), s * a.x(), s * a.y(), s * a.z()};
 }
 
 /// f(w) = alpha / sin(alpha/2) of a turn by alpha with w = cos(alpha/2) in [-0.06, 1]:
 /// log q = f(w) vec(q). Relative error below 1e-15. Two at zero angle.
-inline Real log_factor(Real w) noexcept {
+template <class T = Real>
+T log_factor(const std::type_identity_t<T>& w) noexcept {
   static constexpr std::array<Real, 22> c{2.0,
                                           6.66666666666718144e-01,
                                           2.66666666658868790e-01,
@@ -91,20 +93,22 @@ inline Real log_factor(Real w) noexcept {
                                           1.22456057377414856e-02,
                                           -2.69314503802673940e-03,
                                           2.79750027617877599e-04};
-  return polynomial(c, 1 - w);
+  return polynomial<T>(c, 1 - w);
 }
 
 /// R(q)^T a: a world vector in the axes of the body with attitude q.
-inline Vec3 to_body(const Quat& q, const Vec3& a) noexcept {
-  const Vec3 u = q.vec();
-  const Vec3 t = 2 * a.cross(u);
+template <class T = Real>
+Vector3<T> to_body(const Quaternion<T>& q, const Vector3<T>& a) noexcept {
+  const Vector3<T> u = q.vec();
+  const Vector3<T> t = Real(2) * a.cross(u);
   return a + q.w() * t + t.cross(u);
 }
 
 /// R(q) a: a body vector in world axes.
-inline Vec3 to_world(const Quat& q, const Vec3& a) noexcept {
-  const Vec3 u = q.vec();
-  const Vec3 t = 2 * u.cross(a);
+template <class T = Real>
+Vector3<T> to_world(const Quaternion<T>& q, const Vector3<T>& a) noexcept {
+  const Vector3<T> u = q.vec();
+  const Vector3<T> t = Real(2) * u.cross(a);
   return a + q.w() * t + u.cross(t);
 }
 

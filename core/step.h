@@ -7,8 +7,14 @@
 namespace godobject {
 
 inline bool is_finite(Real sum) noexcept { return sum - sum == 0; }  // NaN and infinity are not
+inline bool is_finite(const Pack& sum) noexcept {
+  return is_finite((lane(sum, 0) + lane(sum, 1)) + (lane(sum, 2) + lane(sum, 3)));
+}
 
-inline Real sum(const Pose& X) noexcept { return X.p.sum() + X.q.coeffs().sum(); }
+template <class T>
+T sum(const PoseOf<T>& X) noexcept {
+  return X.p.sum() + X.q.coeffs().sum();
+}
 inline Real sum(const Twist& V) noexcept { return V.w.sum() + V.v.sum(); }
 inline Real sum(const Wrench& F) noexcept { return F.tau.sum() + F.f.sum(); }
 
@@ -32,9 +38,9 @@ inline Fault check(const JointMotionSample& in) noexcept {
 
 template <class S>
 bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
-  Real all = 0;
-  for (std::size_t i = 0; i < num_bodies(par); ++i) {
-    const NextBody<S>& next = w.next[i];
+  Lanes<S> all = 0;
+  for (std::size_t g = 0; g < num_groups(par); ++g) {
+    const Next<S>& next = w.next[g];
     all += sum(next.x.X_WB) + next.x.v_W.sum() + next.x.w_B.sum() + sum(next.memory);
   }
   return is_finite(all);
@@ -50,9 +56,12 @@ Wrench feedback(const BodyParams<S>& par, const Pull& pull, const BodyState<S>& 
 template <class S>
 void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
-    x.bodies[i].x = w.next[i].x;
-    x.bodies[i].memory = w.next[i].memory;
-    x.bodies[i].coupling = w.next[i].coupling;
+    const Next<S>& next = w.next[i / lanes<S>];
+    const std::size_t j = i % lanes<S>;
+    x.bodies[i].x = lane(next.x, j);
+    if constexpr (!std::is_empty_v<typename S::Integrator::Memory>)
+      x.bodies[i].memory = next.memory.of_lane(j);
+    if constexpr (uses<typename S::Coupling>) x.bodies[i].coupling.phi_B = lane(next.coupling.phi_B, j);
     if constexpr (uses<typename S::Device>)
       x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp, .held = w.pulls[i].held};
     if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;

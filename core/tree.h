@@ -37,24 +37,40 @@ struct TreeJoints {
 };
 
 /// Where a body of the tree is, and how it moves.
-struct TreePlace {
-  Vec3 p_W = Vec3::Zero();
-  Mat3 R_WB = Mat3::Identity();
-  Twist V;  // of the centre of mass, world axes
+template <class T>
+struct TreePlaceOf {
+  Vector3<T> p_W = Vector3<T>::Zero();
+  Matrix3<T> R_WB = Matrix3<T>::Identity();
+  Vector3<T> a_W = Vector3<T>::Zero();  // the anchor of the body's joint
+  TwistOf<T> V;                         // of that anchor, world axes
 };
+using TreePlace = TreePlaceOf<Real>;
+
+/// A body with its anchor at p_C, body axes.
+template <class T>
+TreePlaceOf<T> place(const Vector3<T>& p_C, const RigidBodyStateOf<T>& x) noexcept {
+  const Matrix3<T> R = x.X_WB.q.toRotationMatrix();
+  const Vector3<T> r = R * p_C, w = R * x.w_B;
+  return {.p_W = x.X_WB.p, .R_WB = R, .a_W = x.X_WB.p + r, .V = {.w = w, .v = x.v_W + w.cross(r)}};
+}
+
+template <class T>
+TreePlace lane(const TreePlaceOf<T>& at, std::size_t j) noexcept {
+  return {.p_W = lane(at.p_W, j),
+          .R_WB = lane(at.R_WB, j),
+          .a_W = lane(at.a_W, j),
+          .V = {.w = lane(at.V.w, j), .v = lane(at.V.v, j)}};
+}
 
 /// A body of the tree during a stage. Worthless between steps, but for the joint's wrench. As it stands: the world.
 struct TreeNode {
-  TreePlace at;                // predicted end of the stage
-  Vec3 r_C = Vec3::Zero();     // from the centre of mass to the anchor of the body's joint, world axes
-  ArticulatedBody body;        // at that anchor
-  Vec3 d_W = Vec3::Zero();     // from the parent's anchor to the body's
-  Twist beta;                  // (5)
+  TreePlace at;          // predicted end of the stage
+  ArticulatedBody body;  // at the anchor of its joint
+  Column d;              // from the parent's anchor to the body's
+  AnchorTwist beta;      // (5)
   std::array<EliminatedAxis, 2> axis;
-  Twist V;  // solution, of the anchor
+  AnchorTwist V;  // solution
   Wrench F_C;
-
-  Vec3 a_W() const noexcept { return at.p_W + r_C; }
 };
 
 /// Nodes of the bodies, then of the world.
@@ -66,45 +82,70 @@ struct Tree {
   std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
 
-  TreeNode& parent(const JointParams& par) noexcept { return par.parent == world ? ground : nodes[par.parent]; }
+  TreeNode& parent(const JointParams& par) noexcept {
+    return par.parent == world ? ground : nodes[par.parent];
+  }
 };
 
 /// A stage turns a body by at most half a radian for its pose to be predicted.
 inline constexpr Real max_predicted_turn = 0.5;
 
-inline TreePlace place(const RigidBodyState& x) noexcept {
-  const Mat3 R = x.X_WB.q.toRotationMatrix();
-  return {.p_W = x.X_WB.p, .R_WB = R, .V = {.w = R * x.w_B, .v = x.v_W}};
+/// Where the velocities of the base lead to in a time h.
+template <class T>
+RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h) noexcept {
+  const T turn_sq = h * h * base.w_B.squaredNorm();
+  const T move = select(turn_sq <= max_predicted_turn * max_predicted_turn, T(1), T(0));
+  return {.X_WB = moved<T>(base.X_WB, base.v_W, base.w_B, move * h),
+          .v_W = move * base.v_W,
+          .w_B = move * base.w_B};
 }
 
-/// Puts a body's stage equations into the tree: world axes at the predicted attitude, about the joint's anchor.
-inline void load(const JointParams& par, const RigidBodyState& base, const TranslationSystem& translation,
-                 const RotationSystem& rotation, Real h, TreeNode& node) noexcept {
-  const Real predict = h * h * base.w_B.squaredNorm() <= max_predicted_turn * max_predicted_turn ? 1 : 0;
-  node.at = place({.X_WB = moved(base.X_WB, base.v_W, base.w_B, predict * h),
-                   .v_W = predict * base.v_W,
-                   .w_B = predict * base.w_B});
-  const Mat3& R = node.at.R_WB;
-  node.r_C = R * par.C.p;
-  const Vec3 f = translation.b_W;
-  // the centre of mass moves with v - w x r
-  const Vec3 Mr = translation.M * node.r_C;
-  ArticulatedBody& a = node.body;
-  a.A_ww = R * rotation.A_B * R.transpose() - Mr * node.r_C.transpose();
-  a.A_ww.diagonal().array() += Mr.dot(node.r_C);
-  a.A_vw = skew(Mr);
-  a.A_wv = skew(-Mr);
-  a.A_vv = translation.M * Mat3::Identity();
-  a.b_w = R * rotation.b_B - node.r_C.cross(f);
-  a.b_v = f;
+/// Puts the stage equations of a group of bodies into the tree: world axes at the predicted attitude, about the
+/// joints' anchors.
+template <Scene S, class T>
+void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
+          const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation, Real h,
+          Tree<S::max_bodies, typename S::Joints>& tree) noexcept {
+  const Group<T> group(g, num_bodies(par));
+  const Vector3<T>& p_C =
+      gathered(group, [&](std::size_t i) -> const Vec3& { return par.bodies[i].joint.C.p; });
+  const TreePlaceOf<T> at = place<T>(p_C, predicted(base, h));
+  const Matrix3<T>& R = at.R_WB;
+
+  // about the anchor, of which the centre of mass is r away and moves with v + w x r
+  const Vector3<T> r = at.p_W - at.a_W;
+  const Vector3<T> Mr = translation.M * r;
+  Matrix3<T> A_ww = R * rotation.A_B * R.transpose() - Mr * r.transpose();
+  A_ww.diagonal().array() += Mr.dot(r);
+  const Vector3<T> b_w = R * rotation.b_B + r.cross(translation.b_W);
+
+  const T zero = 0;
+  const auto A_0 = columns(A_ww.col(0).eval()), A_1 = columns(A_ww.col(1).eval()),
+             A_2 = columns(A_ww.col(2).eval());
+  const auto Mr_0 = columns(Vector3<T>(zero, Mr.z(), -Mr.y())),
+             Mr_1 = columns(Vector3<T>(-Mr.z(), zero, Mr.x())),
+             Mr_2 = columns(Vector3<T>(Mr.y(), -Mr.x(), zero));
+  const auto b_0 = columns(b_w), b_1 = columns(translation.b_W);
+  const Block identity = {{Column(Vec3::UnitX()), Column(Vec3::UnitY()), Column(Vec3::UnitZ())}};
+  for (std::size_t j = 0; j < num_lanes<T> && g * num_lanes<T> + j < num_bodies(par); ++j) {
+    TreeNode& node = tree.nodes[g * num_lanes<T> + j];
+    node.at = lane(at, j);
+    node.body = {.A_ww = {{A_0[j], A_1[j], A_2[j]}},
+                 .A_wv = {{Mr_0[j], Mr_1[j], Mr_2[j]}},
+                 .A_vw = {{-Mr_0[j], -Mr_1[j], -Mr_2[j]}},
+                 .A_vv = identity * lane(translation.M, j),
+                 .b_w = b_0[j],
+                 .b_v = b_1[j]};
+    if constexpr (S::Joints::Stabilisation::uses_base)
+      tree.bases[g * num_lanes<T> + j] = lane(place<T>(p_C, base), j);
+  }
 }
 
 /// The joint's frames, and how its child moves against its parent.
 inline JointAt joint_at(const JointParams& par, const TreePlace& P, const TreePlace& C) noexcept {
-  const Vec3 a_W = C.p_W + C.R_WB * par.C.p;
-  const Vec3 r_P = a_W - P.p_W;
-  return {.X = {.R_WP = P.R_WB * par.P.R, .R_WC = C.R_WB * par.C.R, .d_W = r_P - P.R_WB * par.P.p},
-          .V = {.w = C.V.w - P.V.w, .v = C.V.v + C.V.w.cross(a_W - C.p_W) - P.V.v - P.V.w.cross(r_P)}};
+  const Vec3 V_P = P.V.v + P.V.w.cross(C.a_W - P.a_W);
+  return {.X = {.R_WP = P.R_WB * par.P.R, .R_WC = C.R_WB * par.C.R, .d_W = C.a_W - P.p_W - P.R_WB * par.P.p},
+          .V = {.w = C.V.w - P.V.w, .v = C.V.v - V_P}};
 }
 
 /// A joint out of the system: what is left of the child hangs on the parent. q: predicted coordinates, for stops.
@@ -113,10 +154,11 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
                TreeNode& child, TreeNode& parent) noexcept {
   ArticulatedBody& a = child.body;
   const bool hangs = par.parent != world;
+  const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
   set_off(a, child.beta);
   if constexpr (Motion::num_turns == 3) {
     eliminate_turns(a);
-    if (hangs) hang_mass(a, child.d_W, parent.body);
+    if (hangs) hang_mass(a, child.d, parent.body);
   } else {
     int c = 0;
     constexpr int last = Motion::num_turns + Motion::num_slides - 1;
@@ -126,14 +168,14 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
       return AxisTerms{};
     };
     for (const Vec3& s : m.turn) {
-      eliminate_turn(a, s, along(s.dot(child.beta.w)), child.axis[c], hangs || c < last);
+      eliminate_turn(a, Column(s), along(s.dot(beta.w)), child.axis[c], hangs || c < last);
       ++c;
     }
     for (const Vec3& s : m.slide) {
-      eliminate_slide(a, s, along(s.dot(child.beta.v)), child.axis[c], hangs || c < last);
+      eliminate_slide(a, Column(s), along(s.dot(beta.v)), child.axis[c], hangs || c < last);
       ++c;
     }
-    if (hangs) hang(a, child.d_W, parent.body);
+    if (hangs) hang(a, child.d, parent.body);
   }
 }
 
@@ -141,26 +183,25 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
 template <class Motion>
 void solve_back(bool hangs, Real h, const TreeNode& parent, TreeNode& child) noexcept {
   const ArticulatedBody& a = child.body;
-  const Twist V_P = shifted(parent.V, child.d_W);
+  const AnchorTwist V_P = shifted(parent.V, child.d);
+  AnchorTwist V = V_P, F;
   if constexpr (Motion::num_turns == 3) {
-    child.V = {.w = a.b_w - a.A_wv * V_P.v + child.beta.w, .v = V_P.v + child.beta.v};
-    child.F_C = {.tau = Vec3::Zero(), .f = (a.A_vv * V_P.v - a.b_v) * (1 / h)};
+    V.w = a.b_w - a.A_wv * V_P.v;
+    F.v = a.A_vv * V_P.v - a.b_v;
   } else {
-    Twist V = V_P;
     constexpr int turns = Motion::num_turns, slides = Motion::num_slides;
     for (int c = turns + slides; c-- > 0;) {
-      const EliminatedAxis& j = child.axis[c];
-      const Vec3 motion = rate(j, V) * j.s;
-      (c < turns ? V.w : V.v) += motion;
+      const EliminatedAxis& j = child.axis[static_cast<std::size_t>(c)];
+      (c < turns ? V.w : V.v) += j.s * rate(j, V);
     }
-    child.V = {.w = V.w + child.beta.w, .v = V.v + child.beta.v};
-    child.F_C = {.tau = -a.b_w, .f = -a.b_v};
+    F = {.w = -a.b_w, .v = -a.b_v};
     if (hangs) {
-      child.F_C.tau += a.A_ww * V_P.w + a.A_wv * V_P.v;
-      child.F_C.f += a.A_vw * V_P.w + a.A_vv * V_P.v;
+      F.w += a.A_ww * V_P.w + a.A_wv * V_P.v;
+      F.v += a.A_vw * V_P.w + a.A_vv * V_P.v;
     }
-    child.F_C = {.tau = child.F_C.tau * (1 / h), .f = child.F_C.f * (1 / h)};
   }
+  child.V = {.w = V.w + child.beta.w, .v = V.v + child.beta.v};
+  child.F_C = {.tau = (F.w * (1 / h)).vec(), .f = (F.v * (1 / h)).vec()};
 }
 
 /// Joint i and its child out of the system, children before parents.
@@ -171,17 +212,19 @@ void eliminate(const typename Joints::Params& par, std::size_t i, Real h, Tree<N
   with_joint(par.kind, [&](auto kind) {
     using Kind = decltype(kind);
     const JointAt joint = joint_at(par, parent.at, child.at);
-    child.d_W = child.a_W() - parent.a_W();
+    child.d = Column(Vec3(child.at.a_W - parent.at.a_W));
     const auto with_motion = [&](auto motion_of) {
       const auto m = motion_of(joint.X);
       using Stabilisation = typename Joints::Stabilisation;
+      Twist beta;
       if constexpr (Stabilisation::uses_base) {
         const std::size_t p = par.parent == world ? N : par.parent;
         const JointAt base = joint_at(par, tree.bases[p], tree.bases[i]);
-        child.beta = Stabilisation::beta(m, joint.V, h, motion_of(base.X), base.V);
+        beta = Stabilisation::beta(m, joint.V, h, motion_of(base.X), base.V);
       } else {
-        child.beta = Stabilisation::beta(m, joint.V, h);
+        beta = Stabilisation::beta(m, joint.V, h);
       }
+      child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
       JointCoordinates q = JointCoordinates::Zero();
       if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
         q = Kind::coordinates(joint.X);
@@ -189,7 +232,8 @@ void eliminate(const typename Joints::Params& par, std::size_t i, Real h, Tree<N
     };
     if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {
       if (par.lead.imposed)
-        return with_motion([&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, tree.led[i])); });
+        return with_motion(
+            [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, tree.led[i])); });
     }
     with_motion([](const JointFrames& X) { return Kind::motion(X); });
   });
@@ -209,8 +253,9 @@ StageVelocity solve_back(const typename Joints::Params& par, std::size_t i, Real
     }
     solve_back<Motion>(hangs, h, tree.parent(par), node);
   });
-  const Vec3 v_W = node.V.v - node.V.w.cross(node.r_C);
-  return {.v_W = v_W, .w_B = node.at.R_WB.transpose() * node.V.w};
+  const Vec3 w_W = node.V.w.vec();
+  return {.v_W = node.V.v.vec() + w_W.cross(node.at.p_W - node.at.a_W),
+          .w_B = node.at.R_WB.transpose() * w_W};
 }
 
 }  // namespace godobject

@@ -75,7 +75,8 @@ class OracleTool {
       place(x_, i, {.X_WB = {body.start.p, q}, .V_WB = {body.start.w, body.start.v}});
       engage_at(x_, i, target(i, 0));
     }
-    for (const oracle::Joint& joint : problem.joints) static_cast<JointParams&>(par_.bodies[joint.child].joint) = joint_params(joint);
+    for (const oracle::Joint& joint : problem.joints)
+      static_cast<JointParams&>(par_.bodies[joint.child].joint) = joint_params(joint);
   }
 
   void step() {
@@ -98,8 +99,7 @@ class OracleTool {
     double m = 0, rad = 0;
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       const JointParams& joint = par_.bodies[i].joint;
-      const TreePlace P = joint.parent == world ? TreePlace{} : place(x_.bodies[joint.parent].x);
-      const JointFrames X = joint_at(joint, P, place(x_.bodies[i].x)).X;
+      const JointFrames X = joint_at(joint, place_of(joint.parent), place_of(i)).X;
       with_joint(joint.kind, [&](auto kind) {
         const auto motion = kind.motion(X);
         m = std::max(m, motion.e_v.norm());
@@ -110,6 +110,9 @@ class OracleTool {
   }
 
  private:
+  TreePlace place_of(std::size_t i) const {
+    return i == world ? TreePlace{} : place(par_.bodies[i].joint.C.p, x_.bodies[i].x);
+  }
   Target target(std::size_t i, double t) const {
     const oracle::Body& body = problem_.bodies[i];
     if (!body.coupling) return {.X_WD = x_.bodies[i].x.X_WB, .V_WD = {}};

@@ -21,8 +21,8 @@ struct Node {
   Vector6 b;
   std::array<Vec3, 2> axes;
   std::array<AxisTerms, 2> along;
-  Twist beta;
-  Vec3 d;
+  Twist beta;  // (5)
+  Vec3 d;      // from the parent's anchor to the body's
   std::array<EliminatedAxis, 2> eliminated;
 
   Eigen::Index dof() const { return turns + slides; }
@@ -46,6 +46,19 @@ Matrix6 shift(const Vec3& d) {
   Matrix6 X = Matrix6::Identity();
   X.bottomLeftCorner<3, 3>() = -skew(d);
   return X;
+}
+
+ArticulatedBody body_of(const Matrix6& A, const Vector6& b) {
+  const auto block = [&](Eigen::Index row, Eigen::Index column) {
+    const Mat3 m = A.block<3, 3>(row, column);
+    return Block{{Column(m.col(0)), Column(m.col(1)), Column(m.col(2))}};
+  };
+  return {.A_ww = block(0, 0),
+          .A_wv = block(0, 3),
+          .A_vw = block(3, 0),
+          .A_vv = block(3, 3),
+          .b_w = Column(b.head<3>()),
+          .b_v = Column(b.tail<3>())};
 }
 
 class RandomTree {
@@ -113,50 +126,44 @@ class RandomTree {
     std::array<ArticulatedBody, num_bodies> bodies;
     for (std::size_t k = 0; k < num_bodies; ++k) {
       const Node& n = nodes_[k];
-      bodies[k] = {n.A.topLeftCorner<3, 3>(),
-                   n.A.topRightCorner<3, 3>(),
-                   n.A.bottomLeftCorner<3, 3>(),
-                   n.A.bottomRightCorner<3, 3>(),
-                   n.b.head<3>(),
-                   n.b.tail<3>()};
+      bodies[k] = body_of(n.A, n.b);
     }
     for (std::size_t k = num_bodies; k-- > 0;) {
       Node& n = nodes_[k];
       ArticulatedBody& a = bodies[k];
       const bool hangs = n.parent != world;
-      set_off(a, n.beta);
+      set_off(a, {.w = Column(n.beta.w), .v = Column(n.beta.v)});
       if (n.turns == 3) {
         eliminate_turns(a);
-        if (hangs) hang_mass(a, n.d, bodies[n.parent]);
+        if (hangs) hang_mass(a, Column(n.d), bodies[n.parent]);
         continue;
       }
       for (std::size_t c = 0; c < static_cast<std::size_t>(n.dof()); ++c) {
         const bool turn = c < static_cast<std::size_t>(n.turns);
-        (turn ? eliminate_turn : eliminate_slide)(a, n.axes[c], n.along[c], n.eliminated[c], true);
+        (turn ? eliminate_turn : eliminate_slide)(a, Column(n.axes[c]), n.along[c], n.eliminated[c], true);
       }
-      if (hangs) hang(a, n.d, bodies[n.parent]);
+      if (hangs) hang(a, Column(n.d), bodies[n.parent]);
     }
-    std::array<Twist, num_bodies> V;
+    std::array<AnchorTwist, num_bodies> V;
     VectorXd all(12 * num_bodies);
     for (std::size_t k = 0; k < num_bodies; ++k) {
       const Node& n = nodes_[k];
       const ArticulatedBody& a = bodies[k];
-      const Twist V_P = n.parent == world ? Twist{} : shifted(V[n.parent], n.d);
-      Wrench F;
-      Twist along = V_P;
+      const AnchorTwist V_P = n.parent == world ? AnchorTwist{} : shifted(V[n.parent], Column(n.d));
+      AnchorTwist moved = V_P, F;
       if (n.turns == 3) {
-        along.w = a.b_w - a.A_wv * V_P.v;
-        F = {.tau = Vec3::Zero(), .f = a.A_vv * V_P.v - a.b_v};
+        moved.w = a.b_w - a.A_wv * V_P.v;
+        F.v = a.A_vv * V_P.v - a.b_v;
       } else {
         for (auto c = static_cast<std::size_t>(n.dof()); c-- > 0;)
-          (c < static_cast<std::size_t>(n.turns) ? along.w : along.v) +=
-              rate(n.eliminated[c], along) * n.axes[c];
-        F = {.tau = a.A_ww * V_P.w + a.A_wv * V_P.v - a.b_w, .f = a.A_vw * V_P.w + a.A_vv * V_P.v - a.b_v};
+          (c < static_cast<std::size_t>(n.turns) ? moved.w : moved.v) +=
+              Column(n.axes[c]) * rate(n.eliminated[c], moved);
+        F = {.w = a.A_ww * V_P.w + a.A_wv * V_P.v - a.b_w, .v = a.A_vw * V_P.w + a.A_vv * V_P.v - a.b_v};
       }
-      V[k] = {.w = along.w + n.beta.w, .v = along.v + n.beta.v};
+      V[k] = {.w = moved.w + Column(n.beta.w), .v = moved.v + Column(n.beta.v)};
       const auto i = static_cast<Eigen::Index>(6 * k);
-      all.segment<6>(i) = stacked(V[k].w, V[k].v);
-      all.segment<6>(static_cast<Eigen::Index>(6 * num_bodies) + i) = stacked(F.tau, F.f);
+      all.segment<6>(i) = stacked(V[k].w.vec(), V[k].v.vec());
+      all.segment<6>(static_cast<Eigen::Index>(6 * num_bodies) + i) = stacked(F.w.vec(), F.v.vec());
     }
     return all;
   }
@@ -164,7 +171,9 @@ class RandomTree {
  private:
   static constexpr std::size_t num_bodies = 7;
 
-  Vec3 random_vector() { return Vec3::NullaryExpr([&] { return uniform(-1, 1); }); }
+  Vec3 random_vector() {
+    return Vec3::NullaryExpr([&] { return uniform(-1, 1); });
+  }
   Real uniform(Real a, Real b) { return std::uniform_real_distribution<Real>(a, b)(engine_); }
 
   std::mt19937 engine_;
@@ -186,10 +195,8 @@ TEST(TreeSolve, RootWithoutAJointIsSolvedByItself) {
     const Matrix6 M = Matrix6::NullaryExpr([&] { return uniform(engine); });
     const Matrix6 A = M * M.transpose() + Matrix6::Identity() + Real(0.5) * (M - M.transpose());
     const Vector6 b = Vector6::NullaryExpr([&] { return uniform(engine); });
-    const Twist V =
-        solved(ArticulatedBody{A.topLeftCorner<3, 3>(), A.topRightCorner<3, 3>(), A.bottomLeftCorner<3, 3>(),
-                               A.bottomRightCorner<3, 3>(), b.head<3>(), b.tail<3>()});
-    EXPECT_LE((A * stacked(V.w, V.v) - b).norm(), 1e-12 * (1 + b.norm()) * A.norm());
+    const AnchorTwist V = solved(body_of(A, b));
+    EXPECT_LE((A * stacked(V.w.vec(), V.v.vec()) - b).norm(), 1e-12 * (1 + b.norm()) * A.norm());
   }
 }
 
