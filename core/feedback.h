@@ -12,7 +12,14 @@ struct FeedbackParams {
   Real max_torque = 0.5;      // N m
   Real max_force_rate = 500;  // N/s
   Real max_torque_rate = 25;  // N m/s
+  bool driven =
+      true;  // false: the device has no motor on this link; what it should show goes to its parent (9)
 };
+
+/// (9)  a wrench on a link, about its origin, as one on its parent link: f, tau + (x - x_parent) x f.
+inline Wrench moved_to_parent(const Wrench& F, const Vec3& x, const Vec3& x_parent) noexcept {
+  return {.tau = F.tau + (x - x_parent).cross(F.f), .f = F.f};
+}
 
 /// a, shortened to the length `bound`; sets `bit` if it was longer. Zero if its length is beyond all numbers.
 inline Vec3 bounded(const Vec3& a, Real bound, Limited bit, Limited& limited) noexcept {

@@ -5,6 +5,7 @@
 
 #include "core/device.h"
 #include "core/feedback.h"
+#include "core/tree.h"
 
 namespace godobject {
 
@@ -17,6 +18,10 @@ enum class Invalid : std::uint8_t {
   inertia_not_positive,  // not symmetric, or an eigenvalue not above zero
   anisotropy_too_small,  // below sqrt(I_max / I_min): make the parameters with rigid_body()
   gain_negative,         // a stiffness, damping, limit or ramp below zero or not finite
+  parent_not_before,     // a joint's parent is not a body before its child
+  joint_frame,           // a joint's frame is not finite or not a rotation
+  stop,                  // a stop with its ends crossed, beyond a half turn, negative gains or no width
+  not_imposable,         // an imposed joint of a kind without coordinates of its own: free, fixed or ball
 };
 
 /// Principal moments of inertia, ascending.
@@ -44,6 +49,41 @@ inline bool is_valid(const FeedbackParams& par) noexcept {
          is_gain(par.max_force_rate) && is_gain(par.max_torque_rate);
 }
 
+inline bool is_valid(const JointFrame& X) noexcept {
+  const Real off = (X.R.transpose() * X.R - Mat3::Identity()).norm() + std::abs(X.R.determinant() - 1);
+  return off <= Real(1e-9) && X.p.sum() - X.p.sum() == 0;
+}
+/// turn: the coordinate is an angle.
+inline bool is_valid(const StopParams& par, bool turn) noexcept {
+  constexpr Real open = std::numeric_limits<Real>::infinity();
+  const bool none = par.lower == -open && par.upper == open;
+  const bool half_turn =
+      !turn || ((par.lower >= -pi || par.lower == -open) && (par.upper <= pi || par.upper == open));
+  return none || (par.lower <= par.upper && half_turn && is_gain(par.k) && is_gain(par.g) && par.width > 0);
+}
+
+/// The joint of body i.
+template <class Joints>
+Invalid validate_joint(const typename Joints::Params& par, std::size_t i) noexcept {
+  if (par.kind == JointKind::free) return Invalid::nothing;
+  if (par.parent != world && par.parent >= i) return Invalid::parent_not_before;
+  if (!is_valid(par.P) || !is_valid(par.C)) return Invalid::joint_frame;
+  int turns = 0;
+  bool coordinates = false;
+  with_joint(par.kind, [&](auto kind) {
+    turns = decltype(kind.motion(JointFrames{}))::num_turns;
+    coordinates = requires { kind.coordinates(JointFrames{}); };
+  });
+  if constexpr (uses<typename Joints::Stops>) {
+    for (int c = 0; coordinates && c < 2; ++c)
+      if (!is_valid(par.stop.stops[static_cast<std::size_t>(c)], c < turns)) return Invalid::stop;
+  }
+  if constexpr (uses<typename Joints::Imposed>) {
+    if (par.lead.imposed && !coordinates) return Invalid::not_imposable;
+  }
+  return Invalid::nothing;
+}
+
 template <Scene S>
 Invalid validate(const Params<S>& par) noexcept {
   if (!(par.h > 0 && par.h - par.h == 0)) return Invalid::step_not_positive;
@@ -58,6 +98,10 @@ Invalid validate(const Params<S>& par) noexcept {
     if (!(b.body.anisotropy * b.body.anisotropy * moments.x() >= Real(0.999) * moments.z()))
       return Invalid::anisotropy_too_small;
     if (!is_valid(b.coupling) || !is_valid(b.feedback) || !is_valid(b.device)) return Invalid::gain_negative;
+    if constexpr (uses<typename S::Joints>) {
+      const Invalid joint = validate_joint<typename S::Joints>(b.joint, i);
+      if (joint != Invalid::nothing) return joint;
+    }
   }
   return Invalid::nothing;
 }

@@ -8,9 +8,19 @@
 
 namespace godobject {
 
-/// What the bodies of a scene are worked on with: one by one, or by groups of four.
+/// What the bodies of a scene are worked on with: one by one, or by groups of four where there are more than two. A
+/// scene may say which with `using Number = Real;` or Pack.
 template <class S>
-using Lanes = std::conditional_t<(S::max_bodies > 2), Pack, Real>;
+struct NumberOf {
+  using type = std::conditional_t<(S::max_bodies > 2), Pack, Real>;
+};
+template <class S>
+requires requires { typename S::Number; }
+struct NumberOf<S> {
+  using type = typename S::Number;
+};
+template <class S>
+using Lanes = typename NumberOf<S>::type;
 template <class S>
 using GroupIn = Group<Lanes<S>>;
 template <class S>
@@ -47,6 +57,9 @@ struct Scratch {
   [[no_unique_address]] std::conditional_t<uses<typename S::Joints>, Tree<S::max_bodies, typename S::Joints>,
                                            Absent<4>>
       tree;  // the bodies with their joints
+  [[no_unique_address]] std::conditional_t<uses<typename S::Joints> && uses<typename S::Feedback>,
+                                           std::array<Wrench, S::max_bodies>, Absent<2>>
+      wanted;  // to be shown on the links of the device, before limits
   [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
 };
 

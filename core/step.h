@@ -53,6 +53,22 @@ Wrench feedback(const BodyParams<S>& par, const Pull& pull, const BodyState<S>& 
   return S::Feedback::wrench(ramped(par.feedback.gains, pull.ramp.s), body.x, pull.to, error.phi_B);
 }
 
+/// (9) from the leaves up: what links without a motor should show goes to their parents. The device's links are
+/// where the targets are.
+template <class S>
+void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
+  for (std::size_t i = num_bodies(par); i-- > 0;) {
+    if (par.bodies[i].feedback.driven) continue;
+    const JointParams& joint = par.bodies[i].joint;
+    if (joint.kind != JointKind::free && joint.parent != world) {
+      const Wrench F = moved_to_parent(w.wanted[i], w.pulls[i].to.X_WD.p, w.pulls[joint.parent].to.X_WD.p);
+      w.wanted[joint.parent].tau += F.tau;
+      w.wanted[joint.parent].f += F.f;
+    }
+    w.wanted[i] = {};
+  }
+}
+
 template <class S>
 void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
@@ -108,15 +124,28 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   }
   if (!any(out.fault)) commit(par, w, x);
 
-  // feedback: (8)
-  for (std::size_t i = 0; i < num_bodies(par); ++i) {
-    BodyState<S>& body = x.bodies[i];
-    if constexpr (uses<typename S::Feedback>) {
-      Wrench wanted;
-      if (!any(out.fault) && w.pulls[i].live) wanted = feedback(par.bodies[i], w.pulls[i], body);
-      S::Feedback::show(par.bodies[i].feedback, wanted, par.h, body.feedback, out.bodies[i].feedback,
+  // feedback: (8), moved to driven links (9), bounded
+  if constexpr (uses<typename S::Feedback>) {
+    const auto wanted = [&](std::size_t i) noexcept {
+      const bool live = !any(out.fault) && w.pulls[i].live;
+      return live ? feedback(par.bodies[i], w.pulls[i], x.bodies[i]) : Wrench{};
+    };
+    const auto show = [&](std::size_t i, const Wrench& F) noexcept {
+      S::Feedback::show(par.bodies[i].feedback, F, par.h, x.bodies[i].feedback, out.bodies[i].feedback,
                         out.limited);
+    };
+    if constexpr (uses<typename S::Joints>) {
+      for (std::size_t i = 0; i < num_bodies(par); ++i) w.wanted[i] = wanted(i);
+      move_to_driven(par, w);
+      for (std::size_t i = 0; i < num_bodies(par); ++i) show(i, w.wanted[i]);
+    } else {
+      for (std::size_t i = 0; i < num_bodies(par); ++i) show(i, wanted(i));
     }
+  }
+
+  // output
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    const BodyState<S>& body = x.bodies[i];
     // after a fault the state is that of the step before, unless the caller damaged it: then the last pose stands
     if (any(out.fault) && !is_finite(sum(body.x.X_WB) + body.x.v_W.sum() + body.x.w_B.sum())) continue;
     if constexpr (uses<typename S::Joints>) {
