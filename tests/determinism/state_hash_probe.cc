@@ -9,14 +9,27 @@ namespace {
 
 using namespace godobject;
 
-template <class IntegratorPart, class DevicePart, class CouplingPart, class FeedbackPart>
+/// Two bodies go one by one, more in groups of four.
+template <class IntegratorPart, class DevicePart, class CouplingPart, class FeedbackPart,
+          std::size_t bodies = 2>
 struct Composition {
-  static constexpr int max_bodies = 2;
+  static constexpr std::size_t max_bodies = bodies;
   using Integrator = IntegratorPart;
   using Device = DevicePart;
   using Coupling = CouplingPart;
   using Joints = None;
   using Feedback = FeedbackPart;
+};
+
+/// A tool with every kind of joint, stops and an imposed joint.
+template <class IntegratorPart>
+struct Tool {
+  static constexpr std::size_t max_bodies = 7;
+  using Integrator = IntegratorPart;
+  using Device = PoseDevice;
+  using Coupling = DampedSpring;
+  using Joints = TreeJoints<JointStops, ImposedJoints>;
+  using Feedback = LimitedFeedback;
 };
 
 constexpr Real h = 1e-3;
@@ -49,16 +62,32 @@ void move(AdmittanceDevice::Input& in, int n) {
 }
 void move(Empty&, int) {}
 
+/// Body i on the one before the last: two branches.
+template <Scene S>
+void add_joint(Params<S>& par, std::size_t i) {
+  constexpr std::array kinds{JointKind::universal, JointKind::cylindrical, JointKind::hinge, JointKind::ball,
+                             JointKind::slider,    JointKind::fixed,       JointKind::hinge};
+  auto& joint = par.bodies[i].joint;
+  joint.kind = kinds[i];
+  joint.parent = i < 2 ? world : i - 2;
+  joint.P.p = i < 2 ? Vec3(0.1, 0.2, 0.3) : Vec3(0, 0.01, 0.05);
+  joint.C.p = Vec3(0.01, 0, -0.05);
+  joint.lead.imposed = i == 2;
+  if (kinds[i] == JointKind::hinge || kinds[i] == JointKind::universal)
+    joint.stop.stops[0] = {.lower = -0.4, .upper = 0.3, .k = 20, .g = 0.1, .width = 0.05};
+}
+
 template <Scene S>
 void set_up(Params<S>& par, State<S>& x) {
   par.h = h;
-  par.num_bodies = 2;
+  par.num_bodies = S::max_bodies;
   par.gravity_W = Vec3(0, 0, -9.81);
   Mat3 I_B;
   I_B << 5e-3, 1e-3, -5e-4, 1e-3, 3e-3, 4e-4, -5e-4, 4e-4, 6e-3;
-  for (std::size_t i = 0; i < 2; ++i) {
+  for (std::size_t i = 0; i < S::max_bodies; ++i) {
     BodyParams<S>& body = par.bodies[i];
     body.body = rigid_body(i == 0 ? 0.2 : 0.7, I_B);
+    if constexpr (uses<typename S::Joints>) add_joint(par, i);
     if constexpr (uses<typename S::Coupling>) body.coupling = {.k = 1500, .g = 30, .k_r = 4, .g_r = 0.2};
     if constexpr (uses<typename S::Feedback>) body.feedback.gains = {.k = 800, .g = 1, .k_r = 1, .g_r = 0.02};
     place(x, i,
@@ -77,11 +106,14 @@ void print_hash(const char* name) {
   set_up(par, x);
   Hash outputs;
   for (int n = 0; n < num_steps; ++n) {
-    for (std::size_t i = 0; i < 2; ++i) move(in.devices[i], n + 250 * static_cast<int>(i));
+    for (std::size_t i = 0; i < S::max_bodies; ++i) move(in.devices[i], n + 250 * static_cast<int>(i));
+    if constexpr (uses<typename S::Joints>) in.joints[2].q[0] = 0.5 * tangent(n);
     step(par, in, x, w, out);
     if (any(out.fault)) std::printf("fault in step %d\n", n);
     outputs.add(out.bodies[1].X_WB);
     outputs.add(out.bodies[1].V_WB);
+    if constexpr (uses<typename S::Joints>)
+      for (const BodyOutput<S>& body : out.bodies) outputs.add(body.joint.F_C);
   }
   std::printf("%-45s %016" PRIx64 " %016" PRIx64 "\n", name, state_hash(par, x), outputs.value());
 }
@@ -93,6 +125,8 @@ void print_hashes() {
   print_hash<Composition<Integrator, PoseDevice, DampedSpring, LimitedFeedback>>("  pose, feedback");
   print_hash<Composition<Integrator, RelativeDevice, DampedSpring, LimitedFeedback>>("  relative, feedback");
   print_hash<Composition<Integrator, AdmittanceDevice, None, None>>("  admittance");
+  print_hash<Composition<Integrator, PoseDevice, DampedSpring, LimitedFeedback, 5>>("  five bodies");
+  print_hash<Tool<Integrator>>("  joints");
 }
 
 }  // namespace

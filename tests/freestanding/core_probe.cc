@@ -3,13 +3,14 @@
 
 namespace godobject {
 
-template <class IntegratorPart, class DevicePart, class CouplingPart, class FeedbackPart>
+template <class IntegratorPart, class DevicePart, class CouplingPart, class FeedbackPart,
+          class JointsPart = None>
 struct Composition {
   static constexpr int max_bodies = 4;
   using Integrator = IntegratorPart;
   using Device = DevicePart;
   using Coupling = CouplingPart;
-  using Joints = None;
+  using Joints = JointsPart;
   using Feedback = FeedbackPart;
 };
 
@@ -49,7 +50,11 @@ template struct Probe<Composition<ImplicitEuler, RelativeDevice, DampedSpring, L
 template struct Probe<Composition<ImplicitEuler, AdmittanceDevice, None, None>>;
 template struct Probe<Composition<ImplicitEuler, AdmittanceDevice, DampedSpring, None>>;
 template struct Probe<Composition<ImplicitEuler, AdmittanceDevice, DampedSpring, LimitedFeedback>>;
+template struct Probe<Composition<ImplicitEuler, PoseDevice, DampedSpring, LimitedFeedback,
+                                  TreeJoints<JointStops, ImposedJoints>>>;
 template struct Probe<Composition<TrBdf2, None, None, None>>;
+template struct Probe<
+    Composition<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback, TreeJoints<JointStops, ImposedJoints>>>;
 template struct Probe<Composition<TrBdf2, PoseDevice, DampedSpring, None>>;
 template struct Probe<Composition<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>>;
 template struct Probe<Composition<TrBdf2, RelativeDevice, DampedSpring, None>>;
