@@ -45,7 +45,7 @@ void Encoder::update(std::uint32_t raw_counts, Nanoseconds t_ns) noexcept {
 
 JointSample Encoder::sample(Nanoseconds now) const noexcept {
   JointSample out;
-  out.q = calibration_.sign * static_cast<double>(counts_) / calibration_.counts_per_unit;
+  out.q = calibration_.home + from_home();
   out.q_dot = stale(now) ? 0 : q_dot_;
   out.valid = last_was_accepted_ && !stale(now);
   out.t_ns = reference_.t_ns;
@@ -54,6 +54,10 @@ JointSample Encoder::sample(Nanoseconds now) const noexcept {
 
 bool Encoder::stale(Nanoseconds now) const noexcept {
   return !has_reference_ || now - reference_.t_ns > stale_after_ns_;
+}
+
+double Encoder::from_home() const noexcept {
+  return calibration_.sign * static_cast<double>(counts_) / calibration_.counts_per_unit;
 }
 
 bool Encoder::trusted() const noexcept { return std::popcount(rejected_history_) < votes_needed; }
@@ -92,8 +96,7 @@ void Encoder::accept(const Reading& reading) noexcept {
   last_was_accepted_ = true;
   ++counters_.accepted;
   vote(false);
-  q_dot_ = velocity_.update(calibration_.sign * static_cast<double>(counts_) / calibration_.counts_per_unit,
-                            reading.t_ns);
+  q_dot_ = velocity_.update(from_home(), reading.t_ns);
 }
 
 void Encoder::reject(const Reading& reading) noexcept {

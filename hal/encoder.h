@@ -38,7 +38,7 @@ struct EncoderCounters {
 /// counts were lost): they become the new reference and velocity restarts.
 ///
 /// Turns. At the first sample, and after a gap in which the joint could have travelled half the
-/// modulus, the turn is the one that brings q nearest to 0. In between, turns are followed.
+/// modulus, the turn is the one that brings q nearest to home. In between, turns are followed.
 class Encoder {
  public:
   static constexpr int votes_needed = 3;
@@ -65,6 +65,7 @@ class Encoder {
     Nanoseconds t_ns = 0;
   };
 
+  double from_home() const noexcept;
   std::int64_t signed_difference(std::int64_t to, std::int64_t from) const noexcept;
   bool plausible(const Reading& from, const Reading& to) const noexcept;
   bool turn_is_lost(Nanoseconds elapsed_ns) const noexcept;

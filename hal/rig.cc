@@ -15,7 +15,7 @@ Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds);
 
 }  // namespace
 
-Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), chain_(params.chain) {
+Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), tree_(params.tree) {
   assert(validate(params).empty() && buses.size() == params.buses.size());
   for (std::size_t i = 0; i < buses.size(); ++i) {
     buses_.push_back({.bus = buses[i], .syncs = SyncAttribution(params.buses[i])});
@@ -38,7 +38,7 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
   for (std::size_t i = 0; i < encoders_.size(); ++i) {
     sensors_[static_cast<std::size_t>(joint_named(params.encoders[i].joint))] = &encoders_[i].encoder;
   }
-  configuration_ = chain_.at(JointVector::Zero(static_cast<Eigen::Index>(num_joints())));
+  configuration_ = tree_.at(JointVector::Zero(static_cast<Eigen::Index>(num_joints())));
 }
 
 std::size_t Rig::add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device) {
@@ -48,8 +48,8 @@ std::size_t Rig::add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::
 }
 
 Eigen::Index Rig::joint_named(const std::string& name) const {
-  const auto& joints = params_.chain.joints;
-  return std::ranges::find(joints, name, &ChainJoint::name) - joints.begin();
+  const auto& joints = params_.tree.joints;
+  return std::ranges::find(joints, name, &DeviceJoint::name) - joints.begin();
 }
 
 void Rig::start(Nanoseconds now) noexcept {
@@ -133,15 +133,17 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
     out.valid = out.valid && joint.valid;
     out.t_ns = std::min(out.t_ns, joint.t_ns);
   }
-  configuration_ = chain_.at(out.q);
-  out.X_WH = configuration_.X_WH;
-  out.V_WH = configuration_.twist(out.q_dot);
+  configuration_ = tree_.at(out.q);
+  for (std::size_t i = 0; i < num_handles(); ++i) {
+    out.handles[i] = {configuration_.X_WH(i), configuration_.twist(i, out.q_dot)};
+  }
   out.age = now - out.t_ns;
   out.faults = faults();
   return out;
 }
 
-CommandReport Rig::command(const Wrench& F_hand_W, Nanoseconds now) noexcept {
+CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept {
+  assert(F_hand_W.size() <= num_handles());
   CommandReport report;
   if (state_ == RigState::off) return report;
   JointVector tau = configuration_.joint_torques(F_hand_W);

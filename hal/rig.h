@@ -1,4 +1,4 @@
-// A device on its buses: boots the nodes, reads the handle's pose from the joint sensors, sends joint
+// A device on its buses: boots the nodes, reads the handles' poses from the joint sensors, sends joint
 // torques to the drives. One object per device; the caller owns the buses and the clock.
 //
 // Every cycle, in this order: sync(now); receive(now) until complete() or the caller's deadline;
@@ -14,7 +14,7 @@
 #include "hal/can_bus.h"
 #include "hal/drive.h"
 #include "hal/encoder.h"
-#include "hal/kinematic_chain.h"
+#include "hal/kinematic_tree.h"
 #include "hal/rig_fault.h"
 #include "hal/rig_node.h"
 #include "hal/rig_validate.h"
@@ -31,18 +31,22 @@ enum class RigState : std::uint8_t {
   fault,     // a fault bit is set; torque runs down to 0 and stays there
 };
 
-/// The handle as the joint sensors have it.
-struct DeviceSample {
+struct HandleSample {
   Pose X_WH;
-  Twist V_WH;            // zero for joints whose sample is stale
-  JointVector q, q_dot;  // one number per joint of the chain
+  Twist V_WH;  // joints whose sample is stale count as at rest
+};
+
+/// The device as the joint sensors have it.
+struct DeviceSample {
+  std::array<HandleSample, max_handles> handles{};  // the first num_handles() of them
+  JointVector q, q_dot;                             // one number per joint
   bool valid = false;    // every joint's sample is good; otherwise the last good values are held
   Nanoseconds t_ns = 0;  // of the oldest joint sample
   Nanoseconds age = 0;   // of the oldest joint sample, at the time of read()
   RigFault faults = RigFault::none;
 };
 
-/// What became of a commanded wrench; bit i stands for RigParams::drives[i].
+/// What became of the commanded wrenches; bit i stands for RigParams::drives[i].
 struct CommandReport {
   std::uint32_t torque_limited = 0;  // raise torque_max_Nm to allow more
   std::uint32_t rate_limited = 0;    // raise torque_rate_Nm_per_s to allow more
@@ -89,12 +93,13 @@ class Rig {
   /// Every answer expected to the last SYNC of each bus has arrived.
   bool complete() const noexcept;
   /// Supervises (state changes and faults happen here, once the answers are in: a host that woke late is
-  /// no fault of the device), then gives the handle.
+  /// no fault of the device), then gives the handles.
   DeviceSample read(Nanoseconds now) noexcept;
-  /// F_hand_W: wrench of the device on the hand, world axes, about the handle origin. tau = J^T F at the
-  /// pose of the last read(), one RPDO1 to every drive. Zero unless armed. Call it in every cycle and
-  /// state: it also carries the controlwords.
-  CommandReport command(const Wrench& F_hand_W, Nanoseconds now) noexcept;
+  /// F_hand_W: for each handle the wrench of the device on the hand, world axes, about the handle's origin;
+  /// handles beyond its end get none. tau = sum of J^T F at the pose of the last read(), one RPDO1 to every
+  /// drive; what falls on a joint without a drive is not shown. Zero unless armed. Call it in every cycle
+  /// and state: it also carries the controlwords.
+  CommandReport command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept;
 
   RigState state() const noexcept { return state_; }
   bool ready() const noexcept { return state_ == RigState::ready || state_ == RigState::armed; }
@@ -104,7 +109,8 @@ class Rig {
   std::string fault_text() const;
   const RigCounters& counters() const noexcept { return counters_; }
 
-  std::size_t num_joints() const noexcept { return chain_.num_joints(); }
+  std::size_t num_joints() const noexcept { return tree_.num_joints(); }
+  std::size_t num_handles() const noexcept { return tree_.num_handles(); }
   std::size_t num_encoders() const noexcept { return encoders_.size(); }
   std::size_t num_drives() const noexcept { return drives_.size(); }
   const Encoder& encoder(std::size_t index) const noexcept { return encoders_[index].encoder; }
@@ -163,7 +169,7 @@ class Rig {
   std::uint16_t controlword_for(const Drive& drive) const noexcept;
 
   RigParams params_;
-  KinematicChain chain_;
+  KinematicTree tree_;
   std::vector<Bus> buses_;
   std::vector<RigNode> nodes_;
   std::vector<EncoderOnBus> encoders_;
@@ -173,7 +179,7 @@ class Rig {
   RigState state_ = RigState::off;
   Nanoseconds boot_started_ns_ = 0;
   Nanoseconds heartbeat_due_ns_ = 0;
-  ChainConfiguration configuration_;  // of the last read()
+  TreeConfiguration configuration_;  // of the last read()
   RigFaultLog fault_log_;
   RigCounters counters_;
 };

@@ -1,4 +1,4 @@
-// What a rig is made of: a kinematic chain, the encoders and drives on its joints, the buses
+// What a rig is made of: a tree of joints with handles, the encoders and drives on the joints, the buses
 // they hang on. Filled at set-up (from a scene file), constant while running.
 #pragma once
 
@@ -10,35 +10,49 @@
 
 namespace godobject {
 
-enum class ChainJointKind : std::uint8_t { hinge, slider };
+enum class DeviceJointKind : std::uint8_t { hinge, slider };
 
-/// One joint of the device's chain. Its coordinate q is rad (hinge) or m (slider);
-/// X_{previous,this}(q) = X_PJ * (turn or shift by q about/along axis_J).
-struct ChainJoint {
+/// What DeviceJoint::parent calls the base. No joint has this name.
+inline constexpr const char* base_name = "base";
+
+/// One joint of the device and the link it carries. Its coordinate q is rad (hinge) or m (slider);
+/// X_PL(q) = X_PJ * (turn or shift by q about/along axis_J).
+struct DeviceJoint {
   std::string name;
-  ChainJointKind kind = ChainJointKind::hinge;
-  Pose X_PJ{};                  // joint frame in the previous link's frame, at q = 0
+  std::string parent{};  // an earlier joint, on whose link it sits, or base_name; empty: the joint before
+  DeviceJointKind kind = DeviceJointKind::hinge;
+  Pose X_PJ{};                  // joint frame in the parent's link frame
   Vec3 axis_J = Vec3::UnitZ();  // unit
 };
 
-/// Serial chain from the world to the handle the user holds.
-struct ChainParams {
-  Pose X_WB;                       // base of the device in the world
-  std::vector<ChainJoint> joints;  // from the base outwards
-  Pose X_LH;                       // handle (= target of the coupled body) in the last link's frame
+/// Where the user holds a body of the tool: the handle is the target of that body.
+struct HandleParams {
+  std::string body;   // name of a coupled body; each has at most one handle
+  std::string joint;  // the handle is fixed to the link of this joint
+  Pose X_LH{};        // handle in that link's frame
 };
 
-/// Counts to the joint coordinate: q = sign * (counts - offset_counts) / counts_per_unit.
+/// Tree of links from the world to the handles. A serial arm is the tree without branches.
+struct KinematicTreeParams {
+  Pose X_WB{};                        // base of the device in the world
+  std::vector<DeviceJoint> joints;    // every parent before its children
+  std::vector<HandleParams> handles;  // their order is that of samples and commands
+};
+
+/// Counts to the joint coordinate: q = home + sign * (counts - offset_counts) / counts_per_unit.
+/// To home a sensor: bring its joint to a place that is known, e.g. in a jig; write down the counts and the
+/// coordinate there.
 struct Calibration {
   double counts_per_unit = 1;        // counts per rad or per m, > 0
   int sign = 1;                      // +1 or -1
-  std::int64_t offset_counts = 0;    // count that means q = 0
+  std::int64_t offset_counts = 0;    // count at q = home
   std::uint64_t modulus_counts = 0;  // counts wrap at this value; 0: they do not wrap (32 bits)
+  double home = 0;                   // rad or m
 };
 
 /// A CiA 406 absolute encoder.
 struct EncoderParams {
-  std::string joint;         // name of the chain joint it measures
+  std::string joint;         // name of the joint it measures
   std::size_t bus = 0;       // index into the scene's buses
   std::uint8_t node_id = 1;  // 1..127
   Calibration calibration{};
@@ -67,7 +81,7 @@ struct BusParams {
 
 struct RigParams {
   std::vector<BusParams> buses;
-  ChainParams chain;
+  KinematicTreeParams tree;
   std::vector<EncoderParams> encoders;
   std::vector<DriveParams> drives;
   double cycle_s = 1e-3;             // SYNC period

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "hal/canopen.h"
-#include "hal/kinematic_chain.h"
+#include "hal/kinematic_tree.h"
 
 namespace godobject {
 
@@ -18,10 +18,11 @@ class Checker {
 
   std::vector<std::string> run() {
     check_timing();
-    check_chain();
+    check_joints();
+    check_handles();
     for (const EncoderParams& encoder : rig_.encoders) check_encoder(encoder);
     for (const DriveParams& drive : rig_.drives) check_drive(drive);
-    for (const ChainJoint& joint : rig_.chain.joints) check_sensors_of(joint);
+    for (const DeviceJoint& joint : rig_.tree.joints) check_sensors_of(joint);
     return std::move(errors_);
   }
 
@@ -53,20 +54,39 @@ class Checker {
       require_positive(bus.bit_rate, "bus '" + bus.name + "': ", "bit_rate");
   }
 
-  void check_chain() {
-    const auto& joints = rig_.chain.joints;
-    require(!joints.empty() && joints.size() <= max_joints, "the chain has ", joints.size(),
+  void check_joints() {
+    const auto& joints = rig_.tree.joints;
+    require(!joints.empty() && joints.size() <= max_joints, "the device has ", joints.size(),
             " joints, must be 1..", max_joints);
-    check_pose(rig_.chain.X_WB, "chain: base pose");
-    check_pose(rig_.chain.X_LH, "chain: handle pose");
-    for (const ChainJoint& joint : joints) {
+    check_pose(rig_.tree.X_WB, "base pose");
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      const DeviceJoint& joint = joints[i];
       const std::string where = "joint '" + joint.name + "': ";
       require(std::abs(joint.axis_J.norm() - 1) < 1e-9, where, "axis must have unit length");
       check_pose(joint.X_PJ, where + "pose");
-      const auto same_name = [&](const ChainJoint& other) { return other.name == joint.name; };
-      require(!joint.name.empty() && std::ranges::count_if(joints, same_name) == 1, where,
+      require(!joint.name.empty() && std::ranges::count(joints, joint.name, &DeviceJoint::name) == 1, where,
               "name must be given, and only once");
+      require(joint.name != base_name, where, "is what the base is called: choose another name");
+      require(parent_link(joints, i).has_value(), where, "parent is '", joint.parent,
+              "', must be an earlier joint or '", base_name, "'");
     }
+  }
+
+  void check_handles() {
+    const auto& handles = rig_.tree.handles;
+    require(!handles.empty() && handles.size() <= max_handles, "the device has ", handles.size(),
+            " handles, must be 1..", max_handles);
+    for (const HandleParams& handle : handles) {
+      const std::string where = "handle of body '" + handle.body + "': ";
+      check_pose(handle.X_LH, where + "pose");
+      require(!handle.body.empty() && std::ranges::count(handles, handle.body, &HandleParams::body) == 1,
+              where, "body must be given, and only once");
+      require(has_joint(handle.joint), where, "the device has no joint '", handle.joint, "'");
+    }
+  }
+
+  bool has_joint(const std::string& name) const {
+    return std::ranges::find(rig_.tree.joints, name, &DeviceJoint::name) != rig_.tree.joints.end();
   }
 
   void check_pose(const Pose& X, const std::string& what) {
@@ -96,8 +116,7 @@ class Checker {
 
   void check_device(const std::string& joint, std::size_t bus, std::uint8_t node_id,
                     const std::string& where) {
-    const auto has_name = [&](const ChainJoint& other) { return other.name == joint; };
-    require(std::ranges::any_of(rig_.chain.joints, has_name), where, "the chain has no such joint");
+    require(has_joint(joint), where, "the device has no such joint");
     require(bus < rig_.buses.size(), where, "bus index is ", bus, ", the rig has ", rig_.buses.size(),
             " buses");
     require(node_id >= 1 && node_id <= canopen::max_node_id, where, "node_id is ", int{node_id},
@@ -113,6 +132,7 @@ class Checker {
     require_positive(calibration.counts_per_unit, where, "counts_per_unit");
     require(calibration.sign == 1 || calibration.sign == -1, where, sign_key, " is ", calibration.sign,
             ", must be 1 or -1");
+    require(std::isfinite(calibration.home), where, "home is ", calibration.home, ", must be finite");
     constexpr std::uint64_t counts_of_32_bits = std::uint64_t{1} << 32;
     require(calibration.modulus_counts <= counts_of_32_bits && calibration.modulus_counts != 1, where,
             "modulus_counts is ", calibration.modulus_counts, ", must be 2..2^32, or 0 for none");
@@ -125,7 +145,7 @@ class Checker {
             "at max_speed the joint travels half of modulus_counts within stale_after: lower one of them");
   }
 
-  void check_sensors_of(const ChainJoint& joint) {
+  void check_sensors_of(const DeviceJoint& joint) {
     const auto on_joint = [&](const auto& device) { return device.joint == joint.name; };
     const auto encoders = std::ranges::count_if(rig_.encoders, on_joint);
     const auto drives = std::ranges::count_if(rig_.drives, on_joint);

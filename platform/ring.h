@@ -5,21 +5,22 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 namespace godobject {
 
-/// One thread pushes, one other thread pops. A record that finds the ring full is lost and counted.
+/// One thread pushes, one other thread pops. A record that finds the ring full is lost and counted. Taking a
+/// record over from another must not allocate: it owns nothing, or storage that all records of the ring have
+/// alike.
 template <class T>
 class Ring {
-  static_assert(std::is_trivially_destructible_v<T>,
-                "copying a record must not allocate: it may own nothing");
   static_assert(std::atomic<std::size_t>::is_always_lock_free);
 
  public:
-  /// Room for at least this many records. Allocates, and touches all of it; nothing later does.
-  explicit Ring(std::size_t capacity) : slots_(std::bit_ceil(capacity)), mask_(slots_.size() - 1) {}
+  /// Room for at least this many records, all like `like`. Allocates, and touches all of it; nothing later
+  /// does.
+  explicit Ring(std::size_t capacity, const T& like = {})
+      : slots_(std::bit_ceil(capacity), like), mask_(slots_.size() - 1) {}
 
   std::size_t capacity() const noexcept { return slots_.size(); }
 

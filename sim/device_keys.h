@@ -4,7 +4,8 @@
 #include <numbers>
 #include <set>
 
-#include "hal/kinematic_chain.h"
+#include "hal/kinematic_tree.h"
+#include "sim/device_from_joints.h"
 #include "sim/scene.h"
 #include "sim/visit.h"
 
@@ -21,21 +22,33 @@ void visit_limits(V& v, LimitConfig& l) {
   v.value(Key{"ramp", "s", "from engage to full coupling and feedback; 0: at once", {0, 60}}, l.ramp);
 }
 
+/// Names that joints, handles, encoders and drives refer to.
+struct RigNames {
+  std::vector<std::string> bodies;  // that can have a handle
+  std::vector<std::string> buses, joints;
+  std::vector<DeviceJointKind> kinds;  // of joints
+};
+
 template <class V>
-void visit_joint(V& v, ChainJoint& j) {
-  visit_name(v, "name of the joint: encoders, drives and motion columns refer to it", j.name);
+void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
+  visit_name(v, "name of the joint: other joints, handles, encoders, drives and motion columns refer to it",
+             j.name);
+  v.check(j.name != base_name, "name", "is what the base is called: choose another name");
+  std::vector<std::string> parents{base_name};
+  parents.insert(parents.end(), names.joints.begin(), names.joints.end());
+  if (j.parent.empty()) j.parent = parents.back();
+  choose(v,
+         Key{.name = "parent",
+             .unit = "",
+             .meaning = "joint on whose link it sits, earlier in the file, or `\"base\"`",
+             .otherwise = "the joint before it"},
+         parents, j.parent);
   choose(v, Key{"kind", "", "hinge: coordinate in rad about `axis`; slider: in m along it"},
          std::array{"hinge", "slider"}, j.kind);
-  visit_pose(v, "position", "orientation_wxyz",
-             "the joint frame in the previous link's frame at coordinate 0", j.X_PJ);
+  visit_pose(v, "position", "orientation_wxyz", "the joint frame in the parent's link frame at coordinate 0",
+             j.X_PJ);
   v.unit_vector(Key{"axis", "", "unit vector in the joint frame"}, j.axis_J);
 }
-
-/// Names that encoders and drives refer to.
-struct RigNames {
-  std::vector<std::string> buses, joints;
-  std::vector<ChainJointKind> kinds;  // of joints
-};
 
 template <class V>
 void visit_node(V& v, const RigNames& names, std::string& joint, std::size_t& bus, std::uint8_t& node_id) {
@@ -54,13 +67,13 @@ void visit_calibration(V& v, std::string_view sign_key, const RigNames& names, c
            Key{"counts_per_turn", "", "counts per full turn of a hinge", positive},
            1 / (2 * std::numbers::pi), std::nullopt, c.counts_per_unit);
   const auto index = static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
-  const bool slider = index < names.kinds.size() && names.kinds[index] == ChainJointKind::slider;
+  const bool slider = index < names.kinds.size() && names.kinds[index] == DeviceJointKind::slider;
   v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
           "has no meaning on a slider: give counts_per_unit in 1/m");
   visit_sign(v, Key{sign_key, "", "1 or -1: direction in which counts rise", {-1, 1}}, c.sign);
-  v.value(
-      Key{"offset_counts", "", "count that means coordinate 0", {-9007199254740992.0, 9007199254740992.0}},
-      c.offset_counts);
+  v.value(Key{"offset_counts", "", "count at coordinate `home`", {-9007199254740992.0, 9007199254740992.0}},
+          c.offset_counts);
+  v.value(Key{"home", "rad or m", "joint coordinate at `offset_counts`, e.g. in a homing jig"}, c.home);
   v.value(Key{"modulus_counts", "", "counts wrap at this value; 0: they do not wrap", {0, 4294967296.0}},
           c.modulus_counts);
 }
@@ -124,15 +137,69 @@ void visit_supervision(V& v, RigParams& rig) {
 }
 
 template <class V>
-void visit_chain(V& v, ChainParams& chain, RigNames& names) {
-  v.tables(TableKey{"joint", "One joint of the chain, from the base outwards."}, chain.joints,
-           [&](auto& t, ChainJoint& j) {
-             visit_joint(t, j);
+void visit_joints(V& v, std::vector<DeviceJoint>& joints, RigNames& names) {
+  v.tables(TableKey{"joint",
+                    "One joint of the device and the link it carries, parents first. Without any the device "
+                    "has the joints of the "
+                    "tool, one for each coordinate."},
+           joints, [&](auto& t, DeviceJoint& j) {
+             visit_joint(t, names, j);
              t.check(std::ranges::find(names.joints, j.name) == names.joints.end(), "name",
                      "is the name of an earlier joint");
              names.joints.push_back(j.name);
              names.kinds.push_back(j.kind);
            });
+}
+
+template <class V>
+void visit_handle(V& v, const RigNames& names, HandleParams& h) {
+  choose(v, Key{.name = "body", .unit = "", .meaning = "coupled body it is the target of", .required = true},
+         names.bodies, h.body);
+  choose(v, Key{.name = "joint", .unit = "", .meaning = "joint on whose link it sits", .required = true},
+         names.joints, h.joint);
+  visit_pose(v, "position", "orientation_wxyz", "the handle in that link's frame", h.X_LH);
+}
+
+/// The one handle that [device.chain] can give without a table of its own.
+struct ShortHandle {
+  Pose X_LH;
+  bool given = false;
+};
+
+template <class V>
+void visit_chain(V& v, Pose& X_WB, ShortHandle& handle) {
+  visit_pose(v, "base_position", "base_orientation_wxyz", "the device's base in the world", X_WB);
+  v.shorthand(Key{"handle_position", "m", "position of the only handle in the last joint's link frame"},
+              handle.X_LH.p);
+  v.shorthand(Key{"handle_orientation_wxyz", "", "attitude of the same"}, handle.X_LH.q);
+  handle.given = v.has("handle_position") || v.has("handle_orientation_wxyz");
+}
+
+template <class V>
+void visit_handles(V& v, const RigNames& names, const ShortHandle& handle,
+                   const std::vector<HandleParams>& of_scene, std::vector<HandleParams>& handles) {
+  std::set<std::string> held;
+  v.tables(
+      TableKey{
+          "handle",
+          "Where the user holds a body of the tool. Without any there is one: of the first coupled "
+          "body, on the link of the last joint, posed by `handle_position` in `[device.chain]`; with the "
+          "joints of the tool one for each coupled body, where that is."},
+      handles, [&](auto& t, HandleParams& h) {
+        visit_handle(t, names, h);
+        t.check(held.insert(h.body).second, "body", "has an earlier handle");
+      });
+  v.check(handles.empty() || !handle.given, "handle",
+          "and handle_position in [device.chain] both place handles: remove one of them");
+  v.check(of_scene.empty() || !handle.given, "",
+          "handle_position in [device.chain] has no meaning where the device has the joints of the tool: "
+          "remove it, or write [[device.handle]] tables");
+  if (handles.empty()) handles = of_scene;
+  v.check(handles.size() <= max_handles, "handle",
+          "must be at most " + std::to_string(max_handles) + " tables [[device.handle]], not " +
+              std::to_string(handles.size()));
+  if (handles.empty() && !names.joints.empty() && !names.bodies.empty())
+    handles.push_back({.body = names.bodies.front(), .joint = names.joints.back(), .X_LH = handle.X_LH});
 }
 
 template <class V>
@@ -157,52 +224,77 @@ void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
 /// Rules between the parts of a rig.
 template <class V>
 void check_rig(V& v, const RigParams& rig) {
-  const std::size_t num_joints = rig.chain.joints.size();
+  const std::size_t num_joints = rig.tree.joints.size();
   v.check(!rig.buses.empty(), "", "joints, encoders and drives need a [[bus]]");
   v.check(num_joints >= 1 && num_joints <= max_joints, "joint",
           "must be 1 to " + std::to_string(max_joints) + " tables [[device.joint]], not " +
               std::to_string(num_joints));
-  for (const ChainJoint& joint : rig.chain.joints) {
+  for (const DeviceJoint& joint : rig.tree.joints) {
     const auto on_joint = [&](const auto& node) { return node.joint == joint.name; };
     v.check(std::ranges::any_of(rig.encoders, on_joint) || std::ranges::any_of(rig.drives, on_joint), "",
             "nothing measures joint '" + joint.name + "': add a [[device.encoder]] for it");
   }
 }
 
-/// The chain, its encoders and its drives; false when the file has none of them.
+/// A device without joints of its own has those of the tool. Returns the handles they give.
 template <class V>
-bool visit_rig(V& v, bool present, RigParams& rig) {
+std::vector<HandleParams> take_joints_of_tool(V& v, const SceneConfig& scene, RigNames& names,
+                                              std::vector<DeviceJoint>& joints) {
+  DeviceTree device = device_from_joints(scene);
+  for (const std::string& error : device.errors) v.check(false, "", error);
+  joints = std::move(device.tree.joints);
+  for (const DeviceJoint& joint : joints) {
+    names.joints.push_back(joint.name);
+    names.kinds.push_back(joint.kind);
+  }
+  return std::move(device.tree.handles);
+}
+
+/// The tree, its encoders and its drives; false when the file has none of them.
+template <class V>
+bool visit_rig(V& v, bool present, const SceneConfig& scene, std::vector<std::string> bodies,
+               RigParams& rig) {
   bool has_supervision = present, has_chain = present;
   v.table(TableKey{"supervision", "When the host gives up on a node."}, has_supervision,
           [&](auto& t) { visit_supervision(t, rig); });
-  v.table(TableKey{"chain", "Where the chain of joints begins and where the hand holds it."}, has_chain,
-          [&](auto& t) {
-            visit_pose(t, "base_position", "base_orientation_wxyz", "the device's base in the world",
-                       rig.chain.X_WB);
-            visit_pose(t, "handle_position", "handle_orientation_wxyz", "the handle in the last link's frame",
-                       rig.chain.X_LH);
-          });
-  RigNames names;
+  ShortHandle handle;
+  v.table(TableKey{"chain", "Where the device stands, and in the simplest case where the hand holds it."},
+          has_chain, [&](auto& t) { visit_chain(t, rig.tree.X_WB, handle); });
+  RigNames names{.bodies = std::move(bodies), .buses = {}, .joints = {}, .kinds = {}};
   for (const BusParams& bus : rig.buses) names.buses.push_back(bus.name);
-  visit_chain(v, rig.chain, names);
+  visit_joints(v, rig.tree.joints, names);
+  const bool has_more = v.has("handle") || v.has("encoder") || v.has("drive");
+  std::vector<HandleParams> of_scene;
+  if (has_more && rig.tree.joints.empty() && !scene.joints.empty())
+    of_scene = take_joints_of_tool(v, scene, names, rig.tree.joints);
+  visit_handles(v, names, handle, of_scene, rig.tree.handles);
   visit_nodes(v, names, rig);
-  present = has_supervision || has_chain || !rig.chain.joints.empty() || !rig.encoders.empty() ||
-            !rig.drives.empty() || !rig.buses.empty();
+  present = has_supervision || has_chain || !rig.tree.joints.empty() || !rig.tree.handles.empty() ||
+            !rig.encoders.empty() || !rig.drives.empty() || !rig.buses.empty();
   if (present) check_rig(v, rig);
   return present;
 }
 
+/// Bodies that can have a handle: the coupled ones; without any, the first where an admittance device
+/// pushes it.
+inline std::vector<std::string> holdable_bodies(SceneConfig scene, const DeviceConfig& device) {
+  scene.device = device;
+  std::vector<std::string> names;
+  for (const std::size_t body : driven_bodies(scene)) names.push_back(scene.bodies[body].name);
+  return names;
+}
+
 template <class V>
-void visit_device(V& v, double step, const std::vector<BusParams>& buses, DeviceConfig& d) {
+void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& buses, DeviceConfig& d) {
   visit_name(v, "name of the device", d.name);
   choose(v, Key{"kind", "", "what it gives and takes"}, device_kind_names, d.kind);
   plain_table(v, TableKey{"limits", "Bounds of the wrench shown to the hand, and the ramp on engage."},
               [&](auto& t) { visit_limits(t, d.limits); });
-  RigParams rig = d.rig.value_or(RigParams{.buses = buses, .chain = {}, .encoders = {}, .drives = {}});
+  RigParams rig = d.rig.value_or(RigParams{.buses = buses, .tree = {}, .encoders = {}, .drives = {}});
   rig.buses = buses;
-  rig.cycle_s = step;
-  if (!d.rig) rig.stale_after_s = default_stale_steps * step;
-  if (visit_rig(v, d.rig.has_value(), rig)) d.rig = rig;
+  rig.cycle_s = scene.step;
+  if (!d.rig) rig.stale_after_s = default_stale_steps * scene.step;
+  if (visit_rig(v, d.rig.has_value(), scene, holdable_bodies(scene, d), rig)) d.rig = rig;
   plain_table(v, TableKey{"plant", "The simulated mechanics of the device and the hand that holds it."},
               [&](auto& t) { visit_plant(t, d.plant); });
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/energy.h"
+#include "core/joint_imposed.h"
 #include "sim/scene.h"
 
 namespace godobject {
@@ -19,7 +20,8 @@ struct BodySample {
   Wrench F_WB;  // force of the hand (admittance)
   bool valid = true;
   bool engaged = true;
-  bool clutch = true;  // relative devices
+  bool clutch = true;       // relative devices
+  JointMotionSample joint;  // coordinates of the body's joint, if that is imposed
 };
 
 /// What one body does.
@@ -29,6 +31,7 @@ struct BodyView {
   Target target;      // target the body is pulled to (relative devices: built up so far)
   Wrench feedback_D;  // shown to the hand
   Wrench coupling_B;  // (2) at the end of the step; only from view()
+  Wrench joint_C;     // of its joint on the body, at the joint's anchor on it; mean of the step's last stage
 };
 
 struct StepReport {
@@ -39,7 +42,7 @@ struct StepReport {
 /// A part of a composition and what it costs in it, for all of the composition's bodies.
 struct PartBytes {
   std::string name;  // of the slot in the scene type: "coupling"
-  std::size_t params_bytes = 0, state_bytes = 0;
+  std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
 };
 
 /// The parts of a composition and what they cost.
@@ -48,6 +51,7 @@ struct Composition {
   std::string integrator;
   std::size_t max_bodies = 0;
   bool device = false, coupling = false, feedback = false;
+  bool joints = false, stops = false, imposed = false;
   DeviceKind kind = DeviceKind::non_haptic;  // meaningful with a device
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
   std::vector<PartBytes> parts;  // those that have storage
@@ -74,7 +78,7 @@ class Engine {
 std::vector<Composition> compositions();
 
 /// The smallest composition that covers the scene, started with the devices' samples at t = 0;
-/// null with the reason in `why_not` when none does.
+/// null with the reason in `why_not` when none does, or when the core does not take the scene's parameters.
 std::unique_ptr<Engine> make_engine(const SceneConfig& scene, std::span<const BodySample> at_start,
                                     std::string& why_not);
 

@@ -3,6 +3,7 @@
 
 #include "core/godobject.h"
 #include "sim/engine.h"
+#include "sim/joint_params.h"
 
 namespace godobject {
 
@@ -27,6 +28,26 @@ inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexce
   return {.k = c->stiffness, .g = c->damping, .k_r = c->rotational_stiffness, .g_r = c->rotational_damping};
 }
 
+inline StopParams stop_params(const StopConfig& stop) noexcept {
+  StopParams par{.k = stop.stiffness, .g = stop.damping, .width = stop.width};
+  par.lower = stop.lower.value_or(par.lower);
+  par.upper = stop.upper.value_or(par.upper);
+  return par;
+}
+
+template <class Joints>
+typename Joints::Params joint_params_of(const SceneConfig& scene, const JointConfig& joint) {
+  typename Joints::Params par;
+  static_cast<JointParams&>(par) = joint_params(scene.bodies, joint);
+  if constexpr (uses<typename Joints::Stops>) {
+    for (const StopConfig& stop : joint.stops)
+      for (std::size_t i = 0; i < joint.coordinates.size(); ++i)
+        if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop_params(stop);
+  }
+  if constexpr (uses<typename Joints::Imposed>) par.lead.imposed = joint.imposed;
+  return par;
+}
+
 template <Scene S>
 Params<S> params_of(const SceneConfig& scene) {
   Params<S> par;
@@ -47,6 +68,10 @@ Params<S> params_of(const SceneConfig& scene) {
     }
     if constexpr (uses<typename S::Device>) par.bodies[i].device.rise = limits.ramp;
   }
+  if constexpr (uses<typename S::Joints>) {
+    for (const JointConfig& joint : scene.joints)
+      par.bodies[*body_named(scene, joint.child)].joint = joint_params_of<typename S::Joints>(scene, joint);
+  }
   return par;
 }
 
@@ -66,6 +91,10 @@ class EngineOf final : public Engine {
         if (!at_once) x_.bodies[i].device.ramp = {};
       }
     }
+    if constexpr (imposes<S>) {
+      for (const JointConfig& joint : scene.joints)
+        x_.bodies[*body_named(scene, joint.child)].joint.last.q = coordinates_at_start(scene.bodies, joint);
+    }
   }
 
   const Composition& composition() const noexcept override { return composition_; }
@@ -75,6 +104,7 @@ class EngineOf final : public Engine {
       for (std::size_t i = 0; i < par_.num_bodies; ++i) {
         set_input(samples[i], before_[i], in_.devices[i]);
         if (samples[i].valid) before_[i] = {.X_WD = samples[i].X_WD, .V_WD = samples[i].V_WD};
+        if constexpr (imposes<S>) in_.joints[i] = samples[i].joint;
       }
     }
     godobject::step(par_, in_, x_, w_, out_);
@@ -86,9 +116,11 @@ class EngineOf final : public Engine {
                .V_WB = {.w = to_world(x_.bodies[i].x.X_WB.q, x_.bodies[i].x.w_B), .v = x_.bodies[i].x.v_W},
                .target = {},
                .feedback_D = feedback(i),
-               .coupling_B = {}};
+               .coupling_B = {},
+               .joint_C = {}};
     if constexpr (uses<typename S::Device>) v.target = x_.bodies[i].device.last;
     if constexpr (uses<typename S::Coupling>) v.coupling_B = coupling_wrench(par_, x_, i);
+    if constexpr (uses<typename S::Joints>) v.joint_C = out_.bodies[i].joint.F_C;
     return v;
   }
 
@@ -122,21 +154,43 @@ class EngineOf final : public Engine {
 struct CompositionRow {
   Composition composition;
   std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&);
+  Invalid (*check)(const SceneConfig&);  // of the core, on the scene's parameters
 };
 
 template <Scene S>
+constexpr bool stops_of() noexcept {
+  if constexpr (uses<typename S::Joints>) return uses<typename S::Joints::Stops>;
+  return false;
+}
+
+template <Scene S>
 std::vector<PartBytes> parts_of() {
+  using Device = typename S::Device;
+  using Joints = typename S::Joints;
+  using Memory = typename S::Integrator::Memory;
+  constexpr std::size_t N = S::max_bodies;
   std::vector<PartBytes> parts;
-  const auto add = [&](const char* name, std::size_t params_bytes, std::size_t state_bytes) {
-    parts.push_back({name, S::max_bodies * params_bytes, S::max_bodies * state_bytes});
+  const auto add = [&](const char* name, std::size_t params, std::size_t state, std::size_t scratch) {
+    parts.push_back({name, N * params, N * state, scratch});
   };
   const auto add_slot = [&]<class Part>(const char* name, const Part*) {
-    if constexpr (uses<Part>) add(name, sizeof(typename Part::Params), sizeof(typename Part::State));
+    if constexpr (uses<Part>) add(name, sizeof(typename Part::Params), sizeof(typename Part::State), 0);
   };
-  using Memory = typename S::Integrator::Memory;
-  add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState));
-  if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory));
-  add_slot("device", static_cast<const typename S::Device*>(nullptr));
+  using W = Scratch<S>;
+  constexpr std::size_t stage = sizeof(W::next) + sizeof(W::bases) + sizeof(W::velocities);
+  constexpr std::size_t targets = sizeof(W::pulls) + sizeof(W::inside);
+  add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState), stage + (uses<Device> ? 0 : targets));
+  if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory), 0);
+  if constexpr (uses<Device>)
+    add("device", sizeof(typename Device::Params), sizeof(typename Device::State), targets);
+  if constexpr (uses<Joints>) {
+    const std::size_t stops = stops_of<S>() ? sizeof(typename Joints::Stops::Params) : 0;
+    add("joints", sizeof(JointParams), 0, sizeof(W::tree));
+    if (stops > 0) add("joint stops", stops, 0, 0);
+    if constexpr (imposes<S>)
+      add("imposed joints", sizeof(typename Joints::Params) - sizeof(JointParams) - stops,
+          sizeof(typename Joints::State), sizeof(W::leads));
+  }
   add_slot("coupling", static_cast<const typename S::Coupling*>(nullptr));
   add_slot("feedback", static_cast<const typename S::Feedback*>(nullptr));
   return parts;
@@ -150,14 +204,19 @@ CompositionRow row(std::string name, DeviceKind kind) {
                 .device = uses<typename S::Device>,
                 .coupling = uses<typename S::Coupling>,
                 .feedback = uses<typename S::Feedback>,
+                .joints = uses<typename S::Joints>,
+                .stops = stops_of<S>(),
+                .imposed = imposes<S>,
                 .kind = kind,
                 .params_bytes = sizeof(Params<S>),
                 .state_bytes = sizeof(State<S>),
                 .scratch_bytes = sizeof(Scratch<S>),
                 .parts = parts_of<S>()};
-  return {std::move(c),
-          [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
-              -> std::unique_ptr<Engine> { return std::make_unique<EngineOf<S>>(scene, at_start, what); }};
+  return {
+      std::move(c),
+      [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
+          -> std::unique_ptr<Engine> { return std::make_unique<EngineOf<S>>(scene, at_start, what); },
+      [](const SceneConfig& scene) { return validate(*std::make_unique<Params<S>>(params_of<S>(scene))); }};
 }
 
 // One file each: sim/engine_<what>.cc.
@@ -166,6 +225,9 @@ void add_pose(std::vector<CompositionRow>& table);
 void add_haptic(std::vector<CompositionRow>& table);
 void add_relative(std::vector<CompositionRow>& table);
 void add_admittance(std::vector<CompositionRow>& table);
+void add_free_joints(std::vector<CompositionRow>& table);
+void add_pose_joints(std::vector<CompositionRow>& table);
+void add_haptic_joints(std::vector<CompositionRow>& table);
 
 /// Adds the scene with both integrators and all capacities.
 template <template <class, std::size_t> class SceneOf>
@@ -176,6 +238,13 @@ void add_all(std::vector<CompositionRow>& table, const char* name, DeviceKind ki
   table.push_back(row<SceneOf<TrBdf2, 1>>(name, kind));
   table.push_back(row<SceneOf<TrBdf2, 2>>(name, kind));
   table.push_back(row<SceneOf<TrBdf2, 8>>(name, kind));
+}
+
+/// Adds the scene with both integrators and one capacity.
+template <template <class, std::size_t> class SceneOf, std::size_t N>
+void add_both(std::vector<CompositionRow>& table, const char* name, DeviceKind kind) {
+  table.push_back(row<SceneOf<ImplicitEuler, N>>(name, kind));
+  table.push_back(row<SceneOf<TrBdf2, N>>(name, kind));
 }
 
 }  // namespace godobject

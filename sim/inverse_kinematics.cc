@@ -14,7 +14,7 @@ namespace {
 using Vec6 = Eigen::Matrix<Real, 6, 1>;
 using Mat6 = Eigen::Matrix<Real, 6, 6>;
 
-constexpr int joints_needed = 6;
+constexpr std::size_t joints_needed = 6;
 constexpr int max_iterations = 100;
 constexpr double tolerance = 1e-12;  // m, and rad times lever_m: far below one encoder count
 constexpr double lever_m = 0.1;      // a radian of attitude error weighs as much as this distance
@@ -36,8 +36,8 @@ Vec6 pose_error(const Pose& X_WD, const Pose& X_WH) noexcept {
   return e;
 }
 
-Mat6 weighted_jacobian(const ChainConfiguration& configuration) noexcept {
-  Mat6 J = configuration.J;
+Mat6 weighted_jacobian(const TreeConfiguration& configuration) noexcept {
+  Mat6 J = configuration.jacobian(0);
   J.topRows<3>() *= lever_m;
   return J;
 }
@@ -56,22 +56,29 @@ Vec6 levenberg_step(const Mat6& J, const Vec6& e, double damping) noexcept {
 
 }  // namespace
 
-InverseKinematics::InverseKinematics(const ChainParams& chain) noexcept
-    : chain_(chain), q_(JointVector::Zero(static_cast<Eigen::Index>(chain_.num_joints()))) {}
+InverseKinematics::InverseKinematics(const KinematicTreeParams& tree) noexcept
+    : tree_(tree), q_(JointVector::Zero(static_cast<Eigen::Index>(tree_.num_joints()))) {}
+
+bool InverseKinematics::invertible() const noexcept {
+  if (tree_.num_handles() != 1 || tree_.num_joints() != joints_needed) return false;
+  for (std::size_t joint = 0; joint < joints_needed; ++joint)
+    if (!tree_.moves(joint, 0)) return false;
+  return true;
+}
 
 IkSolution InverseKinematics::solve(const Pose& X_WH) noexcept {
   IkSolution out;
   out.q = q_;
-  if (chain_.num_joints() != joints_needed || !X_WH.p.allFinite() || !X_WH.q.coeffs().allFinite()) return out;
+  if (!invertible() || !X_WH.p.allFinite() || !X_WH.q.coeffs().allFinite()) return out;
 
-  ChainConfiguration configuration = chain_.at(out.q);
-  Vec6 e = pose_error(X_WH, configuration.X_WH);
+  TreeConfiguration configuration = tree_.at(out.q);
+  Vec6 e = pose_error(X_WH, configuration.X_WH(0));
   double damping = min_damping;
   while (!(e.norm() <= tolerance) && out.iterations < max_iterations && damping <= max_damping) {
     ++out.iterations;
     const JointVector q_next = out.q + levenberg_step(weighted_jacobian(configuration), e, damping);
-    const ChainConfiguration next = chain_.at(q_next);
-    const Vec6 e_next = pose_error(X_WH, next.X_WH);
+    const TreeConfiguration next = tree_.at(q_next);
+    const Vec6 e_next = pose_error(X_WH, next.X_WH(0));
     if (e_next.norm() < e.norm()) {
       out.q = q_next;
       configuration = next;
@@ -94,8 +101,8 @@ IkSolution InverseKinematics::solve(const Pose& X_WH) noexcept {
 
 bool InverseKinematics::joint_rates(const Twist& V_WH, JointVector& q_dot) const noexcept {
   q_dot.setZero(q_.size());
-  if (chain_.num_joints() != joints_needed) return false;
-  const Mat6 J = weighted_jacobian(chain_.at(q_));
+  if (!invertible()) return false;
+  const Mat6 J = weighted_jacobian(tree_.at(q_));
   if (is_singular(J)) return false;
   Vec6 V;
   V << lever_m * V_WH.w, V_WH.v;

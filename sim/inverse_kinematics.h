@@ -1,8 +1,8 @@
-// Joint coordinates of a six-joint chain from the pose of its handle: how a motion that is given as
+// Joint coordinates of a six-joint arm from the pose of its one handle: how a motion that is given as
 // a pose is played through joint encoders.
 #pragma once
 
-#include "hal/kinematic_chain.h"
+#include "hal/kinematic_tree.h"
 
 namespace godobject {
 
@@ -10,12 +10,12 @@ enum class IkStatus : std::uint8_t {
   solved,
   singular,     // pose met, but no joint rates give an arbitrary twist there
   unreachable,  // no convergence: outside the workspace, or not reached from this start
-  wrong_chain,  // not six joints, or a pose that is not finite
+  wrong_input,  // not a device this can invert, or a pose that is not finite
 };
 
 struct IkSolution {
   JointVector q;  // best found, also when not solved
-  IkStatus status = IkStatus::wrong_chain;
+  IkStatus status = IkStatus::wrong_input;
   double residual_m = 0;    // distance of the handle from the wanted position
   double residual_rad = 0;  // angle from the wanted attitude
   int iterations = 0;
@@ -25,9 +25,12 @@ struct IkSolution {
 /// a continuous motion stays on one branch. Bounded work, no heap.
 class InverseKinematics {
  public:
-  explicit InverseKinematics(const ChainParams& chain) noexcept;
+  explicit InverseKinematics(const KinematicTreeParams& tree) noexcept;
 
-  /// Starting point of the next solve. The chain's own q = 0 at construction.
+  /// Whether the device is of the kind this can invert: one handle, and six joints all of which move it.
+  bool invertible() const noexcept;
+
+  /// Starting point of the next solve. The device's own q = 0 at construction.
   void start_at(const JointVector& q) noexcept { q_ = q; }
 
   /// On `unreachable` the starting point is kept as it was.
@@ -37,7 +40,7 @@ class InverseKinematics {
   [[nodiscard]] bool joint_rates(const Twist& V_WH, JointVector& q_dot) const noexcept;
 
  private:
-  KinematicChain chain_;
+  KinematicTree tree_;
   JointVector q_;
 };
 

@@ -28,6 +28,7 @@ struct Key {
   std::string_view meaning;
   Range range = any_number;
   bool required = false;
+  std::string_view otherwise = {};  // in words, where the default depends on other keys
 };
 
 struct TableKey {

@@ -4,8 +4,11 @@ namespace godobject {
 
 void KeyReference::row(const Key& key, const std::string& type, const std::string& default_text) {
   out_ += "| `" + std::string(key.name) + "` | " + type + " | " + std::string(key.unit) + " | " +
-          to_string(key.range) + " | " + (key.required ? "required" : default_text) + " | " +
-          std::string(key.meaning) + " |\n";
+          to_string(key.range) + " | " +
+          (key.required            ? "required"
+           : key.otherwise.empty() ? default_text
+                                   : std::string(key.otherwise)) +
+          " | " + std::string(key.meaning) + " |\n";
 }
 
 void KeyReference::value(const Key& key, const Vec3& x) {
@@ -18,7 +21,7 @@ void KeyReference::either(const Key& key, const Key& other, double, std::optiona
 }
 
 void KeyReference::one_of(const Key& key, const std::vector<std::string>& names, std::size_t index) {
-  if (key.required) {  // one of the names that the file itself defines
+  if (key.required || !key.otherwise.empty()) {  // one of the names that the file itself defines
     row(key, "string", "");
     return;
   }

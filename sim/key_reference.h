@@ -21,11 +21,16 @@ class KeyReference {
     row(key, "string", x.empty() ? "empty" : "`\"" + x + "\"`");
   }
   void value(const Key& key, const Vec3& x);
+  void value(const Key& key, bool x) { row(key, "boolean", x ? "true" : "false"); }
+  void value(const Key& key, const std::optional<double>&) { row(key, "number", "none"); }
+  void value(const Key& key, const std::vector<std::string>&) { row(key, "strings", "none"); }
   template <std::integral T>
   void value(const Key& key, T x) {
     row(key, "integer", std::to_string(x));
   }
   void shorthand(const Key& key, double) { row(key, "number", "none"); }
+  void shorthand(const Key& key, const Vec3& x) { value(key, x); }
+  void shorthand(const Key& key, const Quat& q) { attitude(key, q); }
   void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback,
               double x);
   void unit_vector(const Key& key, const Vec3& x) { value(key, x); }

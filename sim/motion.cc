@@ -1,5 +1,6 @@
 #include "sim/motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +21,11 @@ Sample<Vec3> sines(const Vec3& amplitude, const Vec3& frequency_hz, const Vec3& 
   return sample;
 }
 
+Sample<double> sine(const CoordinateMotion& m, double t) noexcept {
+  const double omega = 2 * std::numbers::pi * m.frequency_hz, angle = omega * t + m.phase;
+  return {m.offset + m.amplitude * std::sin(angle), m.amplitude * omega * std::cos(angle)};
+}
+
 Quat turn(const Vec3& axis, double angle) noexcept { return Quat(Eigen::AngleAxis<Real>(angle, axis)); }
 
 MotionSample evaluate(const MotionConfig& m, double t) noexcept {
@@ -38,8 +44,20 @@ MotionSample evaluate(const MotionConfig& m, double t) noexcept {
 }  // namespace
 
 Motion::Motion(const SceneConfig& scene) : built_in_(scene.motion) {
-  for (const std::size_t body : driven_bodies(scene)) starts_.push_back(scene.bodies[body].X_WB);
-  if (scene.device && scene.device->rig) chain_.emplace(scene.device->rig->chain);
+  const std::vector<std::size_t> driven = driven_bodies(scene);
+  for (const std::size_t body : driven) starts_.push_back(scene.bodies[body].X_WB);
+  handles_.resize(driven.size());
+  if (!scene.device || !scene.device->rig) return;
+  tree_.emplace(scene.device->rig->tree);
+  const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
+  for (std::size_t handle = 0; handle < tree_->num_handles(); ++handle)
+    if (by_handle[handle]) handles_[*by_handle[handle]] = handle;
+  if (!built_in_ || built_in_->joints.empty()) return;
+  for (std::size_t joint = 0; joint < tree_->num_joints(); ++joint) {
+    const std::string& name = scene.device->rig->tree.joints[joint].name;
+    const auto moved = std::ranges::find(built_in_->joints, name, &CoordinateMotion::coordinate);
+    joint_sines_.push_back(moved == built_in_->joints.end() ? CoordinateMotion{} : *moved);
+  }
 }
 
 MotionSample Motion::target(std::size_t body, double t) const noexcept {
@@ -49,10 +67,10 @@ MotionSample Motion::target(std::size_t body, double t) const noexcept {
     const RotationCurve::Attitude q = poses_[body].q.at(place);
     return {{p.value, q.q}, {q.w_W, p.rate}};
   }
-  if (body == 0 && has_joints()) {
+  if (has_joints() && handles_[body]) {
     const JointTarget sample = joints(t);
-    const ChainConfiguration chain = chain_->at(sample.q);
-    return {chain.X_WH, chain.twist(sample.q_dot)};
+    const TreeConfiguration device = tree_->at(sample.q);
+    return {device.X_WH(*handles_[body]), device.twist(*handles_[body], sample.q_dot)};
   }
   if (body == 0 && built_in_) return evaluate(*built_in_, t);
   return {starts_[body], {}};
@@ -70,16 +88,16 @@ Wrench Motion::wrench(std::size_t body, double t) const noexcept {
 }
 
 JointTarget Motion::joints(double t) const noexcept {
-  const auto n = static_cast<Eigen::Index>(joints_.size());
-  JointTarget sample{JointVector::Zero(n), JointVector::Zero(n)};
-  if (!has_joints()) return sample;
-  const TimeGrid::Place place = grid_->locate(t);
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const Sample<double> joint = joints_[i].at(place);
-    sample.q[static_cast<Eigen::Index>(i)] = joint.value;
-    sample.q_dot[static_cast<Eigen::Index>(i)] = joint.rate;
+  const std::size_t n = std::max(joints_.size(), joint_sines_.size());
+  JointTarget target{JointVector::Zero(static_cast<Eigen::Index>(n)),
+                     JointVector::Zero(static_cast<Eigen::Index>(n))};
+  const TimeGrid::Place place = joints_.empty() ? TimeGrid::Place{} : grid_->locate(t);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Sample<double> joint = joints_.empty() ? sine(joint_sines_[i], t) : joints_[i].at(place);
+    target.q[static_cast<Eigen::Index>(i)] = joint.value;
+    target.q_dot[static_cast<Eigen::Index>(i)] = joint.rate;
   }
-  return sample;
+  return target;
 }
 
 MotionSwitches Motion::switches(std::size_t body, double t) const noexcept {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/kinematic_chain.h"
+#include "hal/kinematic_tree.h"
 #include "sim/csv.h"
 #include "sim/curve.h"
 #include "sim/scene.h"
@@ -19,7 +19,7 @@ struct MotionSample {
   Twist V_WD;
 };
 
-/// Joint coordinates of the device's chain and their rates.
+/// Joint coordinates of the device and their rates.
 struct JointTarget {
   JointVector q;
   JointVector q_dot;
@@ -36,14 +36,14 @@ struct MotionResult;
 /// Bodies are counted as driven_bodies() of the scene lists them. Evaluation does not allocate.
 class Motion {
  public:
-  /// The scene's own [motion] for the first driven body; other bodies rest at their start, and so does
-  /// the first where the scene has no [motion].
+  /// The scene's own [motion]: of the device's joints, each handle moving its body, or of the first driven
+  /// body. Other bodies rest at their start, and so does the first where the scene has no [motion].
   explicit Motion(const SceneConfig& scene);
 
   /// From a table with columns t (s, strictly increasing) and, for every driven body,
   ///   <body>.x, y, z, qw, qx, qy, qz   (m; unit quaternion), or
   ///   <body>.fx, fy, fz, tx, ty, tz    (N, N m; admittance devices), or
-  ///   <joint> for every joint of the device's chain (rad or m);
+  ///   <joint> for every joint of the device (rad or m): each handle moves its body, other bodies rest;
   /// and, for any of them, <body>.engaged, <body>.clutch (0 or 1). A table with no other columns than these
   /// leaves the target, or the wrench, to the scene's own [motion].
   /// Between samples: sim/curve.h. Before the first and after the last: the end's pose at rest, its wrench.
@@ -56,8 +56,9 @@ class Motion {
   MotionSample target(std::size_t body, double t) const noexcept;
   /// The hand's wrench on an admittance device's body, world axes about the body's origin.
   Wrench wrench(std::size_t body, double t) const noexcept;
-  /// True for a table of joint coordinates; then joints() has them and target(0, t) is the handle's pose.
-  bool has_joints() const noexcept { return !joints_.empty(); }
+  /// True for a motion of the device's joints; then joints() has them and target(i, t) is the pose of the
+  /// handle of body i.
+  bool has_joints() const noexcept { return !joints_.empty() || !joint_sines_.empty(); }
   JointTarget joints(double t) const noexcept;
   /// Both on where the table says nothing.
   MotionSwitches switches(std::size_t body, double t) const noexcept;
@@ -74,10 +75,12 @@ class Motion {
     VectorCurve<Vec3> f, tau;
   };
 
-  std::vector<Pose> starts_;              // per driven body
-  std::optional<MotionConfig> built_in_;  // for body 0
-  std::optional<KinematicChain> chain_;
-  std::optional<TimeGrid> grid_;  // of a table, which fills one of:
+  std::vector<Pose> starts_;                   // per driven body
+  std::optional<MotionConfig> built_in_;       // for body 0
+  std::vector<CoordinateMotion> joint_sines_;  // of the scene, one per joint of the device
+  std::optional<KinematicTree> tree_;
+  std::vector<std::optional<std::size_t>> handles_;  // per driven body: its handle
+  std::optional<TimeGrid> grid_;                     // of a table, which fills one of:
   std::vector<PoseCurve> poses_;
   std::vector<WrenchCurve> wrenches_;
   std::vector<VectorCurve<double>> joints_;

@@ -54,7 +54,7 @@ class MotionReader {
   std::vector<std::string> joint_columns() const {
     std::vector<std::string> columns;
     if (!scene_.device || !scene_.device->rig) return columns;
-    for (const ChainJoint& joint : scene_.device->rig->chain.joints) columns.push_back(joint.name);
+    for (const DeviceJoint& joint : scene_.device->rig->tree.joints) columns.push_back(joint.name);
     return columns;
   }
   std::vector<std::string> columns_of(Content content) const {
@@ -155,6 +155,7 @@ class MotionReader {
     const TimeGrid grid(numbers(table_.columns().front()));
     if (content != Content::nothing) {
       motion_.built_in_.reset();
+      motion_.joint_sines_.clear();
       motion_.grid_ = grid;
     }
     if (content == Content::poses) fill_poses();

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/types.h"
+#include "core/joint.h"
 #include "hal/rig_params.h"
 
 namespace godobject {
@@ -74,6 +74,52 @@ struct BodyConfig {
   std::optional<FeedbackConfig> feedback;  // absent or zero: no haptics
 };
 
+/// What joints and messages call the ground. No body has this name.
+inline constexpr const char* world_name = "world";
+
+/// Springs at the ends of one coordinate of a joint (19).
+struct StopConfig {
+  std::string coordinate;              // of the joint
+  std::optional<double> lower, upper;  // rad (within +-pi) or m; absent: no end there
+  double stiffness = 0;                // N m/rad or N/m, beyond `width`
+  double damping = 0;                  // N m s/rad or N s/m, on the way in
+  double width = 0;                    // rad or m over which both rise, > 0
+};
+
+struct JointConfig {
+  std::string name;
+  JointKind kind = JointKind::hinge;
+  std::string parent = world_name;  // name of a body, or world_name
+  std::string child;                // name of a body
+  Pose X_BP;  // joint frame on the parent, body axes about its centre of mass; on the world
+  Pose X_BC;  // joint frame on the child, likewise
+  std::vector<std::string> coordinates;  // num_coordinates(kind) names: turns, then slides
+  bool imposed = false;                  // the coordinates follow the device's joints of the same names
+  std::vector<StopConfig> stops;         // at most one for each coordinate
+};
+
+/// Coordinates that have a name: a ball joint's turns have none.
+constexpr std::size_t num_coordinates(JointKind kind) noexcept {
+  switch (kind) {
+    case JointKind::hinge:
+    case JointKind::slider: return 1;
+    case JointKind::cylindrical:
+    case JointKind::universal: return 2;
+    default: return 0;
+  }
+}
+
+/// Whether coordinate i of the joint is a turn, rad; otherwise it is a slide, m.
+constexpr bool is_turn(JointKind kind, std::size_t i) noexcept {
+  return kind != JointKind::slider && !(kind == JointKind::cylindrical && i == 1);
+}
+
+/// One coordinate of a built-in motion: offset + amplitude sin(2 pi f t + phase).
+struct CoordinateMotion {
+  std::string coordinate;                                         // of a joint of the device
+  double offset = 0, amplitude = 0, frequency_hz = 0, phase = 0;  // rad or m, Hz, rad
+};
+
 /// A built-in motion of the target, used where no --motion file is given.
 /// p(t) = p_0 + A sin(2 pi f t + phase) per axis; q(t) = q_0 qz(.) qy(.) qx(.) with the same form per angle.
 struct MotionConfig {
@@ -84,6 +130,8 @@ struct MotionConfig {
   // Admittance devices, which take the hand's wrench instead of a pose, world axes about the body's origin:
   // f(t) = F sin(2 pi f t + phase), tau(t) = T sin(2 pi f t + phase) per axis (x, y, z).
   Vec3 force_amplitude = Vec3::Zero(), torque_amplitude = Vec3::Zero();  // N, N m
+  // Of the device's joints, instead of the target's pose: each handle moves its body. Others rest at zero.
+  std::vector<CoordinateMotion> joints;
 };
 
 /// Faults the simulated wire makes by chance; all zero by default.
@@ -100,9 +148,10 @@ struct SceneConfig {
   double step = 1e-3;    // h, s
   double duration = 10;  // s
   std::string integrator = "implicit-euler";
-  Vec3 gravity = Vec3::Zero();  // m/s^2
-  std::vector<BodyConfig> bodies;
-  std::optional<DeviceConfig> device;  // drives the first coupled body
+  Vec3 gravity = Vec3::Zero();         // m/s^2
+  std::vector<BodyConfig> bodies;      // parents before children
+  std::vector<JointConfig> joints;     // a tree: each body is the child of at most one
+  std::optional<DeviceConfig> device;  // drives the bodies that have a handle
   std::optional<MotionConfig> motion;
   WireConfig wire;
 };
@@ -117,6 +166,26 @@ inline std::vector<std::size_t> driven_bodies(const SceneConfig& scene) {
   const bool pushed = scene.device && scene.device->kind == DeviceKind::admittance;
   if (driven.empty() && pushed && !scene.bodies.empty()) driven.push_back(0);
   return driven;
+}
+
+/// Index of the body of this name; none for world_name or an unknown one.
+inline std::optional<std::size_t> body_named(const SceneConfig& scene, const std::string& name) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies[i].name == name) return i;
+  return std::nullopt;
+}
+
+/// For each handle of the device's rig, in order: which of driven_bodies() it is the target of, if any.
+inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConfig& scene) {
+  std::vector<std::optional<std::size_t>> by_handle;
+  if (!scene.device || !scene.device->rig) return by_handle;
+  const std::vector<std::size_t> driven = driven_bodies(scene);
+  for (const HandleParams& handle : scene.device->rig->tree.handles) {
+    by_handle.emplace_back();
+    for (std::size_t i = 0; i < driven.size(); ++i)
+      if (scene.bodies[driven[i]].name == handle.body) by_handle.back() = i;
+  }
+  return by_handle;
 }
 
 }  // namespace godobject

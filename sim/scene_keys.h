@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "sim/device_keys.h"
+#include "sim/joint_keys.h"
 #include "sim/scene.h"
 #include "sim/visit.h"
 
@@ -117,7 +118,17 @@ void visit_header(V& v, SceneConfig& s) {
 }
 
 template <class V>
-void visit_motion(V& v, MotionConfig& m) {
+void visit_coordinate_motion(V& v, const std::vector<std::string>& device_joints, CoordinateMotion& m) {
+  choose(v, Key{.name = "coordinate", .unit = "", .meaning = "joint of the device", .required = true},
+         device_joints, m.coordinate);
+  v.value(Key{"offset", "rad or m", "q_0 of q(t) = q_0 + A sin(2 pi f t + phase)"}, m.offset);
+  v.value(Key{"amplitude", "rad or m", "A of the same"}, m.amplitude);
+  v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
+  v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
+}
+
+template <class V>
+void visit_motion(V& v, const std::vector<std::string>& device_joints, MotionConfig& m) {
   v.value(Key{"amplitude", "m", "A of p(t) = p_0 + A sin(2 pi f t + phase), per axis x, y, z"}, m.amplitude);
   v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
   v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
@@ -131,6 +142,17 @@ void visit_motion(V& v, MotionConfig& m) {
           m.force_amplitude);
   v.value(Key{"torque_amplitude", "N m", "admittance devices: the hand's torque in the same form"},
           m.torque_amplitude);
+  std::set<std::string> moved;
+  v.tables(
+      TableKey{
+          "joint",
+          "Motion of a joint of the device, instead of the target's pose; joints without a table rest at 0."},
+      m.joints, [&](auto& t, CoordinateMotion& q) {
+        visit_coordinate_motion(t, device_joints, q);
+        t.check(moved.insert(q.coordinate).second, "coordinate", "has an earlier table");
+      });
+  v.check(m.joints.empty() || (m.amplitude.isZero(0) && m.angle_amplitude.isZero(0)), "joint",
+          "moves the device: remove 'amplitude' and 'angle_amplitude', which move the first target");
 }
 
 template <class V>
@@ -143,10 +165,34 @@ void visit_wire(V& v, WireConfig& w) {
   v.value(Key{"delay", "s", "added to every frame", {0, 1}}, w.delay_s);
 }
 
+inline std::vector<std::string> device_joints(const SceneConfig& s) {
+  std::vector<std::string> names;
+  if (s.device && s.device->rig)
+    for (const DeviceJoint& joint : s.device->rig->tree.joints) names.push_back(joint.name);
+  return names;
+}
+
+/// An imposed joint finds its coordinates on the device.
+template <class V>
+void check_imposed(V& v, const SceneConfig& s) {
+  const std::vector<std::string> measured = device_joints(s);
+  for (const JointConfig& joint : s.joints) {
+    if (!joint.imposed) continue;
+    v.check(s.device && s.device->rig, "joint",
+            "'" + joint.name + "' is imposed: it needs a [device] whose joints are measured");
+    if (!s.device || !s.device->rig) continue;
+    for (const std::string& q : joint.coordinates)
+      v.check(std::ranges::find(measured, q) != measured.end(), "joint",
+              "'" + joint.name + "' is imposed, but the device has no joint '" + q + "': it has " +
+                  quoted(measured));
+  }
+}
+
 /// Rules between tables.
 template <class V>
 void check_scene(V& v, const SceneConfig& s) {
   const auto coupled = [](const BodyConfig& b) { return b.coupling.has_value(); };
+  check_imposed(v, s);
   const auto with_feedback = [](const BodyConfig& b) { return b.feedback.has_value(); };
   if (!s.device) return;
   const bool feedback = std::ranges::any_of(s.bodies, with_feedback);
@@ -166,7 +212,9 @@ void visit_scene(V& v, SceneConfig& s) {
            [&](auto& t, BodyConfig& b) {
              visit_body(t, b);
              t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
+             t.check(b.name != world_name, "name", "is what joints call the ground: choose another name");
            });
+  visit_tool_joints(v, s);
   std::vector<BusParams> buses = s.device && s.device->rig ? s.device->rig->buses : std::vector<BusParams>{};
   std::set<std::string> bus_names;
   v.tables(TableKey{"bus", "A CAN bus."}, buses, [&](auto& t, BusParams& b) {
@@ -174,12 +222,12 @@ void visit_scene(V& v, SceneConfig& s) {
     t.check(bus_names.insert(b.name).second, "name", "is the name of an earlier bus");
     t.value(Key{"bit_rate", "bit/s", "of the arbitration phase", {1e4, 1e6}}, b.bit_rate);
   });
-  optional_table(
-      v, TableKey{"device", "The device that drives the first coupled body, and the rig it is made of."},
-      s.device, [&](auto& t, DeviceConfig& d) { visit_device(t, s.step, buses, d); });
+  optional_table(v,
+                 TableKey{"device", "The device that drives the coupled bodies, and the rig it is made of."},
+                 s.device, [&](auto& t, DeviceConfig& d) { visit_device(t, s, buses, d); });
   optional_table(v,
                  TableKey{"motion", "Built-in motion of the target, used where no --motion file is given."},
-                 s.motion, [](auto& t, MotionConfig& m) { visit_motion(t, m); });
+                 s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, device_joints(s), m); });
   plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."},
               [&](auto& t) { visit_wire(t, s.wire); });
   check_scene(v, s);

@@ -1,5 +1,6 @@
 #include "sim/session.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace godobject {
@@ -15,18 +16,21 @@ PoseError difference(const Pose& a, const Pose& b) noexcept {
   return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
 }
 
+PoseError worst(const PoseError& a, const PoseError& b) noexcept {
+  return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
+}
+
 }  // namespace
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus) {
   Made made;
   std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
-  if (scene.bodies.size() > max_session_bodies)
-    made.errors.push_back("the scene has " + std::to_string(scene.bodies.size()) +
-                          " bodies, a session holds " + std::to_string(max_session_bodies));
   s->period_ns_ = std::llround(scene.step * 1e9);
   s->driven_ = driven_bodies(scene);
   s->samples_.resize(scene.bodies.size());
+  s->find_imposed_joints(made.errors);
   for (std::size_t i = 0; i < s->driven_.size(); ++i) s->samples_[s->driven_[i]] = s->motion_sample(i, 0);
+  s->impose(s->motion_.joints(0), true, s->samples_);
 
   if (bus == BusChoice::sim && !s->driven_.empty()) {
     if (!scene.device || !scene.device->rig) {
@@ -40,7 +44,13 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
     for (const std::string& error : validate(rig)) made.errors.push_back(error);
     if (scene.device->kind == DeviceKind::admittance)
       made.errors.push_back("admittance devices run with --bus direct for now");
+    if (made.errors.empty()) {
+      const std::string why_not = SimRig::why_not(s->scene_, s->motion_);
+      if (!why_not.empty()) made.errors.push_back(why_not);
+    }
     if (!made.errors.empty()) return made;
+    for (const std::optional<std::size_t>& driven : driven_by_handles(s->scene_))
+      s->held_.push_back(s->driven_[*driven]);
     s->sim_rig_ = std::make_unique<SimRig>(s->scene_, s->motion_);
     s->rig_.emplace(rig, s->sim_rig_->host_buses());
   }
@@ -52,6 +62,48 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
   s->exact_samples_ = s->samples_;
   made.session = std::move(s);
   return made;
+}
+
+/// The device's joint for each coordinate of the imposed joints.
+void Session::find_imposed_joints(std::vector<std::string>& errors) {
+  for (const JointConfig& joint : scene_.joints) {
+    if (!joint.imposed) continue;
+    if (!motion_.has_joints()) {
+      errors.push_back(
+          "joint '" + joint.name +
+          "' is imposed: the motion must be one of the device's joints; give --motion a column for "
+          "each, or the scene [[motion.joint]] tables");
+      continue;
+    }
+    const std::vector<DeviceJoint>& device = scene_.device->rig->tree.joints;
+    ImposedJoint imposed{.body = *body_named(scene_, joint.child),
+                         .num_coordinates = joint.coordinates.size()};
+    for (std::size_t i = 0; i < imposed.num_coordinates; ++i) {
+      imposed.device_joints[i] =
+          std::ranges::find(device, joint.coordinates[i], &DeviceJoint::name) - device.begin();
+      imposed.turns[i] = is_turn(joint.kind, i);
+    }
+    imposed_.push_back(imposed);
+  }
+}
+
+/// A joint that the device leads is held and let go with its body's handle, or else the first. Beyond +-pi a turn rests where it was.
+void Session::impose(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept {
+  for (const ImposedJoint& joint : imposed_) {
+    BodySample& sample = samples[joint.body];
+    sample.valid = valid;
+    for (std::size_t i = 0; i < joint.num_coordinates; ++i) {
+      const Real q = device.q[joint.device_joints[i]];
+      if (joint.turns[i] && !(std::abs(q) <= pi)) {
+        sample.valid = false;
+        continue;
+      }
+      sample.joint.q[static_cast<Eigen::Index>(i)] = q;
+      sample.joint.q_dot[static_cast<Eigen::Index>(i)] = device.q_dot[joint.device_joints[i]];
+    }
+    const bool driven = scene_.bodies[joint.body].coupling.has_value();
+    if (!driven && !driven_.empty()) sample.engaged = samples[driven_.front()].engaged;
+  }
 }
 
 bool Session::follows() const noexcept {
@@ -108,8 +160,9 @@ void Session::cycle(CycleRecord& record) noexcept {
   observe(record);
 }
 
-CycleRecord Session::at_start() const noexcept {
+CycleRecord Session::at_start() const {
   CycleRecord record;
+  record.bodies.resize(scene_.bodies.size());
   observe(record);
   return record;
 }
@@ -117,9 +170,9 @@ CycleRecord Session::at_start() const noexcept {
 void Session::observe(CycleRecord& record) const noexcept {
   record.cycle = cycle_;
   record.t = motion_time(cycle_);
-  record.num_bodies = scene_.bodies.size();
   record.engaged = !driven_.empty() && samples_[driven_.front()].engaged;
-  for (std::size_t i = 0; i < record.num_bodies; ++i) record.bodies[i] = engine_->view(i);
+  record.bodies.resize(scene_.bodies.size());
+  for (std::size_t i = 0; i < record.bodies.size(); ++i) record.bodies[i] = engine_->view(i);
   record.energy = engine_->energy();
   if (follows()) measure(record);
 }
@@ -127,21 +180,29 @@ void Session::observe(CycleRecord& record) const noexcept {
 /// What the core is told, and what it would be told by a perfect device.
 void Session::sense(double t) noexcept {
   for (std::size_t i = 0; i < driven_.size(); ++i) samples_[driven_[i]] = motion_sample(i, t);
+  const JointTarget hand = motion_.joints(t);
+  impose(hand, true, samples_);
   exact_samples_ = samples_;
   if (!rig_) return;
   const DeviceSample device = exchange(t);
-  BodySample& sample = samples_[driven_.front()];
-  sample.X_WD = device.X_WH;
-  sample.V_WD = device.V_WH;
-  sample.valid = device.valid;
-  const MotionSample handle = sim_rig_->handle();
-  exact_samples_[driven_.front()].X_WD = handle.X_WD;
-  exact_samples_[driven_.front()].V_WD = handle.V_WD;
+  for (std::size_t k = 0; k < held_.size(); ++k) {
+    BodySample& sample = samples_[held_[k]];
+    sample.X_WD = device.handles[k].X_WH;
+    sample.V_WD = device.handles[k].V_WH;
+    sample.valid = device.valid;
+    const MotionSample handle = sim_rig_->handle(k);
+    exact_samples_[held_[k]].X_WD = handle.X_WD;
+    exact_samples_[held_[k]].V_WD = handle.V_WD;
+  }
+  impose({.q = device.q, .q_dot = device.q_dot}, device.valid, samples_);
+  impose(sim_rig_->joints(), true, exact_samples_);
 }
 
 void Session::act(CycleRecord& record) noexcept {
   if (!rig_) return;
-  record.drives = rig_->command(engine_->feedback(driven_.front()), t_now_ns_);
+  std::array<Wrench, max_handles> F_hand_W;
+  for (std::size_t k = 0; k < held_.size(); ++k) F_hand_W[k] = engine_->feedback(held_[k]);
+  record.drives = rig_->command(std::span(F_hand_W).first(held_.size()), t_now_ns_);
   record.rig_faults = rig_->faults();
 }
 
@@ -171,20 +232,24 @@ BodySample Session::motion_sample(std::size_t driven, double t) const noexcept {
           .V_WD = target.V_WD,
           .F_WB = motion_.wrench(driven, t),
           .engaged = switches.engaged,
-          .clutch = switches.clutch};
+          .clutch = switches.clutch,
+          .joint = {}};
 }
 
 void Session::measure(CycleRecord& record) const noexcept {
-  const std::size_t body = driven_.front();
-  const BodyView& view = record.bodies[body];
-  const Pose& X_WH = exact_samples_[body].X_WD;
+  record.following = record.sensing = record.exact_following = record.encoders = {};
   const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
-  record.following = difference(view.X_WB, relative ? view.target.X_WD : X_WH);
-  record.sensing = difference(samples_[body].X_WD, X_WH);
-  if (!exact_engine_) return;
-  const BodyView exact = exact_engine_->view(body);
-  record.exact_following = difference(exact.X_WB, relative ? exact.target.X_WD : X_WH);
-  record.encoders = difference(view.X_WB, exact.X_WB);
+  for (const std::size_t body : driven_) {
+    const BodyView& view = record.bodies[body];
+    const Pose& X_WH = exact_samples_[body].X_WD;
+    record.following = worst(record.following, difference(view.X_WB, relative ? view.target.X_WD : X_WH));
+    record.sensing = worst(record.sensing, difference(samples_[body].X_WD, X_WH));
+    if (!exact_engine_) continue;
+    const BodyView exact = exact_engine_->view(body);
+    record.exact_following =
+        worst(record.exact_following, difference(exact.X_WB, relative ? exact.target.X_WD : X_WH));
+    record.encoders = worst(record.encoders, difference(view.X_WB, exact.X_WB));
+  }
 }
 
 std::vector<double> Session::bus_load_percent() const {

@@ -5,6 +5,8 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "hal/rig.h"
 #include "sim/engine.h"
@@ -18,7 +20,6 @@ enum class BusChoice : std::uint8_t {
   direct,  // the motion is handed to the core as it is
 };
 
-inline constexpr std::size_t max_session_bodies = 8;
 inline constexpr double shut_down_limit_s = 2;
 
 /// Distance and angle between two poses.
@@ -27,18 +28,18 @@ struct PoseError {
   double rad = 0;
 };
 
-/// What one cycle did; plain data, so that a real-time thread can hand it to another.
+/// What one cycle did. Records of one session have the same number of bodies: once a record is one of them,
+/// taking over another allocates nothing, so that a real-time thread can hand it to another.
 struct CycleRecord {
   std::uint64_t cycle = 0;  // from 1
   double t = 0;             // of the state, s
-  std::size_t num_bodies = 0;
-  bool engaged = false;  // the device holds the first driven body
-  std::array<BodyView, max_session_bodies> bodies;
+  bool engaged = false;     // the device holds the first driven body
+  std::vector<BodyView> bodies;
   Fault fault = Fault::none;
   Limited limited = Limited::none;
   RigFault rig_faults = RigFault::none;
   CommandReport drives;  // bounds on the motor commands
-  // Of the first driven body. The handle is where the device really is; without a bus, where the motion is.
+  // Worst of the driven bodies. The handle is where the device really is; without a bus, where the motion is.
   PoseError following;  // body against handle (relative devices: against its target)
   PoseError sensing;    // sample the core got against handle
   // Of an engine beside it that is told the handle exactly; zero without a bus.
@@ -61,10 +62,10 @@ class Session {
   /// has passed. True when the device is ready. Without a bus: true at once.
   [[nodiscard]] bool boot(double limit_s);
 
-  /// The state before the first step.
-  CycleRecord at_start() const noexcept;
+  /// The state before the first step. Allocates.
+  CycleRecord at_start() const;
 
-  /// One step. Real-time.
+  /// One step. Real-time, for a record that comes from at_start().
   void cycle(CycleRecord& record) noexcept;
 
   /// Ends a run, wherever it stands: bus cycles until no torque is commanded, at most shut_down_limit_s of
@@ -88,15 +89,25 @@ class Session {
   void set_bus_observer(const BusObserver& observer) noexcept {
     if (sim_rig_) sim_rig_->set_observer(observer);
   }
-  /// False when the motion left the workspace of the device's chain.
+  /// False when the motion left the workspace of the device.
   bool reachable() const noexcept { return !sim_rig_ || sim_rig_->reachable(); }
 
  private:
+  /// A joint that the device leads, and the device's joints for its coordinates.
+  struct ImposedJoint {
+    std::size_t body = 0;
+    std::size_t num_coordinates = 0;
+    std::array<Eigen::Index, 2> device_joints{};
+    std::array<bool, 2> turns{};
+  };
+
   Session(const SceneConfig& scene, Motion motion) : scene_(scene), motion_(std::move(motion)) {}
 
   double motion_time(std::uint64_t cycle) const noexcept { return static_cast<double>(cycle) * scene_.step; }
+  void find_imposed_joints(std::vector<std::string>& errors);
   BodySample motion_sample(std::size_t driven, double t) const noexcept;
   DeviceSample exchange(double motion_time) noexcept;
+  void impose(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
   bool commands_torque() const noexcept;
   void sense(double t) noexcept;
   void act(CycleRecord& record) noexcept;
@@ -105,7 +116,9 @@ class Session {
 
   SceneConfig scene_;
   Motion motion_;
-  std::vector<std::size_t> driven_;        // bodies with a target
+  std::vector<std::size_t> driven_;  // bodies with a target
+  std::vector<std::size_t> held_;    // with a bus: the body of each handle
+  std::vector<ImposedJoint> imposed_;
   std::vector<BodySample> samples_;        // one per body, as the core gets them
   std::vector<BodySample> exact_samples_;  // the same with the handle as it really is
   std::unique_ptr<Engine> engine_;

@@ -9,7 +9,8 @@ std::uint32_t counts_at(double q, const Calibration& calibration) noexcept {
   const std::int64_t modulus = calibration.modulus_counts == 0
                                    ? counts_of_32_bits
                                    : static_cast<std::int64_t>(calibration.modulus_counts);
-  const auto from_offset = saturate_to<std::int64_t>(calibration.sign * q * calibration.counts_per_unit);
+  const auto from_offset =
+      saturate_to<std::int64_t>(calibration.sign * (q - calibration.home) * calibration.counts_per_unit);
   const std::int64_t wrapped = (from_offset % modulus + calibration.offset_counts % modulus) % modulus;
   return static_cast<std::uint32_t>(wrapped < 0 ? wrapped + modulus : wrapped);
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hal/can_frame.h"
-#include "hal/kinematic_chain.h"
+#include "hal/kinematic_tree.h"
 #include "sim/scene.h"
 
 namespace godobject {

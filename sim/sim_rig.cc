@@ -24,8 +24,24 @@ BusLoadParams simulated_load(const RigParams& rig) noexcept {
   return load;
 }
 
+std::string SimRig::why_not(const SceneConfig& scene, const Motion& motion) {
+  const KinematicTreeParams& tree = scene.device->rig->tree;
+  const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
+  for (std::size_t handle = 0; handle < by_handle.size(); ++handle) {
+    if (!by_handle[handle])
+      return "handle of body '" + tree.handles[handle].body + "': the scene has no such coupled body";
+  }
+  if (motion.has_joints() || InverseKinematics(tree).invertible()) return "";
+  std::string joints;
+  for (const DeviceJoint& joint : tree.joints) joints += (joints.empty() ? "'" : ", '") + joint.name + "'";
+  return "a motion of poses goes through the simulated bus only where the device has one handle and six "
+         "joints "
+         "that all move it: give --motion a column for each joint (" +
+         joints + "), or use --bus direct";
+}
+
 SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
-    : params_(*scene.device->rig), motion_(motion), chain_(params_.chain), ik_(params_.chain) {
+    : params_(*scene.device->rig), motion_(motion), tree_(params_.tree), ik_(params_.tree) {
   for (std::size_t i = 0; i < params_.buses.size(); ++i) {
     SimWireParams wire;
     wire.rates = {.nominal = params_.buses[i].bit_rate, .data = params_.buses[i].bit_rate};
@@ -56,10 +72,11 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
                        .joint = joint_named(d.joint),
                        .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad});
   }
+  ik_target_ = driven_by_handles(scene).front().value_or(0);
   const JointTarget start = hand_at(0);
   const bool haptic =
       scene.device->kind == DeviceKind::impedance || scene.device->kind == DeviceKind::relative;
-  plant_ = std::make_unique<SimPlant>(scene.device->plant, params_.chain.joints.size(),
+  plant_ = std::make_unique<SimPlant>(scene.device->plant, params_.tree.joints.size(),
                                       haptic && !drives_.empty(), start.q, 0);
   show_joints();
 }
@@ -72,8 +89,8 @@ SimCanPort& SimRig::add_port(std::size_t bus) {
 }
 
 Eigen::Index SimRig::joint_named(const std::string& name) const {
-  for (std::size_t i = 0; i < params_.chain.joints.size(); ++i)
-    if (params_.chain.joints[i].name == name) return static_cast<Eigen::Index>(i);
+  for (std::size_t i = 0; i < params_.tree.joints.size(); ++i)
+    if (params_.tree.joints[i].name == name) return static_cast<Eigen::Index>(i);
   return 0;  // validate(RigParams) has refused an unknown name
 }
 
@@ -90,14 +107,18 @@ void SimRig::set_observer(const BusObserver& observer) noexcept {
 }
 
 JointTarget SimRig::hand_at(double motion_time) noexcept {
-  if (motion_.has_joints()) return motion_.joints(motion_time);
-  const MotionSample target = motion_.target(0, motion_time);
+  JointTarget hand =
+      motion_.has_joints() ? motion_.joints(motion_time) : invert(motion_.target(ik_target_, motion_time));
+  if (motion_time <= 0) hand.q_dot.setZero();  // the motion has not begun
+  return hand;
+}
+
+JointTarget SimRig::invert(const MotionSample& target) noexcept {
   const IkSolution solution = ik_.solve(target.X_WD);
-  JointTarget sample{.q = solution.q, .q_dot = JointVector::Zero(solution.q.size())};
-  const bool solved = solution.status == IkStatus::solved && ik_.joint_rates(target.V_WD, sample.q_dot);
+  JointTarget hand{.q = solution.q, .q_dot = JointVector::Zero(solution.q.size())};
+  const bool solved = solution.status == IkStatus::solved && ik_.joint_rates(target.V_WD, hand.q_dot);
   reachable_ = reachable_ && solved;
-  if (motion_time <= 0) sample.q_dot.setZero();  // the motion has not begun
-  return sample;
+  return hand;
 }
 
 void SimRig::run_wires(Nanoseconds t) noexcept {
@@ -118,9 +139,9 @@ void SimRig::show_joints() noexcept {
   for (const DriveAt& d : drives_) d.node->set_joint(plant_->q()[d.joint], plant_->q_dot()[d.joint]);
 }
 
-MotionSample SimRig::handle() const noexcept {
-  const ChainConfiguration at = chain_.at(plant_->q());
-  return {.X_WD = at.X_WH, .V_WD = at.twist(plant_->q_dot())};
+MotionSample SimRig::handle(std::size_t index) const noexcept {
+  const TreeConfiguration at = tree_.at(plant_->q());
+  return {.X_WD = at.X_WH(index), .V_WD = at.twist(index, plant_->q_dot())};
 }
 
 double SimRig::load_percent(std::size_t bus, Nanoseconds now) const noexcept {

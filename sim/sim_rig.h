@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "hal/bus_load.h"
@@ -25,7 +26,11 @@ BusLoadParams simulated_load(const RigParams& rig) noexcept;
 
 class SimRig {
  public:
-  /// scene.device->rig must be there and valid. Allocates; nothing later does.
+  /// Why the scene's rig, which must be valid, cannot follow the motion; empty when it can. Poses need
+  /// inverse kinematics, which not every device has; columns of joints do for all of them.
+  static std::string why_not(const SceneConfig& scene, const Motion& motion);
+
+  /// scene.device->rig must be there and valid, why_not() empty. Allocates; nothing later does.
   SimRig(const SceneConfig& scene, const Motion& motion);
   SimRig(const SimRig&) = delete;
   SimRig& operator=(const SimRig&) = delete;
@@ -40,9 +45,11 @@ class SimRig {
   /// motion_time (s).
   void run_plant(Nanoseconds t, double motion_time) noexcept;
 
-  /// Where the handle really is, and how it moves: what the encoders measure.
-  MotionSample handle() const noexcept;
-  /// True while every pose so far could be reached by the device's chain.
+  /// Where the handle of this index really is, and how it moves: what the encoders measure.
+  MotionSample handle(std::size_t index) const noexcept;
+  /// Where its joints really are.
+  JointTarget joints() const noexcept { return {.q = plant_->q(), .q_dot = plant_->q_dot()}; }
+  /// True while every pose so far could be reached by the device.
   bool reachable() const noexcept { return reachable_; }
   /// Mean load of bus since the start, in percent.
   double load_percent(std::size_t bus, Nanoseconds now) const noexcept;
@@ -70,12 +77,14 @@ class SimRig {
   SimCanPort& add_port(std::size_t bus);
   Eigen::Index joint_named(const std::string& name) const;
   JointTarget hand_at(double motion_time) noexcept;
+  JointTarget invert(const MotionSample& target) noexcept;
   void show_joints() noexcept;
 
   RigParams params_;
   const Motion& motion_;
-  KinematicChain chain_;
+  KinematicTree tree_;
   InverseKinematics ik_;
+  std::size_t ik_target_ = 0;  // the motion's body that ik_ follows
   bool reachable_ = true;
   std::vector<std::unique_ptr<Bus>> buses_;
   std::vector<CanBus*> host_buses_;

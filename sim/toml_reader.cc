@@ -165,6 +165,32 @@ void TomlReader::value(const Key& key, Vec3& x) {
   if (!values.empty()) x = Vec3(values[0], values[1], values[2]);
 }
 
+void TomlReader::value(const Key& key, bool& x) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  if (const auto* yes = node->as_boolean()) {
+    x = yes->get();
+  } else {
+    error(*node, said(key.name, "must be true or false, not " + article_and_type(*node)));
+  }
+}
+
+void TomlReader::value(const Key& key, std::optional<double>& x) {
+  if (const toml::node* node = find(key)) x = number(key, *node);
+}
+
+void TomlReader::value(const Key& key, std::vector<std::string>& x) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const toml::array* array = node->as_array();
+  if (!array || !std::ranges::all_of(*array, [](const toml::node& n) { return n.is_string(); })) {
+    error(*node, said(key.name, "must be an array of strings"));
+    return;
+  }
+  x.clear();
+  for (const toml::node& element : *array) x.push_back(element.as_string()->get());
+}
+
 void TomlReader::either(const Key& key, const Key& other, double unit_of_other,
                         std::optional<double> fallback, double& x) {
   const bool has_other = has(other.name);

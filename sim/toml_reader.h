@@ -23,11 +23,16 @@ class TomlReader {
   void value(const Key& key, double& x);
   void value(const Key& key, std::string& x);
   void value(const Key& key, Vec3& x);
+  void value(const Key& key, bool& x);
+  void value(const Key& key, std::optional<double>& x);
+  void value(const Key& key, std::vector<std::string>& x);
   template <std::integral T>
   void value(const Key& key, T& x) {
     if (const std::optional<std::int64_t> n = integer(key)) x = static_cast<T>(*n);
   }
   void shorthand(const Key& key, double& x) { value(key, x); }
+  void shorthand(const Key& key, Vec3& x) { value(key, x); }
+  void shorthand(const Key& key, Quat& q) { attitude(key, q); }
   /// Either of two spellings of one number; with neither the fallback, or an error where key is required.
   void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback,
               double& x);

@@ -27,6 +27,12 @@ std::string TomlWriter::quoted(const std::string& text) {
   return result + "\"";
 }
 
+void TomlWriter::value(const Key& key, const std::vector<std::string>& x) {
+  std::string text;
+  for (const std::string& item : x) text += (text.empty() ? "" : ", ") + quoted(item);
+  line(key, "[" + text + "]");
+}
+
 void TomlWriter::inertia(const Key& key, const Mat3& I) {
   if (I.isDiagonal(0)) {
     value(key, Vec3(I.diagonal()));

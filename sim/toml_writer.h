@@ -18,11 +18,17 @@ class TomlWriter {
   void value(const Key& key, double x) { line(key, shortest(x)); }
   void value(const Key& key, const std::string& x) { line(key, quoted(x)); }
   void value(const Key& key, const Vec3& x) { line(key, array({x.x(), x.y(), x.z()})); }
+  void value(const Key& key, bool x) { line(key, x ? "true" : "false"); }
+  void value(const Key& key, const std::optional<double>& x) {
+    if (x) value(key, *x);
+  }
+  void value(const Key& key, const std::vector<std::string>& x);
   template <std::integral T>
   void value(const Key& key, T x) {
     line(key, std::to_string(x));
   }
-  void shorthand(const Key&, double) {}
+  template <class T>
+  void shorthand(const Key&, const T&) {}
   void either(const Key& key, const Key&, double, std::optional<double>, double x) { value(key, x); }
   void unit_vector(const Key& key, const Vec3& x) { value(key, x); }
   void attitude(const Key& key, const Quat& q) { line(key, array({q.w(), q.x(), q.y(), q.z()})); }

@@ -26,6 +26,9 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
       columns.push_back(scene.bodies[body].name + ".target." + name);
     }
   }
+  for (const JointConfig& joint : scene.joints) {
+    for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"}) columns.push_back(joint.name + "." + name);
+  }
   columns.insert(columns.end(), {"penetration", "fault", "limited", "rig_fault"});
   return columns;
 }
@@ -37,7 +40,7 @@ TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene) : fi
 }
 
 void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-                      double penetration, const TraceBits& bits) {
+                      std::span<const Wrench> joints, double penetration, const TraceBits& bits) {
   number(t);
   for (const TraceBody& body : bodies) {
     pose(body.X_WB);
@@ -49,6 +52,7 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
     wrench(d.feedback);
   }
   for (const TraceDriven& d : driven) pose(d.X_WD);
+  for (const Wrench& F : joints) wrench(F);
   number(penetration);
   for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) number(word);
   buffer_.back() = '\n';

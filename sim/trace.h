@@ -1,6 +1,7 @@
 // The trace of a run as CSV: t, per body <body>.x y z qw qx qy qz vx vy vz wx wy wz, per driven body
 // <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, for the same bodies the target they were
-// pulled to, <body>.target.x y z qw qx qy qz, then penetration, fault, limited and rig_fault.
+// pulled to, <body>.target.x y z qw qx qy qz, per joint <joint>.fx fy fz tx ty tz, then penetration, fault,
+// limited and rig_fault.
 // World frame, SI; every number reads back as the same double.
 #pragma once
 
@@ -37,9 +38,10 @@ class TraceWriter {
  public:
   TraceWriter(const std::string& path, const SceneConfig& scene);
 
-  /// bodies, driven: as many as the scene has bodies and driven bodies. penetration: m.
+  /// bodies, driven, joints: as many as the scene has bodies, driven bodies and joints, in their order.
+  /// joints: what each does to its child, at its anchor there. penetration: m.
   void row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-           double penetration, const TraceBits& bits);
+           std::span<const Wrench> joints, double penetration, const TraceBits& bits);
   /// Writes what is left. False when anything did not reach the file.
   [[nodiscard]] bool close();
 

@@ -1,9 +1,10 @@
-// What the key lists of sim/scene_keys.h and sim/device_keys.h have in common. A visitor V walks them:
+// What the key lists of sim/scene_keys.h, sim/joint_keys.h and sim/device_keys.h have in common. A visitor V
+// walks them:
 // sim/toml_reader.h fills a SceneConfig from a file, sim/toml_writer.h prints one, sim/key_reference.h
 // writes the reference of the format. V offers
 //   value, unit_vector, attitude, inertia, one_of   a key and its member
 //   either       two spellings of one number: value, or other * unit_of_other; else the fallback
-//   shorthand    a number that only sets other members' defaults, never written back
+//   shorthand    a value that only sets other members' defaults, never written back
 //   table, tables, has, check, advise               structure, and rules beyond a single range
 // Within a table, values come before sub-tables: so TOML wants it.
 #pragma once
@@ -49,14 +50,16 @@ void choose(V& v, const Key& key, const std::array<const char*, N>& names, Enum&
 }
 
 /// Names become columns of CSV files and words of messages, so they stay plain.
+inline bool is_plain_name(const std::string& name) {
+  return !name.empty() &&
+         std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
+}
+
 template <class V>
 void visit_name(V& v, std::string_view meaning, std::string& name) {
   if (name.empty()) name = "unnamed";  // so that a name that could not be read is complained about once
   v.value(Key{.name = "name", .unit = "", .meaning = meaning, .required = true}, name);
-  const bool plain = !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-';
-  });
-  v.check(plain, "name", "must be one or more letters, digits, '_' or '-'");
+  v.check(is_plain_name(name), "name", "must be one or more letters, digits, '_' or '-'");
 }
 
 template <class V>

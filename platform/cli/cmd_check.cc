@@ -14,9 +14,11 @@ constexpr double advised_load_percent = 50, planned_load_percent = 70;
 
 void print_composition(const Composition& c) {
   std::printf("\n# composition '%s': the smallest compiled one that covers the scene\n", c.name.c_str());
-  std::printf("#   %-24s %8s %8s   bytes, for %zu bodies\n", "part", "params", "state", c.max_bodies);
+  std::printf("#   %-24s %8s %8s %8s   bytes, for %zu bodies\n", "part", "params", "state", "scratch",
+              c.max_bodies);
   for (const PartBytes& part : c.parts)
-    std::printf("#   %-24s %8zu %8zu\n", part.name.c_str(), part.params_bytes, part.state_bytes);
+    std::printf("#   %-24s %8zu %8zu %8zu\n", part.name.c_str(), part.params_bytes, part.state_bytes,
+                part.scratch_bytes);
   std::printf("#   all: params %zu, state %zu, scratch %zu, total %zu bytes\n", c.params_bytes, c.state_bytes,
               c.scratch_bytes, c.bytes());
   std::printf("# compiled in:\n");

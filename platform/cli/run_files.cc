@@ -1,7 +1,5 @@
 #include "platform/cli/run_files.h"
 
-#include <array>
-
 namespace godobject {
 namespace {
 
@@ -16,23 +14,25 @@ std::vector<std::string> bus_names(const SceneConfig& scene) {
 
 RunFiles::RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene)
     : trace_path_(trace), record_path_(record), driven_(driven_bodies(scene)) {
+  for (const JointConfig& joint : scene.joints) children_.push_back(*body_named(scene, joint.child));
+  bodies_.resize(scene.bodies.size());
+  pulls_.resize(driven_.size());
+  joints_.resize(children_.size());
   if (!trace.empty()) trace_.emplace(trace, scene);
   if (!record.empty()) record_.emplace(record, bus_names(scene));
 }
 
 void RunFiles::add(const CycleRecord& record) {
   if (!trace_) return;
-  std::array<TraceBody, max_session_bodies> bodies;
-  std::array<TraceDriven, max_session_bodies> driven;
-  for (std::size_t i = 0; i < record.num_bodies; ++i)
-    bodies[i] = {.X_WB = record.bodies[i].X_WB, .V_WB = record.bodies[i].V_WB};
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    bodies_[i] = {.X_WB = record.bodies[i].X_WB, .V_WB = record.bodies[i].V_WB};
   for (std::size_t i = 0; i < driven_.size(); ++i) {
     const BodyView& body = record.bodies[driven_[i]];
-    driven[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
+    pulls_[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
   }
+  for (std::size_t i = 0; i < children_.size(); ++i) joints_[i] = record.bodies[children_[i]].joint_C;
   constexpr double penetration = 0;  // of the deepest contact: this program's compositions have none
-  trace_->row(record.t, std::span(bodies).first(record.num_bodies), std::span(driven).first(driven_.size()),
-              penetration,
+  trace_->row(record.t, bodies_, pulls_, joints_, penetration,
               {.fault = static_cast<std::uint32_t>(record.fault),
                .limited = static_cast<std::uint32_t>(record.limited),
                .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});

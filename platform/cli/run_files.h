@@ -27,7 +27,10 @@ class RunFiles {
 
  private:
   std::string trace_path_, record_path_;
-  std::vector<std::size_t> driven_;
+  std::vector<std::size_t> driven_, children_;  // bodies with a target; of each joint
+  std::vector<TraceBody> bodies_;               // the row being written
+  std::vector<TraceDriven> pulls_;
+  std::vector<Wrench> joints_;
   std::optional<TraceWriter> trace_;
   std::optional<CandumpLog> record_;
 };

@@ -1,5 +1,6 @@
 #include "platform/cli/run_loop.h"
 
+#include <algorithm>
 #include <chrono>
 #include <future>
 #include <memory>
@@ -15,8 +16,9 @@ namespace {
 
 constexpr double boot_limit_s =
     10;  // of bus time; the rig's own boot_timeout_s is shorter and says which node
-// About three seconds at 1 kHz: so long may the disk stall.
+// About three seconds at 1 kHz: so long may the disk stall. Of long chains less.
 constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
+constexpr std::size_t cycle_ring_bytes = 64u << 20;
 constexpr std::chrono::milliseconds drain_interval{10};
 
 /// Frames straight to the files, while the thread that runs the wires may write.
@@ -35,6 +37,12 @@ BusObserver observer_into(Ring<BusFrame>& ring) {
                     static_cast<Ring<BusFrame>*>(context)->try_push({.bus = bus, .received = frame}));
               },
           .context = &ring};
+}
+
+Ring<CycleEntry> make_cycle_ring(const Session& session) {
+  const CycleEntry entry = entry_of(session);
+  const std::size_t bytes = sizeof entry + entry.record.bodies.size() * sizeof(BodyView);
+  return Ring<CycleEntry>(std::min(cycle_ring, cycle_ring_bytes / bytes), entry);
 }
 
 /// To the point where the first cycle can run, in this thread.
@@ -108,7 +116,7 @@ std::optional<RunResult> run_realtime(Session& session, std::uint64_t num_cycles
   RunResult result;
   result.ready = boot(session, files);
   if (!result.ready) return result;
-  Ring<CycleEntry> cycles(cycle_ring);
+  Ring<CycleEntry> cycles = make_cycle_ring(session);
   Ring<BusFrame> frames(frame_ring);
   if (files.wants_frames()) session.set_bus_observer(observer_into(frames));
 

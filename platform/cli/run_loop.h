@@ -36,12 +36,15 @@ struct CycleEntry {
   Nanoseconds wake_ns = 0;
 };
 
+/// As all entries of this session: the ring and what fills it are made of it.
+inline CycleEntry entry_of(const Session& session) { return {.record = session.at_start(), .wake_ns = 0}; }
+
 /// What the real-time thread does once a period: no allocation, no lock, no system call.
 class RealtimeCycle {
  public:
   RealtimeCycle(Session& session, std::uint64_t num_cycles, const std::atomic<bool>& stop,
-                Ring<CycleEntry>& out) noexcept
-      : session_(session), left_(num_cycles), stop_(stop), out_(out) {}
+                Ring<CycleEntry>& out)
+      : session_(session), left_(num_cycles), stop_(stop), out_(out), entry_(entry_of(session)) {}
 
   /// False after the last cycle.
   bool operator()(Nanoseconds wake_ns) noexcept {

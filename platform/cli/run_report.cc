@@ -57,8 +57,8 @@ RunReport make_report(const RunOptions& options, const Session& session, const R
   }
   if (!session.reachable())
     report.faults.push_back({.name = "unreachable",
-                             .text = "the motion left the workspace of the device's chain, or met a singular "
-                                     "configuration: move the chain's base, or scale the motion"});
+                             .text = "the motion left the workspace of the device, or met a singular "
+                                     "configuration: move the device's base, or scale the motion"});
   add_core_faults(result.statistics, report.faults);
   add_file_faults(report, incomplete_files, report.faults);
   return report;

@@ -30,6 +30,32 @@ TEST(Encoder, SignScaleOffset) {
   EXPECT_EQ(encoder.sample(2 * ms).age(2 * ms), ms);
 }
 
+TEST(Encoder, HomeIsTheCoordinateAtTheOffset) {
+  Calibration c = turn_of_4096();
+  c.sign = -1;
+  c.offset_counts = 100;
+  c.home = 0.7;  // the jig holds the joint there
+  Encoder encoder = make_encoder(c);
+  encoder.update(100, ms);
+  EXPECT_DOUBLE_EQ(encoder.sample(ms).q, 0.7);
+  encoder.update(140, 2 * ms);
+  EXPECT_DOUBLE_EQ(encoder.sample(2 * ms).q, 0.7 - 0.04);
+  EXPECT_NEAR(encoder.sample(2 * ms).q_dot, -40, 1e-9);
+}
+
+TEST(Encoder, FirstSampleTakesTheTurnNearestHome) {
+  Calibration c = turn_of_4096();
+  c.offset_counts = 4000;
+  c.home = 10;  // two and a half turns from 0
+  Encoder below = make_encoder(c), above = make_encoder(c);
+  below.update(4000 - 2048, ms);
+  EXPECT_DOUBLE_EQ(below.sample(ms).q, 10 - 2.048);
+  above.update(1, ms);  // past the wrap
+  EXPECT_DOUBLE_EQ(above.sample(ms).q, 10 + 0.097);
+  for (std::uint32_t k = 2; k < 60; ++k) above.update(40 * (k - 1), k * ms);
+  EXPECT_DOUBLE_EQ(above.sample(59 * ms).q, 10 + 0.096 + 0.040 * 58);
+}
+
 TEST(Encoder, FirstSampleTakesTheTurnNearestZero) {
   Encoder encoder = make_encoder(turn_of_4096());
   encoder.update(4095, ms);

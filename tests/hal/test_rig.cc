@@ -44,8 +44,8 @@ class ScriptedBus final : public CanBus {
 RigParams two_joints() {
   RigParams rig;
   rig.buses = {{.name = "can0"}};
-  rig.chain.joints = {{.name = "yaw"}, {.name = "pitch", .axis_J = Vec3::UnitY()}};
-  rig.chain.X_LH.p = Vec3(0.1, 0, 0);
+  rig.tree.joints = {{.name = "yaw"}, {.name = "pitch", .axis_J = Vec3::UnitY()}};
+  rig.tree.handles = {{.body = "tool", .joint = "pitch", .X_LH = {Vec3(0.1, 0, 0), Quat::Identity()}}};
   rig.encoders = {{.joint = "yaw", .node_id = 1, .calibration = {.counts_per_unit = 1000}}};
   rig.drives = {{.joint = "pitch",
                  .node_id = 2,
@@ -73,7 +73,7 @@ class RigTest : public testing::Test {
     rig.receive(now + ms / 2);
     sample = rig.read(now + ms / 2);
     bus.sent.clear();
-    report = rig.command(F, now + ms / 2);
+    report = rig.command(std::span(&F, 1), now + ms / 2);
     now += ms;
   }
   void cycle() {
@@ -161,7 +161,7 @@ TEST_F(RigTest, EncoderAndDrivePositionsMakeThePose) {
   EXPECT_DOUBLE_EQ(sample.q(0), 0.03);
   EXPECT_DOUBLE_EQ(sample.q(1), -0.02);
   EXPECT_TRUE(sample.valid);
-  EXPECT_NEAR(sample.X_WH.p.z(), 0.1 * std::sin(0.02), 1e-15);
+  EXPECT_NEAR(sample.handles[0].X_WH.p.z(), 0.1 * std::sin(0.02), 1e-15);
 }
 
 TEST_F(RigTest, CommandIsTheJointTorque) {

@@ -16,13 +16,23 @@ using testing::IsEmpty;
 RigParams good_rig() {
   RigParams rig;
   rig.buses = {{.name = "can0"}, {.name = "can1"}};
-  rig.chain.joints = {{.name = "yaw"}, {.name = "pitch"}};
+  rig.tree.joints = {{.name = "yaw"}, {.name = "pitch"}};
+  rig.tree.handles = {{.body = "tool", .joint = "pitch"}};
   rig.encoders = {{.joint = "yaw", .node_id = 1}};
   rig.drives = {{.joint = "yaw", .bus = 0, .node_id = 2}, {.joint = "pitch", .bus = 1, .node_id = 2}};
   return rig;
 }
 
 TEST(RigValidate, AcceptsAGoodRig) { EXPECT_THAT(validate(good_rig()), IsEmpty()); }
+
+TEST(RigValidate, AcceptsBranchesFromAnyEarlierJointAndTheBase) {
+  RigParams rig = good_rig();
+  rig.tree.joints[1].parent = "base";
+  rig.tree.joints.push_back({.name = "jaw", .parent = "yaw"});
+  rig.tree.handles.push_back({.body = "jaw", .joint = "jaw"});
+  rig.encoders.push_back({.joint = "jaw", .node_id = 3});
+  EXPECT_THAT(validate(rig), IsEmpty());
+}
 
 struct BrokenRule {
   const char* says;
@@ -38,7 +48,7 @@ TEST_P(RigValidateEach, NamesWhatIsWrong) {
 }
 
 const BrokenRule broken_rules[] = {
-    {"encoder of joint 'roll': the chain has no such joint",
+    {"encoder of joint 'roll': the device has no such joint",
      [](RigParams& r) { r.encoders[0].joint = "roll"; }},
     {"drive of joint 'yaw': node_id 1 is taken by another device",
      [](RigParams& r) { r.drives[0].node_id = 1; }},
@@ -51,13 +61,28 @@ const BrokenRule broken_rules[] = {
      [](RigParams& r) { r.encoders.push_back({.joint = "yaw", .node_id = 9}); }},
     {"joint 'yaw': has 2 drives", [](RigParams& r) { r.drives[1].joint = "yaw"; }},
     {"joint 'pitch': name must be given, and only once",
-     [](RigParams& r) { r.chain.joints.push_back({.name = "pitch"}); }},
-    {"axis must have unit length", [](RigParams& r) { r.chain.joints[0].axis_J = Vec3(1, 1, 0); }},
-    {"handle pose must be finite",
-     [](RigParams& r) { r.chain.X_LH.p.x() = std::numeric_limits<double>::quiet_NaN(); }},
-    {"base pose must be finite, with a unit quaternion", [](RigParams& r) { r.chain.X_WB.q.w() = 2; }},
-    {"the chain has 0 joints, must be 1..8", [](RigParams& r) { r.chain.joints.clear(); }},
-    {"the chain has 9 joints, must be 1..8", [](RigParams& r) { r.chain.joints.resize(9); }},
+     [](RigParams& r) { r.tree.joints.push_back({.name = "pitch"}); }},
+    {"axis must have unit length", [](RigParams& r) { r.tree.joints[0].axis_J = Vec3(1, 1, 0); }},
+    {"handle of body 'tool': pose must be finite",
+     [](RigParams& r) { r.tree.handles[0].X_LH.p.x() = std::numeric_limits<double>::quiet_NaN(); }},
+    {"base pose must be finite, with a unit quaternion", [](RigParams& r) { r.tree.X_WB.q.w() = 2; }},
+    {"the device has 0 joints, must be 1..16", [](RigParams& r) { r.tree.joints.clear(); }},
+    {"the device has 17 joints, must be 1..16", [](RigParams& r) { r.tree.joints.resize(17); }},
+    {"joint 'pitch': parent is 'roll', must be an earlier joint or 'base'",
+     [](RigParams& r) { r.tree.joints[1].parent = "roll"; }},
+    {"joint 'yaw': parent is 'pitch', must be an earlier joint or 'base'",
+     [](RigParams& r) { r.tree.joints[0].parent = "pitch"; }},
+    {"joint 'pitch': parent is 'pitch', must be", [](RigParams& r) { r.tree.joints[1].parent = "pitch"; }},
+    {"joint 'base': is what the base is called", [](RigParams& r) { r.tree.joints[0].name = "base"; }},
+    {"the device has 0 handles, must be 1..8", [](RigParams& r) { r.tree.handles.clear(); }},
+    {"the device has 9 handles, must be 1..8", [](RigParams& r) { r.tree.handles.resize(9); }},
+    {"handle of body 'tool': body must be given, and only once",
+     [](RigParams& r) { r.tree.handles.push_back({.body = "tool", .joint = "yaw"}); }},
+    {"handle of body '': body must be given", [](RigParams& r) { r.tree.handles[0].body = ""; }},
+    {"handle of body 'tool': the device has no joint 'base'",
+     [](RigParams& r) { r.tree.handles[0].joint = "base"; }},
+    {"encoder of joint 'yaw': home is inf, must be finite",
+     [](RigParams& r) { r.encoders[0].calibration.home = std::numeric_limits<double>::infinity(); }},
     {"the rig has 0 buses", [](RigParams& r) { r.buses.clear(); }},
     {"bus 'can1': bit_rate is 0, must be > 0", [](RigParams& r) { r.buses[1].bit_rate = 0; }},
     {"counts_per_unit is -5, must be > 0",

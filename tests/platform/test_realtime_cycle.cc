@@ -16,15 +16,21 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
   if (!AllocationGuard::works()) GTEST_SKIP() << "the sanitizer owns the allocator";
   const LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + GetParam().first);
   ASSERT_TRUE(loaded.scene.has_value());
-  const MotionResult motion = Motion::parse("t,tool.engaged,tool.clutch\n0,1,1\n0.5,0,1\n0.6,1,0\n0.8,1,1\n",
-                                            "switches.csv", *loaded.scene);
-  ASSERT_TRUE(motion.motion.has_value()) << motion.errors.front();
-  Session::Made made = Session::make(*loaded.scene, *motion.motion, GetParam().second);
+  Motion motion(*loaded.scene);
+  if (const std::vector<std::size_t> driven = driven_bodies(*loaded.scene); !driven.empty()) {
+    const std::string body = loaded.scene->bodies[driven.front()].name;
+    const MotionResult switched =
+        Motion::parse("t," + body + ".engaged," + body + ".clutch\n0,1,1\n0.5,0,1\n0.6,1,0\n0.8,1,1\n",
+                      "switches.csv", *loaded.scene);
+    ASSERT_TRUE(switched.motion.has_value()) << switched.errors.front();
+    motion = *switched.motion;
+  }
+  Session::Made made = Session::make(*loaded.scene, motion, GetParam().second);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   ASSERT_TRUE(made.session->boot(5));
 
   constexpr std::uint64_t num_cycles = 1000;
-  Ring<CycleEntry> cycles(num_cycles);
+  Ring<CycleEntry> cycles(num_cycles, entry_of(*made.session));
   Ring<BusFrame> frames(16);  // overflows: counting must not allocate either
   made.session->set_bus_observer({.on_frame =
                                       [](void* context, std::size_t bus, const ReceivedFrame& frame) {
@@ -48,6 +54,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RealtimeCycleOf,
                          testing::Values(std::pair{"rigid.toml", BusChoice::sim},
                                          std::pair{"desk.toml", BusChoice::sim},
                                          std::pair{"relative.toml", BusChoice::sim},
+                                         std::pair{"grasper.toml", BusChoice::sim},
+                                         std::pair{"scissors-imposed.toml", BusChoice::direct},
+                                         std::pair{"chain.toml", BusChoice::direct},
                                          std::pair{"admittance.toml", BusChoice::direct}));
 
 }  // namespace

@@ -59,5 +59,38 @@ TEST_F(RecordedMotion, RunsThroughTheWholeChainWithoutFault) {
       sim["encoders"]["rms_m"].get<double>(), sim["encoders"]["rms_rad"].get<double>());
 }
 
+/// Recording, bus.
+class RecordedGrasper : public RecordedMotion,
+                        public testing::WithParamInterface<std::tuple<const char*, const char*>> {};
+
+TEST_P(RecordedGrasper, ArticulatedToolsFollowWithoutFault) {
+  const auto& [recording, bus] = GetParam();
+  const auto script = shared_file("tools/desk_to_motion.py");
+  const auto data = shared_file(std::string("data/desk_taurus/S5_T2_") + recording + "_kinematics.txt");
+  if (script.empty() || data.empty()) GTEST_SKIP() << "the recording is not here (shared/data/desk_taurus)";
+  const std::string motion = path("motion.csv");
+  ASSERT_EQ(
+      std::system(("python3 '" + script.string() + "' grasper '" + data.string() + "' > " + motion).c_str()),
+      0);
+  std::vector<const char*> scenes{"grasper.toml"};
+  if (std::string(bus) == "direct") scenes.push_back("scissors-imposed.toml");
+  for (const char* scene : scenes) {
+    const nlohmann::json report = run(scene, bus, motion);
+    EXPECT_TRUE(report["faults"].empty()) << scene;
+    EXPECT_FALSE(report["limits"].contains("held")) << scene;
+    EXPECT_GE(report["cycles"].get<int>(), num_cycles) << scene;
+    EXPECT_LT(report["following"]["rms_m"], 1e-4) << scene;
+    EXPECT_LT(report["following"]["max_m"], 1e-3) << scene;
+    std::printf("%s, %s arm, %s: following rms %.2g m, max %.2g m\n", scene, recording, bus,
+                report["following"]["rms_m"].get<double>(), report["following"]["max_m"].get<double>());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Desk, RecordedGrasper,
+                         testing::Combine(testing::Values("left", "right"), testing::Values("direct", "sim")),
+                         [](const auto& test) {
+                           return std::string(std::get<0>(test.param)) + "_" + std::get<1>(test.param);
+                         });
+
 }  // namespace
 }  // namespace godobject::test

@@ -3,8 +3,9 @@
 
 #include <cmath>
 
-#include "core/types.h"
 #include "sim/csv.h"
+#include "sim/joint_params.h"
+#include "sim/scene_toml.h"
 #include "tests/platform/program.h"
 #include "tests/support/shared_data.h"
 
@@ -13,7 +14,10 @@ namespace {
 
 struct WorstError {
   double m = 0, rad = 0;
+  double drift_m = 0, drift_rad = 0;  // of the joints
 };
+
+double order(double coarse, double fine, double halvings) { return std::log2(coarse / fine) / halvings; }
 
 class ReferenceRuns : public ProgramTest {
  protected:
@@ -25,26 +29,68 @@ class ReferenceRuns : public ProgramTest {
     return read_csv(path("t.csv")).table.value();
   }
 
-  /// Worst over the times of the reference, which the run must all have.
-  WorstError error_of(const std::string& scene, const std::string& integrator, double step) const {
-    const std::string folder = shared_file("reference/" + scene).string();
+  /// Worst over the bodies and the times of the reference up to `until`, which the run must all have; drift over
+  /// all of the run.
+  WorstError error_of(const std::string& scene, const std::string& integrator, double step,
+                      double until = 1e9) const {
+    const std::filesystem::path folder = shared_file("reference/" + scene);
+    const bool moved = std::filesystem::exists(folder / "motion.csv");
     const CsvTable ours = run(scene, "--integrator " + integrator + " --step " + std::to_string(step) +
-                                         " --motion " + folder + "/motion.csv");
-    const CsvTable reference = read_csv(folder + "/reference.csv").table.value();
-    WorstError worst;
-    for (std::size_t row = 0; row < reference.num_rows(); ++row) {
+                                         (moved ? " --motion " + (folder / "motion.csv").string() : ""));
+    const CsvTable reference = read_csv((folder / "reference.csv").string()).table.value();
+    const std::vector<BodyConfig> bodies = scene_of(scene).bodies;
+    WorstError worst = drift_of(scene, ours);
+    for (std::size_t row = 0; row < reference.num_rows() && reference.at(row, 0) <= until + 1e-9; ++row) {
       const auto at = static_cast<std::size_t>(std::llround(reference.at(row, 0) / step));
       EXPECT_NEAR(ours.at(at, 0), reference.at(row, 0), 1e-9);
-      double p_sq = 0, minus_sq = 0, plus_sq = 0;
-      for (std::size_t c = 1; c <= 3; ++c) p_sq += std::pow(ours.at(at, c) - reference.at(row, c), 2);
-      for (std::size_t c = 4; c <= 7; ++c) {
-        minus_sq += std::pow(ours.at(at, c) - reference.at(row, c), 2);
-        plus_sq += std::pow(ours.at(at, c) + reference.at(row, c), 2);
+      for (const BodyConfig& body : bodies) {
+        const Pose is = pose(ours, at, body.name), expected = pose(reference, row, body.name);
+        worst.m = std::max(worst.m, (is.p - expected.p).norm());
+        worst.rad = std::max(worst.rad, 2 * (is.q.conjugate() * expected.q).vec().norm());
       }
-      worst.m = std::max(worst.m, std::sqrt(p_sq));
-      worst.rad = std::max(worst.rad, 2 * std::sqrt(std::min(minus_sq, plus_sq)));  // |dq| = 2 sin(angle / 4)
     }
     return worst;
+  }
+  static WorstError drift_of(const std::string& scene, const CsvTable& ours) {
+    const SceneConfig config = scene_of(scene);
+    std::vector<BodyConfig> bodies = config.bodies;
+    WorstError worst;
+    for (std::size_t row = 0; row < ours.num_rows(); ++row) {
+      for (BodyConfig& body : bodies) body.X_WB = pose(ours, row, body.name);
+      for (const JointConfig& joint : config.joints) {
+        const JointGap gap = gap_at_start(bodies, joint);
+        worst.drift_m = std::max(worst.drift_m, gap.m);
+        worst.drift_rad = std::max(worst.drift_rad, gap.rad);
+      }
+    }
+    return worst;
+  }
+  static SceneConfig scene_of(const std::string& name) {
+    return load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/reference/" + name + ".toml").scene.value();
+  }
+  static Pose pose(const CsvTable& table, std::size_t row, const std::string& body) {
+    const std::size_t c = table.find(body + ".x").value();
+    return {Vec3(table.at(row, c), table.at(row, c + 1), table.at(row, c + 2)),
+            Quat(table.at(row, c + 3), table.at(row, c + 4), table.at(row, c + 5), table.at(row, c + 6))
+                .normalized()};
+  }
+  /// Kinetic and potential, J.
+  static double energy(const SceneConfig& scene, const CsvTable& table, std::size_t row) {
+    double e = 0;
+    for (const BodyConfig& body : scene.bodies) {
+      const Pose X = pose(table, row, body.name);
+      const std::size_t c = table.find(body.name + ".vx").value();
+      const Vec3 v(table.at(row, c), table.at(row, c + 1), table.at(row, c + 2));
+      const Vec3 w(table.at(row, c + 3), table.at(row, c + 4), table.at(row, c + 5));
+      const Vec3 w_B = X.q.conjugate() * w;
+      e += 0.5 * body.mass * v.squaredNorm() + 0.5 * w_B.dot(body.inertia * w_B) -
+           body.mass * scene.gravity.dot(X.p);
+    }
+    return e;
+  }
+  static void print(const char* scene, const char* integrator, double step, const WorstError& e) {
+    std::printf("%s, %s at %g ms: %.2g m, %.2g rad; joint drift %.2g m, %.2g rad\n", scene, integrator,
+                1e3 * step, e.m, e.rad, e.drift_m, e.drift_rad);
   }
   WorstError lissajous(const std::string& integrator, double step) const {
     return error_of("coupling-lissajous", integrator, step);
@@ -82,6 +128,80 @@ TEST_F(ReferenceRuns, StepResponseIsWithinBoundsAndOfSecondOrder) {
   EXPECT_GE(std::log2(coarse.rad / fine.rad) / halvings, 1.9);
   std::printf("worst error of tr-bdf2: %.3g m %.3g rad at 1 ms, %.3g m %.3g rad at 0.25 ms\n", coarse.m,
               coarse.rad, fine.m, fine.rad);
+}
+
+TEST_F(ReferenceRuns, GrasperIsWithinBoundsAndConverges) {
+  if (shared_file("reference").empty()) GTEST_SKIP() << "shared/reference is not here";
+  const WorstError second = error_of("grasper", "tr-bdf2", 1e-3),
+                   euler = error_of("grasper", "implicit-euler", 1e-3);
+  print("grasper", "tr-bdf2", 1e-3, second);
+  print("grasper", "implicit-euler", 1e-3, euler);
+  EXPECT_LE(second.m, 5e-6);
+  EXPECT_LE(second.drift_m, 1e-6);
+  EXPECT_LE(second.drift_rad, 1e-5);
+  EXPECT_LE(euler.m, 5e-5);
+  EXPECT_LE(euler.drift_m, 5e-5);
+  for (const auto& [integrator, wanted] : {std::pair{"implicit-euler", 0.9}, {"tr-bdf2", 1.9}}) {
+    const WorstError coarse = error_of("grasper", integrator, 2e-3),
+                     fine = error_of("grasper", integrator, 0.25e-3);
+    EXPECT_GE(order(coarse.m, fine.m, 3), wanted) << integrator;
+    EXPECT_GE(order(coarse.rad, fine.rad, 3), wanted) << integrator;
+    std::printf("grasper, %s: orders %.2f in m, %.2f in rad\n", integrator, order(coarse.m, fine.m, 3),
+                order(coarse.rad, fine.rad, 3));
+  }
+}
+
+/// Chaotic after about a second: errors over the first half.
+TEST_F(ReferenceRuns, ChainFollowsTheReferenceForHalfASecond) {
+  if (shared_file("reference").empty()) GTEST_SKIP() << "shared/reference is not here";
+  for (const auto& [integrator, wanted] : {std::pair{"implicit-euler", 0.9}, {"tr-bdf2", 1.9}}) {
+    const WorstError coarse = error_of("chain-5", integrator, 0.2e-3, 0.5);
+    const WorstError fine = error_of("chain-5", integrator, 0.05e-3, 0.5);
+    print("chain-5", integrator, 0.2e-3, coarse);
+    EXPECT_GE(order(coarse.m, fine.m, 2), wanted) << integrator;
+    std::printf("chain-5, %s: order %.2f in m\n", integrator, order(coarse.m, fine.m, 2));
+  }
+}
+
+TEST_F(ReferenceRuns, ChainKeepsItsEnergyAndEndsWhereTheReferenceDoes) {
+  if (shared_file("reference").empty()) GTEST_SKIP() << "shared/reference is not here";
+  const SceneConfig scene = scene_of("chain-5");
+  const CsvTable reference = read_csv(shared_file("reference/chain-5/reference.csv").string()).table.value();
+  struct Bound {
+    const char* integrator;
+    double energy_J, end_m;
+  };
+  for (const Bound& bound : {Bound{"implicit-euler", 0.15, 0.02}, {"tr-bdf2", 2e-4, 5e-5}}) {
+    const CsvTable ours =
+        run("chain-5", std::string("--step 1e-3 --duration 0.5 --integrator ") + bound.integrator);
+    double worst = 0;
+    std::size_t row = 0;
+    for (; row < reference.num_rows() && reference.at(row, 0) <= 0.5 + 1e-9; ++row) {
+      const auto at = static_cast<std::size_t>(std::llround(reference.at(row, 0) / 1e-3));
+      worst = std::max(worst, std::abs(energy(scene, ours, at) - energy(scene, reference, row)));
+    }
+    const Vec3 end = pose(ours, ours.num_rows() - 1, "link4").p,
+               expected = pose(reference, row - 1, "link4").p;
+    EXPECT_LE(worst, bound.energy_J) << bound.integrator;
+    EXPECT_LE((end - expected).norm(), bound.end_m) << bound.integrator;
+    std::printf("chain-5, %s at 1 ms: energy within %.2g J, end within %.2g m at 0.5 s\n", bound.integrator,
+                worst, (end - expected).norm());
+  }
+}
+
+TEST_F(ReferenceRuns, HeavyTopIsBoundedAtOneMillisecondAndConvergesDownToATenth) {
+  if (shared_file("reference").empty()) GTEST_SKIP() << "shared/reference is not here";
+  for (const auto& [integrator, wanted] : {std::pair{"implicit-euler", 0.85}, {"tr-bdf2", 1.9}}) {
+    const WorstError bounded = error_of("heavy-top", integrator, 1e-3);
+    print("heavy-top", integrator, 1e-3, bounded);
+    EXPECT_LE(bounded.m, 2 + bounded.drift_m);  // the top stays on its ball joint, 1 m from the origin
+    EXPECT_LE(bounded.drift_m, 0.1);
+    const WorstError coarse = error_of("heavy-top", integrator, 0.1e-3),
+                     fine = error_of("heavy-top", integrator, 0.05e-3);
+    print("heavy-top", integrator, 0.1e-3, coarse);
+    EXPECT_GE(order(coarse.m, fine.m, 1), wanted) << integrator;
+    std::printf("heavy-top, %s: order %.2f in m\n", integrator, order(coarse.m, fine.m, 1));
+  }
 }
 
 TEST_F(ReferenceRuns, TorqueFreeKeepsEnergyAndAngularMomentum) {

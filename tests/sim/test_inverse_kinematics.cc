@@ -24,14 +24,14 @@ Pose random_pose(std::mt19937& random) {
 }
 
 TEST(InverseKinematics, WholeWorkspaceFromACommonStart) {
-  const KinematicChain chain(test::phantom_arm());
+  const KinematicTree arm(test::phantom_arm());
   std::mt19937 random(1);
   for (int trial = 0; trial < 2000; ++trial) {
     const Pose X = random_pose(random);
     InverseKinematics ik(test::phantom_arm());
     const IkSolution solution = ik.solve(X);
     ASSERT_EQ(solution.status, IkStatus::solved) << "residual " << solution.residual_m << " m";
-    const Pose reached = chain.at(solution.q).X_WH;
+    const Pose reached = arm.at(solution.q).X_WH(0);
     EXPECT_LT((reached.p - X.p).norm(), 1e-11);
     EXPECT_LT(reached.q.angularDistance(X.q), 1e-7);  // acos near 1 resolves no better
     EXPECT_LT(solution.residual_rad, 1e-10);
@@ -69,7 +69,7 @@ TEST(InverseKinematics, WarmStartStaysOnOneBranchAndIsQuick) {
 }
 
 TEST(InverseKinematics, JointRatesReproduceTheTwist) {
-  const KinematicChain chain(test::phantom_arm());
+  const KinematicTree arm(test::phantom_arm());
   InverseKinematics ik(test::phantom_arm());
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -80,7 +80,7 @@ TEST(InverseKinematics, JointRatesReproduceTheTwist) {
                   Vec3(uniform(random), uniform(random), uniform(random))};
     JointVector q_dot;
     ASSERT_TRUE(ik.joint_rates(V, q_dot));
-    const Twist got = chain.at(solution.q).twist(q_dot);
+    const Twist got = arm.at(solution.q).twist(0, q_dot);
     EXPECT_LT((got.w - V.w).norm() + (got.v - V.v).norm(), 1e-9);
   }
 }
@@ -101,19 +101,36 @@ TEST(InverseKinematics, GimbalLockIsSingular) {
   JointVector q = JointVector::Zero(6);
   q(4) = std::numbers::pi / 2;
   ik.start_at(q);
-  EXPECT_EQ(ik.solve(KinematicChain(test::phantom_arm()).at(q).X_WH).status, IkStatus::singular);
+  EXPECT_EQ(ik.solve(KinematicTree(test::phantom_arm()).at(q).X_WH(0)).status, IkStatus::singular);
   JointVector q_dot;
   EXPECT_FALSE(ik.joint_rates(Twist{Vec3::UnitX(), Vec3::Zero()}, q_dot));
   EXPECT_EQ(q_dot, JointVector::Zero(6));
 }
 
-TEST(InverseKinematics, RefusesAPoseThatIsNotFiniteAndAChainOfFive) {
+TEST(InverseKinematics, RefusesAPoseThatIsNotFinite) {
   Pose X;
   X.p.x() = std::nan("");
-  EXPECT_EQ(InverseKinematics(test::phantom_arm()).solve(X).status, IkStatus::wrong_chain);
-  ChainParams chain = test::phantom_arm();
-  chain.joints.pop_back();
-  EXPECT_EQ(InverseKinematics(chain).solve(Pose{}).status, IkStatus::wrong_chain);
+  EXPECT_EQ(InverseKinematics(test::phantom_arm()).solve(X).status, IkStatus::wrong_input);
+}
+
+TEST(InverseKinematics, InvertsOneHandleThatAllSixJointsMoveAndSaysSo) {
+  EXPECT_TRUE(InverseKinematics(test::phantom_arm()).invertible());
+  const auto refuses = [](const KinematicTreeParams& device) {
+    InverseKinematics ik(device);
+    JointVector q_dot;
+    return !ik.invertible() && ik.solve(Pose{}).status == IkStatus::wrong_input &&
+           !ik.joint_rates(Twist{}, q_dot);
+  };
+  KinematicTreeParams five_joints = test::phantom_arm();
+  five_joints.joints.pop_back();
+  five_joints.handles[0].joint = "gimbal_x";
+  EXPECT_TRUE(refuses(five_joints));
+  KinematicTreeParams two_handles = test::phantom_arm();
+  two_handles.handles.push_back({.body = "elbow", .joint = "elbow"});
+  EXPECT_TRUE(refuses(two_handles));
+  KinematicTreeParams branched = test::phantom_arm();
+  branched.joints[5].parent = "gimbal_z";  // gimbal_x does not move the handle
+  EXPECT_TRUE(refuses(branched));
 }
 
 }  // namespace

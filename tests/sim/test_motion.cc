@@ -205,9 +205,9 @@ TEST(Motion, WrenchColumnsDriveAnAdmittanceDevice) {
 TEST(Motion, JointColumnsGiveTheHandlePose) {
   SceneConfig scene = one_coupled_body();
   RigParams rig;
-  rig.chain.joints = {{.name = "slide", .kind = ChainJointKind::slider, .X_PJ = {}, .axis_J = Vec3::UnitX()},
-                      {.name = "turn", .kind = ChainJointKind::hinge, .X_PJ = {}, .axis_J = Vec3::UnitZ()}};
-  rig.chain.X_LH.p = Vec3(0, 0.1, 0);
+  rig.tree.joints = {{.name = "slide", .kind = DeviceJointKind::slider, .axis_J = Vec3::UnitX()},
+                     {.name = "turn", .axis_J = Vec3::UnitZ()}};
+  rig.tree.handles = {{.body = "tool", .joint = "turn", .X_LH = {Vec3(0, 0.1, 0), Quat::Identity()}}};
   scene.device =
       DeviceConfig{.name = "d", .kind = DeviceKind::non_haptic, .limits = {}, .rig = rig, .plant = {}};
   const MotionResult result = Motion::parse("t,slide,turn\n0,0,0\n1,0.5,1\n2,1,2\n", "m.csv", scene);
@@ -218,6 +218,71 @@ TEST(Motion, JointColumnsGiveTheHandlePose) {
   const MotionSample sample = result.motion->target(0, 1);
   EXPECT_NEAR((sample.X_WD.p - Vec3(0.5 - 0.1 * std::sin(1), 0.1 * std::cos(1), 0)).norm(), 0, 1e-12);
   EXPECT_NEAR(sample.V_WD.w.z(), 1, 1e-12);
+}
+
+TEST(Motion, JointColumnsDriveEveryBodyThatHasAHandle) {
+  SceneConfig scene = one_coupled_body();  // "tool" has no handle: it rests
+  for (const char* name : {"left", "right"}) {
+    scene.bodies.push_back(scene.bodies.front());
+    scene.bodies.back().name = name;
+  }
+  RigParams rig;
+  rig.tree.joints = {{.name = "slide", .kind = DeviceJointKind::slider, .axis_J = Vec3::UnitX()},
+                     {.name = "jaw_left", .axis_J = Vec3::UnitZ()},
+                     {.name = "jaw_right", .parent = "slide", .axis_J = -Vec3::UnitZ()}};
+  const Pose at_the_tip{Vec3(0, 0.1, 0), Quat::Identity()};
+  rig.tree.handles = {{.body = "right", .joint = "jaw_right", .X_LH = at_the_tip},
+                      {.body = "left", .joint = "jaw_left", .X_LH = at_the_tip}};
+  scene.device =
+      DeviceConfig{.name = "d", .kind = DeviceKind::non_haptic, .limits = {}, .rig = rig, .plant = {}};
+  const MotionResult result =
+      Motion::parse("t,slide,jaw_left,jaw_right\n0,0,0,0\n1,0.5,1,2\n2,1,2,4\n", "m.csv", scene);
+  ASSERT_THAT(result.errors, IsEmpty());
+  EXPECT_EQ(result.motion->target(0, 1).X_WD.p, Vec3(1, 2, 3));
+  const MotionSample left = result.motion->target(1, 1), right = result.motion->target(2, 1);
+  EXPECT_LT((left.X_WD.p - Vec3(0.5 - 0.1 * std::sin(1), 0.1 * std::cos(1), 0)).norm(), 1e-12);
+  EXPECT_LT((right.X_WD.p - Vec3(0.5 + 0.1 * std::sin(2), 0.1 * std::cos(2), 0)).norm(), 1e-12);
+  EXPECT_LT((left.V_WD.w - Vec3(0, 0, 1)).norm(), 1e-12);
+  EXPECT_LT((right.V_WD.w - Vec3(0, 0, -2)).norm(), 1e-12);
+  EXPECT_LT((right.V_WD.v - Vec3(0.5 + 0.2 * std::cos(2), -0.2 * std::sin(2), 0)).norm(), 1e-12);
+}
+
+TEST(Motion, TheScenesOwnMotionOfJointsMovesTheHandles) {
+  SceneConfig scene = one_coupled_body();
+  RigParams rig;
+  rig.tree.joints = {{.name = "slide", .kind = DeviceJointKind::slider, .axis_J = Vec3::UnitX()},
+                     {.name = "still", .axis_J = Vec3::UnitY()},
+                     {.name = "turn", .axis_J = Vec3::UnitZ()}};
+  rig.tree.handles = {{.body = "tool", .joint = "turn", .X_LH = {Vec3(0, 0.1, 0), Quat::Identity()}}};
+  scene.device =
+      DeviceConfig{.name = "d", .kind = DeviceKind::non_haptic, .limits = {}, .rig = rig, .plant = {}};
+  scene.motion = MotionConfig{};
+  scene.motion->joints = {
+      {.coordinate = "turn", .amplitude = 0.5, .frequency_hz = 2, .phase = 0.3},
+      {.coordinate = "slide", .offset = 0.2, .amplitude = 0.1, .frequency_hz = 1, .phase = 0}};
+  const Motion motion(scene);
+  ASSERT_TRUE(motion.has_joints());
+  EXPECT_FALSE(motion.end().has_value());
+  for (double t = 0; t < 1; t += 0.093) {
+    const JointTarget hand = motion.joints(t);
+    EXPECT_NEAR(hand.q[0], 0.2 + 0.1 * std::sin(2 * std::numbers::pi * t), 1e-14);
+    EXPECT_EQ(hand.q[1], 0);
+    EXPECT_NEAR(hand.q[2], 0.5 * std::sin(4 * std::numbers::pi * t + 0.3), 1e-14);
+    const Pose X = motion.target(0, t).X_WD;
+    EXPECT_LT((X.p - Vec3(hand.q[0] - 0.1 * std::sin(hand.q[2]), 0.1 * std::cos(hand.q[2]), 0)).norm(),
+              1e-14);
+    const Twist V = motion.target(0, t).V_WD, D = difference_twist(motion, t, 1e-5);
+    EXPECT_LT((V.v - D.v).norm(), 1e-6) << t;
+    EXPECT_LT((V.w - D.w).norm(), 1e-6) << t;
+  }
+  const MotionResult table = Motion::parse("t,slide,still,turn\n0,1,0,0\n1,1,0,0\n", "m.csv", scene);
+  ASSERT_THAT(table.errors, IsEmpty());
+  EXPECT_EQ(table.motion->joints(0.4).q[0], 1);
+  EXPECT_EQ(table.motion->target(0, 0.4).V_WD.w.norm(), 0);
+  const MotionResult poses = Motion::parse(pose_header + "0,7,0,0,1,0,0,0\n", "m.csv", scene);
+  ASSERT_THAT(poses.errors, IsEmpty());
+  EXPECT_FALSE(poses.motion->has_joints());
+  EXPECT_EQ(poses.motion->target(0, 0).X_WD.p.x(), 7);
 }
 
 TEST(Motion, BadTablesAreRefusedWithTheirPlace) {

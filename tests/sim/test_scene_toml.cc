@@ -283,7 +283,9 @@ TEST_P(ShippedScene, LoadsWithoutComplaintAndRoundTrips) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(shipped_scenes()), [](const auto& test) {
-  std::string name = stem(test.param);
+  const std::filesystem::path path(test.param);
+  std::string name = stem(path.string());
+  if (path.parent_path().filename() == "reference") name += "_reference";
   std::ranges::replace(name, '-', '_');
   return name;
 });

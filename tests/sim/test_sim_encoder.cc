@@ -21,6 +21,14 @@ TEST(SimEncoder, CountsInvertTheCalibration) {
   }
 }
 
+TEST(SimEncoder, CountsAreTheOffsetAtHome) {
+  const Calibration c{
+      .counts_per_unit = 1000, .sign = -1, .offset_counts = 500, .modulus_counts = 4096, .home = -0.8};
+  EXPECT_EQ(counts_at(-0.8, c), 500u);
+  EXPECT_EQ(counts_at(-0.7, c), 400u);
+  EXPECT_EQ(counts_at(-0.8 + 0.501, c), 4095u);
+}
+
 TEST(SimEncoder, CountsWrapBothWaysAtTheModulus) {
   const Calibration c{.counts_per_unit = 1, .modulus_counts = 4096};
   EXPECT_EQ(counts_at(4095, c), 4095u);

@@ -50,7 +50,7 @@ TEST(Trace, NumbersReadBackBitForBit) {
     driven[0].coupling.f = Vec3(1, 2, 3);
     driven[0].feedback.tau = Vec3(4, 5, 6);
     driven[0].X_WD.p = Vec3(7, 8, 9);
-    writer.row(1e-3 * i, bodies, driven, -1e-4, {.fault = 0x80000001u, .limited = 16, .rig_fault = 32});
+    writer.row(1e-3 * i, bodies, driven, {}, -1e-4, {.fault = 0x80000001u, .limited = 16, .rig_fault = 32});
   }
   ASSERT_TRUE(writer.close());
 
@@ -78,6 +78,25 @@ TEST(Trace, NumbersReadBackBitForBit) {
     EXPECT_EQ(at(i, "limited"), 16);
     EXPECT_EQ(at(i, "rig_fault"), 32);
   }
+}
+
+TEST(Trace, JointsHaveTheirWrenchesBehindTheTargets) {
+  SceneConfig scene = coupled_and_free();
+  scene.joints.resize(1);
+  scene.joints[0].name = "pivot";
+  scene.joints[0].child = "tool";
+  const std::vector<std::string> columns = trace_columns(scene);
+  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6 + 4);
+  EXPECT_EQ(columns[46], "pivot.fx");
+  EXPECT_EQ(columns[49], "pivot.tx");
+  const std::string path = testing::TempDir() + "/godobject_trace_joints.csv";
+  TraceWriter writer(path, scene);
+  const std::array<Wrench, 1> joints{Wrench{.tau = Vec3(4, 5, 6), .f = Vec3(1, 2, 3)}};
+  writer.row(0, std::array<TraceBody, 2>{}, std::array<TraceDriven, 1>{}, joints, 0, {});
+  ASSERT_TRUE(writer.close());
+  const CsvTable table = read_csv(path).table.value();
+  EXPECT_EQ(table.at(0, 47), 2);
+  EXPECT_EQ(table.at(0, 51), 6);
 }
 
 TEST(Trace, UnwritableFileIsReported) {

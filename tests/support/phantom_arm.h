@@ -8,24 +8,25 @@
 
 namespace godobject::test {
 
-inline ChainParams phantom_arm() {
+inline KinematicTreeParams phantom_arm() {
   constexpr double link_m = 0.35;  // upper arm along x, forearm down along -z
   const auto at = [](double x, double z) {
     Pose X;
     X.p = Vec3(x, 0, z);
     return X;
   };
-  ChainParams chain;
-  chain.X_WB = at(-link_m, link_m);
-  chain.joints = {
-      {"yaw", ChainJointKind::hinge, Pose{}, Vec3::UnitZ()},
-      {"shoulder", ChainJointKind::hinge, Pose{}, Vec3::UnitY()},
-      {"elbow", ChainJointKind::hinge, at(link_m, 0), Vec3::UnitY()},
-      {"gimbal_z", ChainJointKind::hinge, at(0, -link_m), Vec3::UnitZ()},
-      {"gimbal_x", ChainJointKind::hinge, Pose{}, Vec3::UnitX()},
-      {"gimbal_y", ChainJointKind::hinge, Pose{}, Vec3::UnitY()},
+  KinematicTreeParams arm;
+  arm.X_WB = at(-link_m, link_m);
+  arm.joints = {
+      {.name = "yaw", .axis_J = Vec3::UnitZ()},
+      {.name = "shoulder", .axis_J = Vec3::UnitY()},
+      {.name = "elbow", .X_PJ = at(link_m, 0), .axis_J = Vec3::UnitY()},
+      {.name = "gimbal_z", .X_PJ = at(0, -link_m), .axis_J = Vec3::UnitZ()},
+      {.name = "gimbal_x", .axis_J = Vec3::UnitX()},
+      {.name = "gimbal_y", .axis_J = Vec3::UnitY()},
   };
-  return chain;
+  arm.handles = {{.body = "tool", .joint = "gimbal_y"}};
+  return arm;
 }
 
 }  // namespace godobject::test

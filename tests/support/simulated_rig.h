@@ -1,11 +1,14 @@
-// A six-joint arm with an encoder on every joint (bus 0) and a drive on each of the first three (bus 1),
-// on simulated wires, driven cycle by cycle.
+// A rig on simulated wires, driven cycle by cycle. By default a six-joint arm with an encoder on every joint
+// (bus 0) and a drive on each of the first three (bus 1).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <functional>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "hal/rig.h"
@@ -23,10 +26,10 @@ inline constexpr double arm_counts_per_rad = 16384 / (2 * 3.14159265358979323846
 inline RigParams arm_rig_params() {
   RigParams rig;
   rig.buses = {{.name = "can0"}, {.name = "can1"}};
-  rig.chain = phantom_arm();
-  for (std::size_t i = 0; i < rig.chain.joints.size(); ++i) {
+  rig.tree = phantom_arm();
+  for (std::size_t i = 0; i < rig.tree.joints.size(); ++i) {
     EncoderParams encoder;
-    encoder.joint = rig.chain.joints[i].name;
+    encoder.joint = rig.tree.joints[i].name;
     encoder.node_id = static_cast<std::uint8_t>(i + 1);
     encoder.calibration = {.counts_per_unit = arm_counts_per_rad,
                            .sign = i % 2 == 0 ? 1 : -1,
@@ -36,7 +39,7 @@ inline RigParams arm_rig_params() {
   }
   for (std::size_t i = 0; i < num_arm_drives; ++i) {
     DriveParams drive;
-    drive.joint = rig.chain.joints[i].name;
+    drive.joint = rig.tree.joints[i].name;
     drive.bus = 1;
     drive.node_id = static_cast<std::uint8_t>(i + 1);
     drive.torque_rated_Nm = 0.2;
@@ -59,7 +62,7 @@ class SimulatedRig {
 
   explicit SimulatedRig(const RigParams& rig_params = arm_rig_params(), bool haptic = false,
                         const PlantConfig& plant_config = {})
-      : params(rig_params), plant(plant_config, rig_params.chain.joints.size(), haptic, zero(), 0) {
+      : params(rig_params), plant(plant_config, rig_params.tree.joints.size(), haptic, zero(), 0) {
     std::vector<CanBus*> hosts;
     for (std::size_t i = 0; i < params.buses.size(); ++i) {
       wires.emplace_back(SimWireParams{.rates = {.nominal = params.buses[i].bit_rate}, .seed = i + 1});
@@ -85,7 +88,7 @@ class SimulatedRig {
   }
 
   /// One cycle of the loop: SYNC, answers, read, command. Joints follow (haptic: are pulled to) q_ref.
-  void cycle(const Wrench& F_hand_W = {}) {
+  void cycle(std::span<const Wrench> F_hand_W = {}) {
     rig->sync(now);
     advance_to(now + deadline_ns);
     rig->receive(now);
@@ -94,9 +97,11 @@ class SimulatedRig {
     report = rig->command(F_hand_W, now);
     advance_to(cycle_start_ns += cycle_ns);
   }
-  void cycles(int count, const Wrench& F_hand_W = {}) {
+  void cycle(const Wrench& F_hand_W) { cycle({&F_hand_W, 1}); }
+  void cycles(int count, std::span<const Wrench> F_hand_W = {}) {
     for (int i = 0; i < count; ++i) cycle(F_hand_W);
   }
+  void cycles(int count, const Wrench& F_hand_W) { cycles(count, {&F_hand_W, 1}); }
   /// Cycles until ready; false when it takes longer than 3 s.
   bool boot() {
     rig->start(now);
@@ -109,7 +114,10 @@ class SimulatedRig {
     return d.sign * drives[drive]->applied_torque_Nm() / d.joint_per_motor_rad;
   }
 
-  static JointVector zero() { return JointVector::Zero(6); }
+  JointVector zero() const { return JointVector::Zero(static_cast<Eigen::Index>(params.tree.joints.size())); }
+  Eigen::Index joint_named(const std::string& name) const {
+    return std::ranges::find(params.tree.joints, name, &DeviceJoint::name) - params.tree.joints.begin();
+  }
 
   RigParams params;
   SimPlant plant;
@@ -121,8 +129,8 @@ class SimulatedRig {
   std::vector<std::vector<SimCanopenNode*>> nodes;  // by bus
   std::unique_ptr<Rig> rig;
 
-  std::function<JointVector(double t)> q_ref = [](double) { return zero(); };
-  std::function<JointVector(double t)> q_ref_dot = [](double) { return zero(); };
+  std::function<JointVector(double t)> q_ref = [this](double) { return zero(); };
+  std::function<JointVector(double t)> q_ref_dot = [this](double) { return zero(); };
   Nanoseconds now = 0, cycle_start_ns = 0;
   DeviceSample sample;
   CommandReport report;
@@ -140,17 +148,22 @@ class SimulatedRig {
   void advance_to(Nanoseconds t_ns) {
     while (now < t_ns) {
       now += plant_step_ns;
-      for (std::size_t i = 0; i < drives.size(); ++i) plant.set_motor_torque(i, applied_joint_torque(i));
+      for (std::size_t i = 0; i < drives.size(); ++i) {
+        const Eigen::Index joint = joint_named(params.drives[i].joint);
+        plant.set_motor_torque(static_cast<std::size_t>(joint), applied_joint_torque(i));
+      }
       const double t = 1e-9 * static_cast<double>(now);
       plant.advance(now, q_ref(t), q_ref_dot(t));
-      for (std::size_t i = 0; i < encoders.size(); ++i) encoders[i]->set_position(plant.q()(index(i)));
+      for (std::size_t i = 0; i < encoders.size(); ++i) {
+        encoders[i]->set_position(plant.q()(joint_named(params.encoders[i].joint)));
+      }
       for (std::size_t i = 0; i < drives.size(); ++i) {
-        drives[i]->set_joint(plant.q()(index(i)), plant.q_dot()(index(i)));
+        const Eigen::Index joint = joint_named(params.drives[i].joint);
+        drives[i]->set_joint(plant.q()(joint), plant.q_dot()(joint));
       }
       for (std::size_t bus = 0; bus < wires.size(); ++bus) advance(wires[bus], nodes[bus], now);
     }
   }
-  static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 };
 
 }  // namespace godobject::test

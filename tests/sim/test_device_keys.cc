@@ -1,0 +1,161 @@
+// The tree of the device in scene files: parents, handles, homing.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hal/kinematic_tree.h"
+#include "hal/rig_validate.h"
+#include "sim/scene_toml.h"
+
+namespace godobject {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::string body(const std::string& name, bool coupled = true) {
+  return "[[body]]\nname = \"" + name + "\"\nmass = 0.1\ninertia = [3e-4, 3e-4, 2e-5]\n" +
+         (coupled ? "[body.coupling]\nstiffness = 1000\nrotational_stiffness = 1\n" : "");
+}
+std::string joint(const std::string& name, const std::string& more = "") {
+  return "[[device.joint]]\nname = \"" + name + "\"\n" + more;
+}
+std::string handle(const std::string& of_body, const std::string& on_joint, const std::string& more = "") {
+  return "[[device.handle]]\nbody = \"" + of_body + "\"\njoint = \"" + on_joint + "\"\n" + more;
+}
+
+/// The device has the tables given, and an encoder on each of its joints a, b and c.
+std::string scene(const std::string& device, const std::string& chain = "") {
+  std::string text = "[scene]\nname = \"test\"\n" + body("ground", false) + body("shaft") + body("jaw") +
+                     "[[bus]]\nname = \"can0\"\n[device]\nname = \"d\"\n" + chain + device;
+  int node_id = 1;
+  for (const char* name : {"a", "b", "c"}) {
+    text += "[[device.encoder]]\nbus = \"can0\"\ncounts_per_turn = 4096\njoint = \"" + std::string(name) +
+            "\"\nnode_id = " + std::to_string(node_id++) + "\n";
+  }
+  return text;
+}
+
+LoadResult load(const std::string& text) { return parse_scene(text, "a.toml"); }
+
+const std::string serial = joint("a") + joint("b") + joint("c");
+
+TEST(DeviceKeys, JointsSitOnTheOneBeforeUnlessTheyNameAnother) {
+  const LoadResult result =
+      load(scene(joint("a") + joint("b", "parent = \"base\"\n") + joint("c", "parent = \"a\"\n")));
+  ASSERT_THAT(result.errors, IsEmpty());
+  const std::vector<DeviceJoint>& joints = result.scene->device->rig->tree.joints;
+  EXPECT_EQ(parent_link(joints, 0), 0u);
+  EXPECT_EQ(parent_link(joints, 1), 0u);
+  EXPECT_EQ(parent_link(joints, 2), 1u);
+  EXPECT_EQ(parent_link(load(scene(serial)).scene->device->rig->tree.joints, 2), 2u);
+  EXPECT_THAT(validate(*result.scene->device->rig), IsEmpty());
+}
+
+TEST(DeviceKeys, ParentsMustBeEarlierJoints) {
+  EXPECT_THAT(load(scene(joint("a") + joint("b", "parent = \"c\"\n") + joint("c"))).errors,
+              ElementsAre(AllOf(HasSubstr("a.toml:29:10:"),
+                                HasSubstr("'parent' is \"c\"; admissible is \"base\", \"a\""))));
+  EXPECT_THAT(load(scene(joint("a") + joint("b", "parent = \"b\"\n") + joint("c"))).errors,
+              ElementsAre(HasSubstr("'parent' is \"b\"")));
+  EXPECT_THAT(load(scene(joint("base") + serial)).errors,
+              Contains(HasSubstr("'name' is what the base is called")));
+}
+
+TEST(DeviceKeys, WithoutHandlesThereIsOneOnTheLastJointForTheFirstCoupledBody) {
+  const std::string chain = "[device.chain]\nhandle_position = [0.1, 0.2, 0.3]\n";
+  const LoadResult result = load(scene(serial, chain));
+  ASSERT_THAT(result.errors, IsEmpty());
+  const std::vector<HandleParams>& handles = result.scene->device->rig->tree.handles;
+  ASSERT_EQ(handles.size(), 1u);
+  EXPECT_EQ(handles[0].body, "shaft");
+  EXPECT_EQ(handles[0].joint, "c");
+  EXPECT_EQ(handles[0].X_LH.p, Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(load(scene(serial)).scene->device->rig->tree.handles[0].X_LH.p, Vec3::Zero());
+}
+
+TEST(DeviceKeys, HandlesAreReadInTheirOrder) {
+  const LoadResult result =
+      load(scene(serial + handle("jaw", "c", "position = [0, 0, 0.5]\norientation_wxyz = [0, 1, 0, 0]\n") +
+                 handle("shaft", "a")));
+  ASSERT_THAT(result.errors, IsEmpty());
+  const std::vector<HandleParams>& handles = result.scene->device->rig->tree.handles;
+  ASSERT_EQ(handles.size(), 2u);
+  EXPECT_EQ(handles[0].body, "jaw");
+  EXPECT_EQ(handles[0].X_LH.p.z(), 0.5);
+  EXPECT_EQ(handles[0].X_LH.q.x(), 1);
+  EXPECT_EQ(handles[1].joint, "a");
+}
+
+TEST(DeviceKeys, WrongHandlesAreRefusedWithTheirPlace) {
+  const auto errors = [](const std::string& tables, const std::string& chain = "") {
+    return load(scene(serial + tables, chain)).errors;
+  };
+  EXPECT_THAT(
+      errors(handle("jaws", "c")),
+      ElementsAre(AllOf(HasSubstr("a.toml:32:8: 'body' is \"jaws\"; admissible is \"shaft\", \"jaw\""),
+                        HasSubstr("nearest is \"jaw\""))));
+  EXPECT_THAT(errors(handle("ground", "c")), ElementsAre(HasSubstr("'body' is \"ground\"")));
+  EXPECT_THAT(errors(handle("jaw", "base")), ElementsAre(HasSubstr("a.toml:33:9: 'joint' is \"base\"")));
+  EXPECT_THAT(errors(handle("jaw", "c") + handle("jaw", "b")),
+              ElementsAre(HasSubstr("a.toml:35:8: 'body' has an earlier handle")));
+  EXPECT_THAT(errors("[[device.handle]]\njoint = \"c\"\n"), Contains(HasSubstr("required key 'body'")));
+  EXPECT_THAT(errors(handle("jaw", "c"), "[device.chain]\nhandle_position = [0, 0, 0]\n"),
+              ElementsAre(HasSubstr("'handle' and handle_position in [device.chain] both place handles")));
+  EXPECT_THAT(errors(handle("jaw", "c"), "[device.chain]\nhandle_orientation_wxyz = [1, 0, 0, 0]\n"),
+              ElementsAre(HasSubstr("'handle' and handle_position in [device.chain] both place handles")));
+  EXPECT_THAT(errors(handle("jaw", "c"), "[device.chain]\nbase_position = [0, 0, 1]\n"), IsEmpty());
+}
+
+TEST(DeviceKeys, NumbersOfJointsAndHandlesAreBounded) {
+  std::string joints = serial, handles, bodies = "[scene]\nname = \"test\"\n";
+  for (char name = 'd'; name <= 'q'; ++name) joints += joint(std::string(1, name));
+  EXPECT_THAT(load(scene(joints)).errors,
+              Contains(HasSubstr("must be 1 to 16 tables [[device.joint]], not 17")));
+  for (char name = 'd'; name <= 'l'; ++name) {
+    bodies += body(std::string(1, name));
+    handles += handle(std::string(1, name), "c");
+  }
+  const std::string rest = scene(serial + handles);
+  EXPECT_THAT(load(bodies + rest.substr(rest.find("[[body]]"))).errors,
+              ElementsAre(HasSubstr("must be at most 8 tables [[device.handle]], not 9")));
+}
+
+TEST(DeviceKeys, HomeIsRead) {
+  const std::string text = scene(serial);
+  const LoadResult result =
+      load(text +
+           "home = -0.25\n[[device.drive]]\njoint = \"a\"\nbus = \"can0\"\nnode_id = 9\n"
+           "counts_per_turn = 4096\nhome = 0.5\n");
+  ASSERT_THAT(result.errors, IsEmpty());
+  EXPECT_EQ(result.scene->device->rig->encoders[2].calibration.home, -0.25);
+  EXPECT_EQ(result.scene->device->rig->drives[0].calibration.home, 0.5);
+  EXPECT_EQ(result.scene->device->rig->encoders[0].calibration.home, 0);
+}
+
+TEST(DeviceKeys, ATreeWithHandlesLoadsBackAsItself) {
+  const std::string tree = joint("a") + joint("b", "parent = \"base\"\n") + joint("c", "parent = \"a\"\n");
+  for (const std::string& text :
+       {scene(serial, "[device.chain]\nhandle_position = [0.1, 0.2, 0.3]\n"),
+        scene(tree + handle("jaw", "c", "position = [0, 0, 0.5]\n") + handle("shaft", "b")) +
+            "home = 0.1\n"}) {
+    const LoadResult first = load(text);
+    ASSERT_THAT(first.errors, IsEmpty());
+    const std::string printed = effective_config_toml(*first.scene);
+    const LoadResult back = load(printed);
+    ASSERT_THAT(back.errors, IsEmpty()) << printed;
+    EXPECT_EQ(effective_config_toml(*back.scene), printed);
+    const KinematicTreeParams &a = first.scene->device->rig->tree, &b = back.scene->device->rig->tree;
+    ASSERT_EQ(a.handles.size(), b.handles.size());
+    for (std::size_t i = 0; i < a.joints.size(); ++i) EXPECT_EQ(a.joints[i].parent, b.joints[i].parent);
+    for (std::size_t i = 0; i < a.handles.size(); ++i) {
+      EXPECT_EQ(a.handles[i].body, b.handles[i].body);
+      EXPECT_EQ(a.handles[i].joint, b.handles[i].joint);
+      EXPECT_EQ(a.handles[i].X_LH.p, b.handles[i].X_LH.p);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace godobject

@@ -1,0 +1,37 @@
+// Scenes with joints for tests: as text, as shipped, and where a run has taken them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/scene_toml.h"
+#include "sim/session.h"
+
+namespace godobject::test {
+
+inline std::string body(const std::string& name, const std::string& more = "") {
+  return "[[body]]\nname = \"" + name + "\"\nmass = 0.1\ninertia = [1e-4, 1e-4, 1e-4]\n" + more;
+}
+
+inline std::string joint(const std::string& name, const std::string& kind, const std::string& parent,
+                         const std::string& child, const std::string& more = "") {
+  return "[[joint]]\nname = \"" + name + "\"\nkind = \"" + kind + "\"\nparent = \"" + parent +
+         "\"\nchild = \"" + child + "\"\n" + more;
+}
+
+inline LoadResult parse_tool(const std::string& text) {
+  return parse_scene("[scene]\nname = \"test\"\n" + text, "a.toml");
+}
+
+inline SceneConfig load_shipped(const std::string& name) {
+  return load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/" + name).scene.value();
+}
+
+/// Bodies of the scene where a record has them.
+inline std::vector<BodyConfig> placed(const SceneConfig& scene, const CycleRecord& record) {
+  std::vector<BodyConfig> bodies = scene.bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].X_WB = record.bodies[i].X_WB;
+  return bodies;
+}
+
+}  // namespace godobject::test
