@@ -12,8 +12,6 @@ struct FeedbackParams {
   Real max_torque = 0.5;      // N m
   Real max_force_rate = 500;  // N/s
   Real max_torque_rate = 25;  // N m/s
-  bool driven =
-      true;  // false: the device has no motor on this link; what it should show goes to its parent (9)
 };
 
 /// (9)  a wrench on a link, about its origin, as one on its parent link: f, tau + (x - x_parent) x f.

@@ -58,8 +58,8 @@ Wrench feedback(const BodyParams<S>& par, const Pull& pull, const BodyState<S>& 
 template <class S>
 void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
   for (std::size_t i = num_bodies(par); i-- > 0;) {
-    if (par.bodies[i].feedback.driven) continue;
-    const JointParams& joint = par.bodies[i].joint;
+    const auto& joint = par.bodies[i].joint;
+    if (joint.driven) continue;
     if (joint.kind != JointKind::free && joint.parent != world) {
       const Wrench F = moved_to_parent(w.wanted[i], w.pulls[i].to.X_WD.p, w.pulls[joint.parent].to.X_WD.p);
       w.wanted[joint.parent].tau += F.tau;

@@ -28,6 +28,7 @@ struct TreeJoints {
   struct Params : JointParams {
     [[no_unique_address]] Slot<typename Stops::Params, 5> stop;
     [[no_unique_address]] Slot<typename Imposed::Params, 6> lead;
+    bool driven = true;  // false: the device has no motor on this link; its feedback goes to the parent's (9)
   };
   using State = typename Imposed::State;
   using Input = typename Imposed::Input;

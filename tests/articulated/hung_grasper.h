@@ -40,7 +40,7 @@ class HungGrasper {
       set_joint(i, JointKind::hinge, 1, {Vec3(0, 0, -0.175), x_for_z}, {Vec3(0, 0, 0.01), x_for_z});
   }
 
-  void set_driven(std::size_t i, bool driven) { all_->par.bodies[i].feedback.driven = driven; }
+  void set_driven(std::size_t i, bool driven) { all_->par.bodies[i].joint.driven = driven; }
 
   /// Runs with the device at rest at q.
   void hold(const JointVector& q, int steps) {
@@ -164,8 +164,11 @@ class HungGrasper {
                      .max_torque_rate = 1e15};
   }
   void set_joint(std::size_t i, JointKind kind, std::size_t parent, const Pose& X_BP, const Pose& X_BC) {
-    JointParams& joint = all_->par.bodies[i].joint;
-    joint = {.kind = kind, .parent = parent, .P = joint_frame(X_BP), .C = joint_frame(X_BC)};
+    auto& joint = all_->par.bodies[i].joint;
+    joint.kind = kind;
+    joint.parent = parent;
+    joint.P = joint_frame(X_BP);
+    joint.C = joint_frame(X_BC);
   }
 
   void set_device(const JointVector& q, const JointVector& rates) {
