@@ -19,6 +19,7 @@ std::vector<CompositionRow> table() {
   add_free_joints(rows);
   add_pose_joints(rows);
   add_haptic_joints(rows);
+  add_haptic_stops(rows);
   std::stable_sort(rows.begin(), rows.end(), [](const CompositionRow& a, const CompositionRow& b) {
     return a.composition.bytes() < b.composition.bytes();
   });

@@ -185,10 +185,11 @@ std::vector<PartBytes> parts_of() {
     add("device", sizeof(typename Device::Params), sizeof(typename Device::State), targets);
   if constexpr (uses<Joints>) {
     const std::size_t stops = stops_of<S>() ? sizeof(typename Joints::Stops::Params) : 0;
-    add("joints", sizeof(JointParams), 0, sizeof(W::tree));
+    add("joints", sizeof(typename TreeJoints<>::Params), 0, sizeof(W::tree));
     if (stops > 0) add("joint stops", stops, 0, 0);
     if constexpr (imposes<S>)
-      add("imposed joints", sizeof(typename Joints::Params) - sizeof(JointParams) - stops,
+      add("imposed joints",
+          sizeof(typename Joints::Params) - sizeof(typename TreeJoints<typename Joints::Stops>::Params),
           sizeof(typename Joints::State), sizeof(W::leads));
   }
   add_slot("coupling", static_cast<const typename S::Coupling*>(nullptr));
@@ -228,6 +229,7 @@ void add_admittance(std::vector<CompositionRow>& table);
 void add_free_joints(std::vector<CompositionRow>& table);
 void add_pose_joints(std::vector<CompositionRow>& table);
 void add_haptic_joints(std::vector<CompositionRow>& table);
+void add_haptic_stops(std::vector<CompositionRow>& table);
 
 /// Adds the scene with both integrators and all capacities.
 template <template <class, std::size_t> class SceneOf>
