@@ -9,6 +9,8 @@
 // second order for the same reason.
 #pragma once
 
+#include "core/gather.h"
+#include "core/implicit_stage.h"
 #include "core/joint_imposed.h"
 #include "core/joint_list.h"
 #include "core/joint_stops.h"
