@@ -16,6 +16,11 @@ struct Column {
   Real x() const noexcept { return p[0]; }
   Real y() const noexcept { return p[1]; }
   Real z() const noexcept { return p[2]; }
+  /// Number j in all four places.
+  template <int j>
+  Pack all() const noexcept {
+    return shuffled<j, j, j, j>(p, p);
+  }
   Vec3 vec() const noexcept { return {x(), y(), z()}; }
 
   Column& operator+=(const Column& b) noexcept { return p += b.p, *this; }
@@ -24,6 +29,7 @@ struct Column {
   friend Column operator-(const Column& a, const Column& b) noexcept { return Column(a.p - b.p); }
   friend Column operator-(const Column& a) noexcept { return Column(-a.p); }
   friend Column operator*(const Column& a, Real s) noexcept { return Column(a.p * s); }
+  friend Column operator*(const Column& a, const Pack& s) noexcept { return Column(a.p * s); }
 };
 
 inline Real dot(const Column& a, const Column& b) noexcept {
@@ -42,6 +48,10 @@ inline Column cross(const Column& a, const Column& b) noexcept {
 struct Block {
   std::array<Column, 3> col;
 
+  static Block identity() noexcept {
+    return {{Column(Vec3::UnitX()), Column(Vec3::UnitY()), Column(Vec3::UnitZ())}};
+  }
+
   Block& operator+=(const Block& b) noexcept {
     for (std::size_t c = 0; c < 3; ++c) col[c] += b.col[c];
     return *this;
@@ -56,7 +66,7 @@ struct Block {
     return {{A.col[0] * s, A.col[1] * s, A.col[2] * s}};
   }
   friend Column operator*(const Block& A, const Column& b) noexcept {
-    return A.col[0] * b.x() + A.col[1] * b.y() + A.col[2] * b.z();
+    return A.col[0] * b.all<0>() + A.col[1] * b.all<1>() + A.col[2] * b.all<2>();
   }
   friend Block operator*(const Block& A, const Block& B) noexcept {
     return {{A * B.col[0], A * B.col[1], A * B.col[2]}};
@@ -72,7 +82,9 @@ inline Block transposed(const Column& a, const Column& b, const Column& c) noexc
 }
 
 /// a b^T.
-inline Block outer(const Column& a, const Column& b) noexcept { return {{a * b.x(), a * b.y(), a * b.z()}}; }
+inline Block outer(const Column& a, const Column& b) noexcept {
+  return {{a * b.all<0>(), a * b.all<1>(), a * b.all<2>()}};
+}
 
 /// A^T b.
 inline Column times_transposed(const Block& A, const Column& b) noexcept {
@@ -86,8 +98,8 @@ inline Block cross(const Column& d, const Block& A) noexcept {
 }
 /// A [d]x.
 inline Block cross(const Block& A, const Column& d) noexcept {
-  return {{A.col[1] * d.z() - A.col[2] * d.y(), A.col[2] * d.x() - A.col[0] * d.z(),
-           A.col[0] * d.y() - A.col[1] * d.x()}};
+  const Pack x = d.all<0>(), y = d.all<1>(), z = d.all<2>();
+  return {{A.col[1] * z - A.col[2] * y, A.col[2] * x - A.col[0] * z, A.col[0] * y - A.col[1] * x}};
 }
 
 /// A^-1 by cofactors: regular, one division.

@@ -60,6 +60,13 @@ class Hash {
     add(x.ramp);
     add(x.held);
   }
+  template <class J>
+  requires requires(const J& x) { x.f_C; }
+  void add(const J& x) noexcept {
+    add(x.f_C);
+    if constexpr (std::is_base_of_v<ImposedJoints::State, J>)
+      add(static_cast<const ImposedJoints::State&>(x));
+  }
   void add(const ImposedJoints::State& x) noexcept {
     for (const JointCoordinates& a : {x.last.q, x.last.q_dot})
       for (const Real c : {a.x(), a.y()}) add(c);

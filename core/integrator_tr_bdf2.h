@@ -53,6 +53,7 @@ struct TrBdf2 {
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
     }
+    recall_forces(par, x, w);
     lead_joints(par, c, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     solve_stage(par, h_1, inside, w);
@@ -80,7 +81,7 @@ struct TrBdf2 {
       const StageVelocityOf<T>& V_2 = w.velocities[g];
       next.memory = {.a_W = (V_2.v_W - w.bases[g].v_W) * (1 / h_2),
                      .alpha_B = (V_2.w_B - w.bases[g].w_B) * (1 / h_2),
-                     .known = true};
+                     .known = is_calm(w)};
       next.x = moved(w.bases[g], V_2, h_2);
     }
   }
@@ -114,6 +115,13 @@ struct TrBdf2 {
   /// h |w| sqrt(I_max / I_min) <= 1/2: the gyroscopic term is resolved.
   static bool turn_is_small(const RigidBodyParams& body, const Vec3& w_B, Real h) noexcept {
     return 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm() <= 1;
+  }
+
+  /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step.
+  template <Scene S>
+  static bool is_calm(const Scratch<S>& w) noexcept {
+    if constexpr (uses<typename S::Joints>) return !w.tree.stiff_stop;
+    return true;
   }
 
   template <Scene S>

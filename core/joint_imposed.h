@@ -28,18 +28,28 @@ struct Lead {
   JointMotionSample from, to;
 };
 
+/// q within half a turn of `near`, for the coordinates that are turns: the same attitude.
+inline JointCoordinates unwrapped(JointCoordinates q, const JointCoordinates& near, int turns) noexcept {
+  for (int c = 0; c < turns; ++c) {
+    const Real off = q[c] - near[c];
+    q[c] -= off > pi ? 2 * pi : off < -pi ? -2 * pi : 0;
+  }
+  return q;
+}
+
 /// Towards the device's coordinates while it is engaged; during its ramp by the share that ends on them with the
 /// ramp, so that engaging moves nothing at once. Without a sample, or let go, the joint rests.
-inline Lead lead(const ImposedJoints::State& x, const JointMotionSample& in, const RampState& before,
-                 const Pull& pull, Real h) noexcept {
+inline Lead lead(const ImposedJoints::State& x, int turns, const JointMotionSample& in,
+                 const RampState& before, const Pull& pull, Real h) noexcept {
   Lead l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
   if (!pull.ramp.engaged || !pull.live) return l;
+  l.from.q = l.to.q = unwrapped(x.last.q, in.q, turns);  // the short way round
   const Real s_0 = pull.fresh ? 0 : before.s, s = pull.ramp.s;
   if (s_0 >= 1 || s >= 1) {
     l.to = in;
   } else {
-    l.to.q += (in.q - x.last.q) * ((s - s_0) / (1 - s_0));
-    l.to.q_dot = (l.to.q - x.last.q) * (1 / h);
+    l.to.q += (in.q - l.from.q) * ((s - s_0) / (1 - s_0));
+    l.to.q_dot = (l.to.q - l.from.q) * (1 / h);
   }
   return l;
 }

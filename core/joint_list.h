@@ -24,4 +24,17 @@ void with_joint(JointKind kind, F&& f) noexcept {
   }
 }
 
+/// Turns and slides of a joint of this kind.
+struct NumAxes {
+  int turns = 0, slides = 0;
+};
+inline NumAxes num_axes(JointKind kind) noexcept {
+  NumAxes n;
+  with_joint(kind, [&](auto joint) {
+    using Motion = decltype(joint.motion(JointFrames{}));
+    n = {.turns = Motion::num_turns, .slides = Motion::num_slides};
+  });
+  return n;
+}
+
 }  // namespace godobject

@@ -10,10 +10,9 @@ struct UniversalJoint {
 
   static JointMotion<2, 0> motion(const JointFrames& X) noexcept {
     const Vec3 x = X.R_WP.col(0), y = X.R_WC.col(1);
-    const Vec3 n = x.cross(y);
     JointMotion<2, 0> m;
     m.turn = {x, y};
-    m.e_w = n * (-x.dot(y) / n.squaredNorm());  // x.y = 0
+    m.e_w = x.cross(y) * -x.dot(y);  // x.y = 0, and bounded where x and y come to lie on one line
     m.e_v = X.d_W;
     return m;
   }

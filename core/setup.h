@@ -68,10 +68,9 @@ Invalid validate_joint(const typename Joints::Params& par, std::size_t i) noexce
   if (par.kind == JointKind::free) return Invalid::nothing;
   if (par.parent != world && par.parent >= i) return Invalid::parent_not_before;
   if (!is_valid(par.P) || !is_valid(par.C)) return Invalid::joint_frame;
-  int turns = 0;
+  const int turns = num_axes(par.kind).turns;
   bool coordinates = false;
   with_joint(par.kind, [&](auto kind) {
-    turns = decltype(kind.motion(JointFrames{}))::num_turns;
     coordinates = requires { kind.coordinates(JointFrames{}); };
   });
   if constexpr (uses<typename Joints::Stops>) {

@@ -43,7 +43,7 @@ struct Next {
 
 /// Joints of the scene may follow the device.
 template <class S>
-inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::State>;
+inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
 
 /// Worthless between steps.
 template <class S>
@@ -114,6 +114,7 @@ void solve_stage(const Params<S>& par, Real h, const TargetOfGroup& target_of, S
     }
   }
   if constexpr (uses<typename S::Joints>) {
+    w.tree.stiff_stop = false;
     for (std::size_t i = num_bodies(par); i-- > 0;) eliminate(par.bodies[i].joint, i, h, w.tree);
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const StageVelocity V = solve_back(par.bodies[i].joint, i, h, w.tree);
@@ -121,6 +122,13 @@ void solve_stage(const Params<S>& par, Real h, const TargetOfGroup& target_of, S
       set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>, V.w_B);
     }
   }
+}
+
+/// The forces of the joints in the step before.
+template <Scene S>
+void recall_forces(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+  if constexpr (uses<typename S::Joints>)
+    for (std::size_t i = 0; i < num_bodies(par); ++i) w.tree.f_C[i] = x.bodies[i].joint.f_C;
 }
 
 /// Imposed joints at the fraction s of the step: where the coming stage is to lead them.

@@ -81,6 +81,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (uses<typename S::Device>)
       x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp, .held = w.pulls[i].held};
     if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
+    if constexpr (uses<typename S::Joints>) x.bodies[i].joint.f_C = w.tree.nodes[i].F_C.f;
   }
   x.tick += 1;
 }
@@ -114,7 +115,8 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
     for (std::size_t i = 0; i < num_bodies(par); ++i) out.fault |= check(in.joints[i]);
     if (!any(out.fault))
       for (std::size_t i = 0; i < num_bodies(par); ++i)
-        w.leads[i] = lead(x.bodies[i].joint, in.joints[i], x.bodies[i].device.ramp, w.pulls[i], par.h);
+        w.leads[i] = lead(x.bodies[i].joint, num_axes(par.bodies[i].joint.kind).turns, in.joints[i],
+                          x.bodies[i].device.ramp, w.pulls[i], par.h);
   }
 
   // motion: (10), (11), by one or two stages (12), (13)

@@ -9,6 +9,8 @@
 // second order for the same reason.
 #pragma once
 
+#include <limits>
+
 #include "core/gather.h"
 #include "core/implicit_stage.h"
 #include "core/joint_imposed.h"
@@ -32,7 +34,9 @@ struct TreeJoints {
     [[no_unique_address]] Slot<typename Imposed::Params, 6> lead;
     bool driven = true;  // false: the device has no motor on this link; its feedback goes to the parent's (9)
   };
-  using State = typename Imposed::State;
+  struct State : Imposed::State {
+    Vec3 f_C = Vec3::Zero();  // force of the joint in the last step
+  };
   using Input = typename Imposed::Input;
   struct Output {
     Wrench F_C;  // of the joint on the child at its anchor, world axes, mean of the step's last stage
@@ -84,6 +88,8 @@ struct Tree {
   // places where the stage starts
   std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
+  std::array<Vec3, N> f_C;  // forces of the joints in the last step
+  bool stiff_stop = false;  // a stop of the last stage turned its coordinate round within the stage
 
   TreeNode& parent(const JointParams& par) noexcept {
     return par.parent == world ? ground : nodes[par.parent];
@@ -129,14 +135,13 @@ void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
              Mr_1 = columns(Vector3<T>(-Mr.z(), zero, Mr.x())),
              Mr_2 = columns(Vector3<T>(Mr.y(), -Mr.x(), zero));
   const auto b_0 = columns(b_w), b_1 = columns(translation.b_W);
-  const Block identity = {{Column(Vec3::UnitX()), Column(Vec3::UnitY()), Column(Vec3::UnitZ())}};
   for (std::size_t j = 0; j < num_lanes<T> && g * num_lanes<T> + j < num_bodies(par); ++j) {
     TreeNode& node = tree.nodes[g * num_lanes<T> + j];
     node.at = lane(at, j);
     node.body = {.A_ww = {{A_0[j], A_1[j], A_2[j]}},
                  .A_wv = {{Mr_0[j], Mr_1[j], Mr_2[j]}},
                  .A_vw = {{-Mr_0[j], -Mr_1[j], -Mr_2[j]}},
-                 .A_vv = identity * lane(translation.M, j),
+                 .A_vv = Block::identity() * lane(translation.M, j),
                  .b_w = b_0[j],
                  .b_v = b_1[j]};
     if constexpr (S::Joints::Stabilisation::uses_base)
@@ -154,7 +159,7 @@ inline JointAt joint_at(const JointParams& par, const TreePlace& P, const TreePl
 /// A joint out of the system: what is left of the child hangs on the parent. q: predicted coordinates, for stops.
 template <class Joints, class Motion>
 void eliminate(const typename Joints::Params& par, const Motion& m, const JointCoordinates& q, Real h,
-               TreeNode& child, TreeNode& parent) noexcept {
+               TreeNode& child, TreeNode& parent, bool& stiff_stop) noexcept {
   ArticulatedBody& a = child.body;
   const bool hangs = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
@@ -170,16 +175,32 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
         return stop_terms(par.stop.stops[static_cast<std::size_t>(c)], q[c], rate, h);
       return AxisTerms{};
     };
-    for (const Vec3& s : m.turn) {
-      eliminate_turn(a, Column(s), along(s.dot(beta.w)), child.axis[c], hangs || c < last);
+    const auto watch = [&]([[maybe_unused]] const AxisTerms& t) noexcept {
+      if constexpr (uses<typename Joints::Stops>)
+        stiff_stop |= t.D * child.axis[static_cast<std::size_t>(c)].D_inverse > Real(0.2);
       ++c;
+    };
+    for (const Vec3& s : m.turn) {
+      const AxisTerms t = along(s.dot(beta.w));
+      eliminate_turn(a, Column(s), t, child.axis[static_cast<std::size_t>(c)], hangs || c < last);
+      watch(t);
     }
     for (const Vec3& s : m.slide) {
-      eliminate_slide(a, Column(s), along(s.dot(beta.v)), child.axis[c], hangs || c < last);
-      ++c;
+      const AxisTerms t = along(s.dot(beta.v));
+      eliminate_slide(a, Column(s), t, child.axis[static_cast<std::size_t>(c)], hangs || c < last);
+      watch(t);
     }
     if (hangs) hang(a, child.d, parent.body);
   }
+}
+
+/// (21)  The force of a joint turns with its parent: -f at d from the parent's own anchor does a torque that changes by
+/// -h ((w+ - w^) x d) x f, a pendulum's stiffness s h^2 (d^2 1 - d d^T) for the part of f along d; none where it pushes.
+inline void add_tension(const Column& d, const Column& f, Real h, TreeNode& parent) noexcept {
+  const Real pull = std::max(-dot(d, f), Real(0));
+  const Column sd = d * (h * h * pull / std::max(dot(d, d), std::numeric_limits<Real>::min()));
+  parent.body.A_ww += Block::identity() * dot(sd, d) - outer(sd, d);
+  parent.body.b_w += cross(sd, cross(Column(parent.at.V.w), d));
 }
 
 /// The twist of a child, and the wrench its joint needs, F = A_a X V_parent - b_a.
@@ -225,13 +246,14 @@ void eliminate(const typename Joints::Params& par, std::size_t i, Real h, Tree<N
         const JointAt base = joint_at(par, tree.bases[p], tree.bases[i]);
         beta = Stabilisation::beta(m, joint.V, h, motion_of(base.X), base.V);
       } else {
-        beta = Stabilisation::beta(m, joint.V, h);
+        beta = Stabilisation::beta(m, joint.V, (child.at.a_W - child.at.p_W).squaredNorm(), h);
       }
       child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
       JointCoordinates q = JointCoordinates::Zero();
       if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
         q = Kind::coordinates(joint.X);
-      eliminate<Joints>(par, m, q, h, child, parent);
+      eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop);
+      if (par.parent != world) add_tension(child.d, Column(tree.f_C[i]), h, parent);
     };
     if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {
       if (par.lead.imposed)
