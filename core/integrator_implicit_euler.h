@@ -20,9 +20,8 @@ struct ImplicitEuler {
       w.bases[g] = gathered(group, [&](std::size_t i) -> const RigidBodyState& { return x.bodies[i].x; });
       recall_errors<S>(group, x, w.next[g]);
     }
-    recall_forces(par, x, w);
     lead_joints(par, 1, w);
-    solve_stage(par, par.h, targets_at_the_end(par, w), w);
+    solve_stage(par, x, par.h, targets_at_the_end(par, w), w);
     for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(w.bases[g], w.velocities[g], par.h);
   }
 };

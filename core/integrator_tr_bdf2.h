@@ -53,10 +53,9 @@ struct TrBdf2 {
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
     }
-    recall_forces(par, x, w);
     lead_joints(par, c, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
-    solve_stage(par, h_1, inside, w);
+    solve_stage(par, x, h_1, inside, w);
 
     // (13)
     const bool still_smooth = smooth && turns_are_small(par, w);
@@ -74,7 +73,7 @@ struct TrBdf2 {
       }
     }
     lead_joints(par, 1, w);
-    solve_stage(par, h_2, targets_at_the_end(par, w), w);
+    solve_stage(par, x, h_2, targets_at_the_end(par, w), w);
 
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       Next<S>& next = w.next[g];

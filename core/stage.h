@@ -74,7 +74,8 @@ void recall_errors(const GroupIn<S>& group, const State<S>& x, Next<S>& next) no
 /// Solves (10) and (11) for every body over a time h from w.bases; target_of(g) are the targets of group g at the
 /// end of the stage. w.next holds the attitude error of the stage before, then of this one.
 template <Scene S, class TargetOfGroup>
-void solve_stage(const Params<S>& par, Real h, const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
+void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+                 Scratch<S>& w) noexcept {
   using T = Lanes<S>;
   for (std::size_t g = 0; g < num_groups(par); ++g) {
     const GroupIn<S> group(g, num_bodies(par));
@@ -115,20 +116,14 @@ void solve_stage(const Params<S>& par, Real h, const TargetOfGroup& target_of, S
   }
   if constexpr (uses<typename S::Joints>) {
     w.tree.stiff_stop = false;
-    for (std::size_t i = num_bodies(par); i-- > 0;) eliminate(par.bodies[i].joint, i, h, w.tree);
+    for (std::size_t i = num_bodies(par); i-- > 0;)
+      eliminate(par.bodies[i].joint, i, x.bodies[i].joint.f_C, h, w.tree);
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const StageVelocity V = solve_back(par.bodies[i].joint, i, h, w.tree);
       set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v_W);
       set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>, V.w_B);
     }
   }
-}
-
-/// The forces of the joints in the step before.
-template <Scene S>
-void recall_forces(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
-  if constexpr (uses<typename S::Joints>)
-    for (std::size_t i = 0; i < num_bodies(par); ++i) w.tree.f_C[i] = x.bodies[i].joint.f_C;
 }
 
 /// Imposed joints at the fraction s of the step: where the coming stage is to lead them.

@@ -88,7 +88,6 @@ struct Tree {
   // places where the stage starts
   std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
-  std::array<Vec3, N> f_C;  // forces of the joints in the last step
   bool stiff_stop = false;  // a stop of the last stage turned its coordinate round within the stage
 
   TreeNode& parent(const JointParams& par) noexcept {
@@ -163,11 +162,12 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
   ArticulatedBody& a = child.body;
   const bool hangs = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
-  set_off(a, child.beta);
   if constexpr (Motion::num_turns == 3) {
+    set_off_shift(a, child.beta.v);  // any turn is allowed: beta has none
     eliminate_turns(a);
     if (hangs) hang_mass(a, child.d, parent.body);
   } else {
+    set_off(a, child.beta);
     int c = 0;
     constexpr int last = Motion::num_turns + Motion::num_slides - 1;
     const auto along = [&]([[maybe_unused]] Real rate) noexcept {
@@ -228,9 +228,10 @@ void solve_back(bool hangs, Real h, const TreeNode& parent, TreeNode& child) noe
   child.F_C = {.tau = (F.w * (1 / h)).vec(), .f = (F.v * (1 / h)).vec()};
 }
 
-/// Joint i and its child out of the system, children before parents.
+/// Joint i and its child out of the system, children before parents. f_C: of the joint in the step before.
 template <class Joints, std::size_t N>
-void eliminate(const typename Joints::Params& par, std::size_t i, Real h, Tree<N, Joints>& tree) noexcept {
+void eliminate(const typename Joints::Params& par, std::size_t i, const Vec3& f_C, Real h,
+               Tree<N, Joints>& tree) noexcept {
   TreeNode& child = tree.nodes[i];
   TreeNode& parent = tree.parent(par);
   with_joint(par.kind, [&](auto kind) {
@@ -246,14 +247,15 @@ void eliminate(const typename Joints::Params& par, std::size_t i, Real h, Tree<N
         const JointAt base = joint_at(par, tree.bases[p], tree.bases[i]);
         beta = Stabilisation::beta(m, joint.V, h, motion_of(base.X), base.V);
       } else {
-        beta = Stabilisation::beta(m, joint.V, (child.at.a_W - child.at.p_W).squaredNorm(), h);
+        beta = Stabilisation::beta(m, joint.V, par.C.p.squaredNorm(), h);
       }
+      if constexpr (decltype(m)::num_turns == 3) beta.w.setZero();
       child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
       JointCoordinates q = JointCoordinates::Zero();
       if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
         q = Kind::coordinates(joint.X);
+      if (par.parent != world) add_tension(child.d, Column(f_C), h, parent);
       eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop);
-      if (par.parent != world) add_tension(child.d, Column(tree.f_C[i]), h, parent);
     };
     if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {
       if (par.lead.imposed)

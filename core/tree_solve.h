@@ -51,6 +51,12 @@ inline void set_off(ArticulatedBody& a, const AnchorTwist& beta) noexcept {
   a.b_v -= a.A_vw * beta.w + a.A_vv * beta.v;
 }
 
+/// The same for a beta without a turn.
+inline void set_off_shift(ArticulatedBody& a, const Column& beta_v) noexcept {
+  a.b_w -= a.A_wv * beta_v;
+  a.b_v -= a.A_vv * beta_v;
+}
+
 /// Takes the rest of (7) for one axis, b - U tau / D and A - U T / D; with nothing to hang on, b alone is asked for.
 inline void reduce(ArticulatedBody& a, const Column& U_w, const Column& U_v, const EliminatedAxis& j,
                    bool hangs) noexcept {

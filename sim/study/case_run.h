@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/godobject.h"
-#include "tests/oracle/case.h"
+#include "sim/study/articulated_tool.h"
+#include "sim/study/oracle_joint.h"
 #include "tests/oracle/target.h"
 
 namespace godobject::study {
@@ -28,23 +28,33 @@ inline void set_input(const oracle::RigidState&, const oracle::RigidState& D_1, 
   in = {.F_WB = {.tau = Vec3::Zero(), .f = 10 * D_1.p}};
 }
 
-/// One running scene whose bodies are `num_bodies` copies of the case's first body, engaged from the start
-/// with no ramp. Feedback gains equal the coupling's.
+/// A case with n copies of its one body, and no joints.
+inline oracle::Case copies(oracle::Case problem, std::size_t n) {
+  problem.bodies.assign(n, problem.bodies.front());
+  return problem;
+}
+
+/// One running scene, the bodies of a case, parents before children. Coupled bodies are engaged from the start with
+/// no ramp. Feedback gains equal the coupling's.
 template <Scene S>
 class CaseRun {
  public:
-  CaseRun(const oracle::Case& problem, double h, std::size_t num_bodies = 1) : problem_(problem) {
+  /// Keeps a reference to the case.
+  CaseRun(const oracle::Case& problem, double h) : problem_(problem) {
     par_.h = h;
-    par_.num_bodies = num_bodies;
+    par_.num_bodies = problem.bodies.size();
     par_.gravity_W = problem.gravity;
-    for (std::size_t i = 0; i < num_bodies; ++i) set_body(problem.bodies.front(), par_.bodies[i]);
+    for (std::size_t i = 0; i < par_.num_bodies; ++i) set_body(problem.bodies[i], par_.bodies[i]);
+    if constexpr (uses<typename S::Joints>)
+      for (const oracle::Joint& joint : problem.joints)
+        static_cast<JointParams&>(par_.bodies[joint.child].joint) = joint_params(joint);
     restart();
   }
 
   void restart() {
     x_ = State<S>{};
-    const oracle::Body& body = problem_.bodies.front();
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+      const oracle::Body& body = problem_.bodies[i];
       place(x_, i,
             {.X_WB = {.p = body.start.p, .q = Quat(body.start.q)},
              .V_WB = {.w = body.start.w, .v = body.start.v}});
@@ -52,16 +62,21 @@ class CaseRun {
     }
   }
 
-  /// The inputs of `steps` steps from t = 0, the target read no later than t_last.
-  std::vector<Input<S>> inputs(std::size_t steps, double t_last) const {
+  /// The inputs of `steps` steps after the `first` ones, the target read no later than t_last.
+  std::vector<Input<S>> inputs(std::size_t steps, double t_last, std::size_t first = 0) const {
     std::vector<Input<S>> all(steps);
     if constexpr (uses<typename S::Device>) {
-      const oracle::Target& target = *problem_.bodies.front().coupling->target;
-      oracle::RigidState D = target.at(0);
-      for (std::size_t n = 0; n < steps; ++n) {
-        const oracle::RigidState D_next = target.at(std::min(static_cast<double>(n + 1) * par_.h, t_last));
-        for (std::size_t i = 0; i < par_.num_bodies; ++i) set_input(D, D_next, all[n].devices[i]);
-        D = D_next;
+      for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+        const oracle::Target& target = *problem_.bodies[i].coupling->target;
+        const auto at_tick = [&](std::size_t n) {
+          return target.at(std::min(static_cast<double>(n) * par_.h, t_last));
+        };
+        oracle::RigidState D = at_tick(first);
+        for (std::size_t n = 0; n < steps; ++n) {
+          const oracle::RigidState D_next = at_tick(first + n + 1);
+          set_input(D, D_next, all[n].devices[i]);
+          D = D_next;
+        }
       }
     }
     return all;
@@ -69,12 +84,21 @@ class CaseRun {
 
   void step(const Input<S>& in) noexcept { godobject::step(par_, in, x_, w_, out_); }
 
-  const Params<S>& params() const { return par_; }
+  Params<S>& params() { return par_; }
   State<S>& state() { return x_; }
   Scratch<S>& scratch() { return w_; }
   Output<S>& output() { return out_; }
-  const RigidBodyState& body() const { return x_.bodies[0].x; }
-  Real kinetic() const { return kinetic_energy(par_.bodies[0].body, body()); }
+  const RigidBodyState& body(std::size_t i) const { return x_.bodies[i].x; }
+  Real kinetic() const {
+    Real sum = 0;
+    for (std::size_t i = 0; i < par_.num_bodies; ++i) sum += kinetic_energy(par_.bodies[i].body, body(i));
+    return sum;
+  }
+  /// Nothing is apart where there are no joints.
+  Drift drift() const {
+    if constexpr (uses<typename S::Joints>) return godobject::drift(par_, x_);
+    return {};
+  }
 
  private:
   static void set_body(const oracle::Body& body, BodyParams<S>& par) {

@@ -1,5 +1,6 @@
 // The scenes the study measures: the compositions of the program (sim/engine_*.cc) by the same names, and
-// "device", which has no coupling, so that each part can be told from the next.
+// "device", which has no coupling, so that each part can be told from the next. The articulated ones also with each
+// part of the joints by itself, and with each stabilisation.
 #pragma once
 
 #include "core/godobject.h"
@@ -46,5 +47,29 @@ template <class I, std::size_t N>
 struct Admittance : DeviceOnly<I, N> {
   using Device = AdmittanceDevice;
 };
+
+/// Bodies on joints that nothing pulls.
+template <class I, std::size_t N>
+struct FreeJoints : Free<I, N> {
+  using Joints = TreeJoints<>;
+};
+
+/// A tool of bodies on joints that follow poses.
+template <class I, std::size_t N, class J>
+struct FollowerOnJoints : Follower<I, N> {
+  using Joints = J;
+};
+template <class I, std::size_t N>
+struct Tool : FollowerOnJoints<I, N, TreeJoints<>> {};
+template <class I, std::size_t N>
+struct ToolWithStops : FollowerOnJoints<I, N, TreeJoints<JointStops>> {};
+template <class I, std::size_t N>
+struct ToolWithImposed : FollowerOnJoints<I, N, TreeJoints<None, ImposedJoints>> {};
+template <class I, std::size_t N>
+struct ToolWithAll : FollowerOnJoints<I, N, TreeJoints<JointStops, ImposedJoints>> {};
+
+/// A tool whose joints are held by another stabilisation. Those that need the base are of first order.
+template <class I, std::size_t N, class Stabilisation>
+struct ToolHeldBy : FollowerOnJoints<I, N, TreeJoints<None, None, Stabilisation>> {};
 
 }  // namespace godobject::study

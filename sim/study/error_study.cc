@@ -3,64 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <stdexcept>
 
-#include "sim/study/case_run.h"
 #include "sim/study/compositions.h"
 #include "sim/study/csv_writer.h"
-#include "tests/oracle/solve.h"
+#include "sim/study/reference_solution.h"
 
 namespace godobject::study {
 namespace {
 
-constexpr double comparison_step = 4e-3;    // s
 constexpr double resolvable_error = 1e-11;  // m, rad: below it an order is an order of rounding
-
-std::size_t steps_in(double duration, double h) {
-  return static_cast<std::size_t>(std::lround(duration / h));
-}
-
-oracle::Solution reference_of(const ReferenceScene& scene) {
-  const std::vector<double> times = oracle::uniform_times(scene.duration, comparison_step);
-  return oracle::solve(scene.problem, times);
-}
-
-double angle_between(const Quat& a, const Quat& b) {
-  const Quat difference = a.conjugate() * b;
-  return 2 * std::atan2(difference.vec().norm(), std::abs(difference.w()));
-}
-
-Vec3 angular_momentum(const RigidBodyParams& par, const RigidBodyState& x) {
-  return to_world(x.X_WB.q, par.I_B * x.w_B);
-}
-
-/// Runs the scene once and sets it against the reference.
-template <Scene S>
-Errors compare(const ReferenceScene& scene, const oracle::Solution& reference, CaseRun<S>& run, double h) {
-  const RigidBodyParams& body = run.params().bodies[0].body;
-  const double E_0 = run.kinetic();
-  const Vec3 L_0 = angular_momentum(body, run.body());
-  const auto every = static_cast<std::size_t>(std::lround(comparison_step / h));
-  const std::vector<Input<S>> inputs = run.inputs(steps_in(scene.duration, h), scene.duration);
-
-  Errors worst;
-  if constexpr (!uses<typename S::Coupling>) worst.energy = worst.momentum = 0;
-  for (std::size_t n = 1; n <= inputs.size(); ++n) {
-    run.step(inputs[n - 1]);
-    if (any(run.output().fault)) throw std::runtime_error(scene.name + ": the step reported a fault");
-    if (n % every != 0 || n / every >= reference.times.size() || reference.times[n / every] < scene.from)
-      continue;
-    const RigidBodyState& x = run.body();
-    const oracle::RigidState& exact = reference.states[n / every][0];
-    worst.position = std::max(worst.position, (x.X_WB.p - exact.p).norm());
-    worst.rotation = std::max(worst.rotation, angle_between(x.X_WB.q, Quat(exact.q)));
-    if constexpr (!uses<typename S::Coupling>) {
-      worst.energy = std::max(*worst.energy, std::abs(run.kinetic() / E_0 - 1));
-      worst.momentum = std::max(*worst.momentum, (angular_momentum(body, x) - L_0).norm() / L_0.norm());
-    }
-  }
-  return worst;
-}
 
 /// Median time of one step, ns, over stretches of up to 1000 steps: long enough for the clock, short
 /// enough that most are not interrupted. The inputs are there before the clock starts.
@@ -117,29 +68,31 @@ void add_rows(const ReferenceScene& scene, const oracle::Solution& reference, bo
   }
 }
 
-bool is_coupled(const ReferenceScene& scene) { return scene.problem.bodies.front().coupling.has_value(); }
+/// The smallest composition that holds the scene, and its name for the probe.
+template <class Integrator, class F>
+auto with_composition(const ReferenceScene& scene, F&& f) {
+  const std::string name = Integrator::name;
+  if (!scene.is_articulated())
+    return scene.is_coupled() ? f.template operator()<Follower<Integrator, 1>>("pose-1 " + name, "s1")
+                              : f.template operator()<Free<Integrator, 1>>("free-1 " + name, "s1");
+  return scene.is_coupled() ? f.template operator()<Tool<Integrator, 4>>("pose-joints-4 " + name, "s3")
+                            : f.template operator()<FreeJoints<Integrator, 8>>("free-joints-8 " + name, "s5");
+}
 
 template <class Integrator>
 void add_integrator(const ReferenceScene& scene, const oracle::Solution& reference, bool quick,
                     InstructionCounter& counter, const Progress& progress, std::vector<ErrorRow>& rows) {
-  const std::string name = Integrator::name;
-  if (is_coupled(scene))
-    add_rows<Follower<Integrator, 1>>(scene, reference, quick, counter.per_step("pose-1 " + name), progress,
-                                      rows);
-  else
-    add_rows<Free<Integrator, 1>>(scene, reference, quick, counter.per_step("free-1 " + name), progress,
-                                  rows);
+  with_composition<Integrator>(scene, [&]<Scene S>(const std::string& composition, const char* motion) {
+    add_rows<S>(scene, reference, quick, counter.per_step(composition, motion), progress, rows);
+  });
 }
 
 template <class Integrator>
 Errors errors_of(const ReferenceScene& scene, double h) {
-  const oracle::Solution reference = reference_of(scene);
-  if (is_coupled(scene)) {
-    CaseRun<Follower<Integrator, 1>> run(scene.problem, h);
-    return compare(scene, reference, run, h);
-  }
-  CaseRun<Free<Integrator, 1>> run(scene.problem, h);
-  return compare(scene, reference, run, h);
+  return with_composition<Integrator>(scene, [&]<Scene S>(const std::string&, const char*) {
+    CaseRun<S> run(scene.problem, h);
+    return compare(scene, reference_of(scene), run, h);
+  });
 }
 
 }  // namespace
@@ -158,8 +111,8 @@ std::vector<ErrorRow> study_error(const std::vector<ReferenceScene>& scenes, boo
                                   InstructionCounter& counter, const Progress& progress) {
   std::vector<ErrorRow> rows;
   for (ReferenceScene scene : scenes) {
-    if (quick) scene.duration = std::min(scene.duration, 2.0);
-    progress("error: " + scene.name + ", oracle");
+    if (quick) scene.duration = std::min(scene.duration, scene.stiff ? 0.6 : 2.0);
+    progress("error: " + scene.name + ", reference");
     const oracle::Solution reference = reference_of(scene);
     add_integrator<ImplicitEuler>(scene, reference, quick, counter, progress, rows);
     add_integrator<TrBdf2>(scene, reference, quick, counter, progress, rows);
@@ -172,14 +125,18 @@ Errors measure_errors(const ReferenceScene& scene, const std::string& integrator
 }
 
 void write_csv(const std::filesystem::path& file, const std::vector<ErrorRow>& rows) {
-  CsvWriter csv(file,
-                "scene,integrator,step_s,position_error_m,rotation_error_rad,energy_error,momentum_error,"
-                "position_order,rotation_order,ns_per_step,ns_per_simulated_s,instructions_per_step,"
-                "instructions_per_simulated_s");
-  for (const ErrorRow& r : rows)
+  CsvWriter csv(
+      file,
+      "scene,integrator,step_s,position_error_m,rotation_error_rad,energy_error,momentum_error,"
+      "position_order,rotation_order,drift_m,drift_rad,ns_per_step,ns_per_simulated_s,instructions_per_step,"
+      "instructions_per_simulated_s");
+  for (const ErrorRow& r : rows) {
+    const std::optional<Drift>& drift = r.errors.drift;
     csv.row(r.scene, r.integrator, r.h, r.errors.position, r.errors.rotation, r.errors.energy,
-            r.errors.momentum, r.order_position, r.order_rotation, r.ns_per_step, r.ns_per_second(),
-            r.instructions_per_step, r.instructions_per_second());
+            r.errors.momentum, r.order_position, r.order_rotation,
+            drift ? std::optional(drift->m) : std::nullopt, drift ? std::optional(drift->rad) : std::nullopt,
+            r.ns_per_step, r.ns_per_second(), r.instructions_per_step, r.instructions_per_second());
+  }
 }
 
 }  // namespace godobject::study

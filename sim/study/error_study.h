@@ -7,20 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "sim/study/case_errors.h"
 #include "sim/study/instruction_count.h"
-#include "sim/study/reference_scene.h"
 
 namespace godobject::study {
 
 using Progress = std::function<void(const std::string& line)>;
-
-/// Largest differences from the oracle, at multiples of 4 ms from the scene's `from` on.
-struct Errors {
-  double position = 0;             // m
-  double rotation = 0;             // rad, angle between the attitudes
-  std::optional<double> energy;    // free bodies: |E(t) / E(0) - 1|
-  std::optional<double> momentum;  // free bodies: |L(t) - L(0)| / |L(0)|, angular momentum in world axes
-};
 
 struct ErrorRow {
   std::string scene;

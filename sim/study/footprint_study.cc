@@ -15,7 +15,7 @@ bool parse(const std::string& line, FootprintRow& row) {
   char comma = 0;
   if (!std::getline(fields, row.composition, ',')) return false;
   if (!(fields >> row.params_bytes >> comma >> row.state_bytes >> comma >> row.scratch_bytes)) return false;
-  const std::size_t dash = row.composition.find('-');
+  const std::size_t dash = row.composition.rfind('-', row.composition.find(' '));
   return static_cast<bool>(std::istringstream(row.composition.substr(dash + 1)) >> row.max_bodies);
 }
 
@@ -39,24 +39,30 @@ void measure_code(const std::filesystem::path& probe_directory, FootprintRow& ro
 
 }  // namespace
 
+std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, bool articulated,
+                                            std::string& why_not) {
+  std::vector<FootprintRow> rows;
+  const ToolResult list = run_tool({(probe_directory / "godobject_probe").string()});
+  if (!list.ok()) why_not = "the probe program is not built (target godobject_probe)";
+  std::istringstream lines(list.ok() ? list.output : "");
+  for (std::string line; std::getline(lines, line);) {
+    FootprintRow row;
+    if (!parse(line, row) || (row.composition.find("joints") != std::string::npos) != articulated) continue;
+    measure_code(probe_directory, row);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 std::vector<FootprintRow> study_footprint(const std::filesystem::path& probe_directory, bool quick,
                                           InstructionCounter& counter, const Progress& progress,
                                           std::string& why_not) {
-  std::vector<FootprintRow> rows;
-  const ToolResult list = run_tool({(probe_directory / "godobject_probe").string()});
-  if (!list.ok()) {
-    why_not = "the probe program is not built (target godobject_probe)";
-    return rows;
-  }
-  std::istringstream lines(list.output);
-  for (std::string line; std::getline(lines, line);) {
-    FootprintRow row;
-    if (!parse(line, row) || (quick && row.max_bodies > 1)) continue;
+  std::vector<FootprintRow> rows = list_compositions(probe_directory, false, why_not);
+  if (quick) std::erase_if(rows, [](const FootprintRow& r) { return r.max_bodies > 1; });
+  for (FootprintRow& row : rows) {
     progress("footprint: " + row.composition);
-    measure_code(probe_directory, row);
     row.instructions = counter.per_step(row.composition);
-    row.instructions_full = counter.per_step(row.composition, row.max_bodies);
-    rows.push_back(row);
+    row.instructions_full = counter.per_step(row.composition, "s1-full");
   }
   return rows;
 }

@@ -20,7 +20,12 @@ struct FootprintRow {
   std::optional<double> instructions_full;  // of a step with max_bodies bodies
 };
 
-/// Every composition the probe program has. Empty, with the reason in `why_not`, where it is not built;
+/// Every composition the probe program has, with its bytes: rigid ones, or articulated ones. Empty, with the reason in
+/// `why_not`, where it is not built.
+std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, bool articulated,
+                                            std::string& why_not);
+
+/// Every rigid composition the probe program has. Empty, with the reason in `why_not`, where it is not built;
 /// numbers whose tool is missing are absent. `quick`: only compositions with one body.
 std::vector<FootprintRow> study_footprint(const std::filesystem::path& probe_directory, bool quick,
                                           InstructionCounter& counter, const Progress& progress,

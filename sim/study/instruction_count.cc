@@ -12,24 +12,25 @@ InstructionCounter::InstructionCounter(std::string probe) : probe_(std::move(pro
   else if (!tool_exists("valgrind")) why_not_ = "valgrind is not installed";
 }
 
-std::optional<double> InstructionCounter::per_step(const std::string& composition, std::size_t num_bodies) {
+std::optional<double> InstructionCounter::per_step(const std::string& composition,
+                                                   const std::string& motion) {
   if (!why_not_.empty()) return std::nullopt;
-  const std::string key = composition + " x " + std::to_string(num_bodies);
+  const std::string key = composition + " on " + motion;
   if (const auto known = known_.find(key); known != known_.end()) return known->second;
   constexpr std::size_t n = 500;
-  const std::optional<double> once = collected(composition, num_bodies, n);
-  const std::optional<double> twice = collected(composition, num_bodies, 2 * n);
+  const std::optional<double> once = collected(composition, motion, n);
+  const std::optional<double> twice = collected(composition, motion, 2 * n);
   std::optional<double> result;
   if (once && twice) result = (*twice - *once) / static_cast<double>(n);
   known_[key] = result;
   return result;
 }
 
-std::optional<double> InstructionCounter::collected(const std::string& composition, std::size_t num_bodies,
+std::optional<double> InstructionCounter::collected(const std::string& composition, const std::string& motion,
                                                     std::size_t steps) {
-  const ToolResult run = run_tool({"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
-                                   "--toggle-collect=*probe_step*", probe_, composition,
-                                   std::to_string(steps), std::to_string(num_bodies)});
+  const ToolResult run =
+      run_tool({"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
+                "--toggle-collect=*probe_step*", probe_, composition, std::to_string(steps), motion});
   // "==123== Collected : 45678"
   const std::string label = "Collected : ";
   const std::size_t at = run.output.find(label);

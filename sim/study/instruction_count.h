@@ -16,12 +16,13 @@ class InstructionCounter {
   /// Why nothing can be counted; empty when it can.
   const std::string& why_not() const { return why_not_; }
 
-  /// Instructions of one step of a composition with `num_bodies` bodies, on the motion of S1 at 1 ms:
+  /// Instructions of one step of a composition on a motion of the probe at 1 ms, by default that of S1 with one body:
   /// (count of 2 n steps - count of n steps) / n. Nothing where valgrind or the probe is missing.
-  std::optional<double> per_step(const std::string& composition, std::size_t num_bodies = 1);
+  std::optional<double> per_step(const std::string& composition, const std::string& motion = "s1");
 
  private:
-  std::optional<double> collected(const std::string& composition, std::size_t num_bodies, std::size_t steps);
+  std::optional<double> collected(const std::string& composition, const std::string& motion,
+                                  std::size_t steps);
 
   std::string probe_;
   std::string why_not_;

@@ -1,6 +1,7 @@
 #include "sim/study/plots.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <utility>
@@ -102,6 +103,49 @@ void write_stability_script(const std::filesystem::path& directory, std::size_t 
           << explicit_limit(grid.dampings[i], grid.inertia_ratios[j])
           << ") - x) with lines lc 'black' lw 1.5\n";
     }
+  out << "unset multiplot\n";
+}
+
+void write_drift_script(const std::filesystem::path& directory) {
+  std::ofstream out = script(directory, "joint-drift", 960, 380);
+  out << "set logscale xy\nset format y '10^{%T}'\nset grid\nset linetype 4 lc rgb '#8c1c13'\n"
+      << "set linetype 5 lc rgb 'forest-green'\nset linetype 2 lc rgb 'orange'\nunset key\n"
+      << "set xlabel 'step, ms'\nset multiplot layout 1,3 title 'S3: worst of 2 s'\n";
+  const std::array<std::pair<const char*, const char*>, 3> panels{
+      {{"drift_m", "joint drift, m"},
+       {"drift_rad", "joint drift, rad"},
+       {"position_error_m", "position error, m"}}};
+  for (const auto& panel : panels) {
+    const auto& [column, label] = panel;
+    if (&panel == &panels.back()) out << "set key bottom right font 'sans,7'\nset yrange [1e-12:*]\n";
+    out << "set title '" << label << "'\nplot";
+    const char* separator = " ";
+    for (const std::string& scheme : joint_schemes()) {
+      out << separator << "'joint-drift.csv' using (strcol('scheme') eq '" << scheme
+          << "' ? column('step_s')*1e3 : NaN):(column('" << column
+          << "')) with linespoints pt 7 ps 0.6 title '" << scheme << "'";
+      separator = ", ";
+    }
+    out << '\n';
+  }
+  out << "unset multiplot\n";
+}
+
+void write_joint_stability_script(const std::filesystem::path& directory, const JointGrid& grid) {
+  const std::vector<std::string> schemes = joint_schemes();
+  std::ofstream out = script(directory, "joint-stability", 240 * static_cast<int>(schemes.size()) + 60, 300);
+  out << "set palette defined (0 '#4c9f70', 0.5 '#f2d16b', 1 '#e07b39')\nset cbrange [-13:-2]\nunset key\n"
+      << "set xlabel 'log_{10} step, s'\nset ylabel 'log_{10} stiffness, N/m'\nset xtics 1\nset ytics 2\n"
+      << "set xrange [" << std::log10(grid.steps.front()) << ':' << std::log10(grid.steps.back()) << "]\n"
+      << "set yrange [" << std::log10(grid.stiffnesses.front()) << ':' << std::log10(grid.stiffnesses.back())
+      << "]\nset object rectangle from graph 0,0 to graph 1,1 behind fillcolor '#8c1c13' fillstyle solid\n"
+      << "set multiplot layout 1," << schemes.size()
+      << " title 'S3: log_{10} of the worst joint drift in 1000 steps, m;  dark red: failed'\n";
+  const std::size_t cells = grid.stiffnesses.size() * grid.steps.size();  // of a scheme: consecutive rows
+  for (std::size_t i = 0; i < schemes.size(); ++i)
+    out << "set title '" << schemes[i] << "' font 'sans,8'\n"
+        << "plot 'joint-stability.csv' skip " << 1 + i * cells << " every ::0::" << cells - 1
+        << " using (log10($3)):(log10($2)):($4 > 0 ? NaN : log10($6)) with image\n";
   out << "unset multiplot\n";
 }
 

@@ -7,6 +7,7 @@
 
 #include "sim/study/error_study.h"
 #include "sim/study/footprint_study.h"
+#include "sim/study/joint_study.h"
 #include "sim/study/stability_study.h"
 
 namespace godobject::study {
@@ -18,6 +19,8 @@ std::string draw(const std::filesystem::path& directory, const std::string& figu
 void write_error_script(const std::filesystem::path& directory, const std::vector<ErrorRow>& rows);
 void write_stability_script(const std::filesystem::path& directory, std::size_t scheme_index,
                             const StabilityGrid& grid);
+void write_drift_script(const std::filesystem::path& directory);
+void write_joint_stability_script(const std::filesystem::path& directory, const JointGrid& grid);
 void write_footprint_script(const std::filesystem::path& directory, const std::vector<FootprintRow>& rows);
 
 }  // namespace godobject::study

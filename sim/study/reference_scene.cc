@@ -1,5 +1,6 @@
 #include "sim/study/reference_scene.h"
 
+#include "sim/study/articulated_scene.h"
 #include "tests/oracle/reference_case.h"
 #include "tests/oracle/scenes.h"
 #include "tests/oracle/target.h"
@@ -59,9 +60,26 @@ ReferenceScene scene_s1() {
           .from = 0.5};
 }
 
+ReferenceScene reference_s3() {
+  return {.name = "S3",
+          .about = "a grasper on a moving device: four bodies, four joints, roll at 4e4 1/s",
+          .problem = scene_s3(),
+          .duration = 10,
+          .from = 0.5,
+          .stiff = true};
+}
+
+ReferenceScene reference_chain() {
+  return {.name = "chain-5",
+          .about = "S5 with five links: on ball joints, released at 45 degrees",
+          .problem = scene_s5(5),
+          .duration = 0.5};
+}
+
 std::vector<ReferenceScene> reference_scenes(const std::filesystem::path& shared,
                                              std::vector<std::string>& skipped) {
-  std::vector<ReferenceScene> scenes{coupling_step(), scene_s1(), torque_free()};
+  std::vector<ReferenceScene> scenes{coupling_step(), scene_s1(), torque_free(), reference_s3(),
+                                     reference_chain()};
   const std::filesystem::path lissajous = shared / "reference" / "coupling-lissajous";
   if (std::filesystem::exists(lissajous / "case.json")) {
     const oracle::ReferenceCase loaded = oracle::load_reference_case(lissajous);

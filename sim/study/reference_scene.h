@@ -12,13 +12,21 @@ namespace godobject::study {
 struct ReferenceScene {
   std::string name;
   std::string about;     // one line for the report
-  oracle::Case problem;  // one body
+  oracle::Case problem;  // all bodies coupled, or none
   double duration = 0;   // s
   double from = 0;       // s: errors count from here
+  bool stiff = false;    // the oracle, which is explicit, would take minutes
+
+  bool is_coupled() const { return problem.bodies.front().coupling.has_value(); }
+  bool is_articulated() const { return !problem.joints.empty(); }
 };
 
 /// S1: a free tool on an analytic target, 20 s, errors from 0.5 s on.
 ReferenceScene scene_s1();
+
+/// The articulated ones: S3, 10 s, and S5 with five links, half a second (it is chaotic later).
+ReferenceScene reference_s3();
+ReferenceScene reference_chain();
 
 /// Every reference scene. Those whose motion is a file come from `shared` (the folder with reference/); a
 /// scene whose file is not there is named in `skipped`, with the reason. Throws for a malformed file.

@@ -3,28 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iomanip>
 #include <sstream>
 
 #include "core/integrator_implicit_euler.h"
 #include "core/integrator_tr_bdf2.h"
+#include "sim/study/report_text.h"
 
 namespace godobject::study {
 namespace {
 
 const std::array<std::string, 2> integrators{ImplicitEuler::name, TrBdf2::name};
-
-std::string number(double value, int digits = 3) {
-  std::ostringstream text;
-  text << std::setprecision(digits) << value;
-  return text.str();
-}
-std::string number(const std::optional<double>& value, int digits = 3) {
-  return value ? number(*value, digits) : "not available";
-}
-std::string whole(const std::optional<double>& value) {
-  return value ? std::to_string(std::lround(*value)) : "not available";
-}
 
 const ErrorRow* find_row(const std::vector<ErrorRow>& rows, const std::string& scene,
                          const std::string& integrator, double h) {

@@ -9,6 +9,7 @@
 #include "sim/study/compositions.h"
 #include "sim/study/csv_writer.h"
 #include "sim/study/explicit_coupling.h"
+#include "sim/study/grid.h"
 
 namespace godobject::study {
 namespace {
@@ -132,13 +133,6 @@ StabilityResult run(const std::string& scheme, const StabilityCell& cell) {
                      : result.loss > max_energy_loss ? Stability::dissipative
                                                      : Stability::stable;
   return result;
-}
-
-std::vector<double> log_spaced(double first, double last, std::size_t count) {
-  std::vector<double> values(count);
-  for (std::size_t i = 0; i < count; ++i)
-    values[i] = first * std::pow(last / first, static_cast<double>(i) / static_cast<double>(count - 1));
-  return values;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "sim/study/plots.h"
+#include "sim/study/reference_solution.h"
 #include "sim/study/report.h"
 #include "sim/study/tool.h"
 
@@ -22,7 +23,7 @@ class Study {
         can_draw_(tool_exists("gnuplot")) {
     fs::create_directories(options.out);
     if (!can_draw_) results_.notes.emplace_back("no figures: gnuplot is not installed");
-    if ((options.error || options.footprint) && !counter_.why_not().empty())
+    if ((options.error || options.footprint || options.joints) && !counter_.why_not().empty())
       results_.notes.push_back("no instruction counts: " + counter_.why_not());
   }
 
@@ -58,6 +59,23 @@ class Study {
     figure("footprint");
   }
 
+  void joints() {
+    results_.joint_drift = study_drift(options_.quick, progress_);
+    write_drift_csv(options_.out / "joint-drift.csv", results_.joint_drift);
+    write_drift_script(options_.out);
+    figure("joint-drift");
+    const JointGrid grid = joint_grid(options_.quick);
+    results_.joint_stability = study_joint_stability(grid, progress_);
+    write_joint_stability_csv(options_.out / "joint-stability.csv", results_.joint_stability);
+    write_joint_stability_script(options_.out, grid);
+    figure("joint-stability");
+    results_.s3_reference_error = reference_error(reference_s3());
+    std::string why_not;
+    results_.joint_costs = study_joint_costs(probes_, options_.quick, counter_, progress_, why_not);
+    if (!why_not.empty()) results_.notes.push_back("no cost of joints: " + why_not);
+    write_csv(options_.out / "joint-cost.csv", results_.joint_costs);
+  }
+
   StudyResults results() && { return std::move(results_); }
 
  private:
@@ -83,6 +101,7 @@ StudyResults run_study(const StudyOptions& options, const Progress& progress) {
   if (options.error) study.error();
   if (options.stability) study.stability();
   if (options.footprint) study.footprint();
+  if (options.joints) study.joints();
   StudyResults results = std::move(study).results();
   if (!options.report.empty()) write_report(options, results);
   return results;

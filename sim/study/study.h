@@ -7,16 +7,18 @@
 
 #include "sim/study/error_study.h"
 #include "sim/study/footprint_study.h"
+#include "sim/study/joint_cost_study.h"
+#include "sim/study/joint_study.h"
 #include "sim/study/stability_study.h"
 
 namespace godobject::study {
 
 struct StudyOptions {
-  bool error = true, stability = true, footprint = true;  // parts
-  bool quick = false;                                     // small grids, well under a minute
-  std::filesystem::path out;                              // folder of the results; made if absent
-  std::filesystem::path report;                           // report.md to write; empty: none. Needs all parts.
-  std::filesystem::path shared;                           // folder with reference/, may be absent
+  bool error = true, stability = true, footprint = true, joints = true;  // parts
+  bool quick = false;                                                    // small grids, well under a minute
+  std::filesystem::path out;     // folder of the results; made if absent
+  std::filesystem::path report;  // report.md to write; empty: none. Needs all parts.
+  std::filesystem::path shared;  // folder with reference/, may be absent
   std::filesystem::path
       probe_directory;  // of the probe program and archives; empty: default_probe_directory()
   std::string machine;  // for the report
@@ -32,6 +34,9 @@ struct StudyResults {
   std::vector<StabilityResult> stability;
   std::vector<ExplicitLimit> explicit_limits;
   std::vector<FootprintRow> footprint;
+  std::vector<JointRun> joint_drift, joint_stability;
+  JointCosts joint_costs;
+  double s3_reference_error = 0;   // m
   std::vector<std::string> notes;  // what was left out, and why
 };
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/articulated/tool.h"
+#include "sim/study/articulated_tool.h"
 #include "tests/core/one_body.h"
 
 namespace godobject {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/articulated/grasper_tool.h"
 #include "tests/core/one_body.h"
 #include "tests/support/allocation_guard.h"
 
@@ -63,6 +64,23 @@ TYPED_TEST(NoAllocation, NorAPageFaultAfterTheFirstSteps) {
   getrusage(RUSAGE_THREAD, &after);
   EXPECT_EQ(after.ru_minflt - before.ru_minflt, 0);
   EXPECT_EQ(after.ru_majflt - before.ru_majflt, 0);
+}
+
+/// A tool of four bodies with stops, and jaws that are imposed.
+TEST(NoAllocationOfJoints, InAnyStep) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
+  GrasperTool<TrBdf2, TreeJoints<JointStops, ImposedJoints>> tool;
+  tool.par.bodies[tube].joint.stop.stops[1] = {.upper = 0.05, .k = 1e4, .g = 10, .width = 1e-3};
+  for (const std::size_t i : {left_jaw, right_jaw}) tool.par.bodies[i].joint.lead.imposed = true;
+  AllocationGuard guard;
+  for (int n = 0; n < 5000; ++n) {
+    for (auto& device : tool.in.devices) disturb(device, n);
+    tool.in.joints[left_jaw].q[0] = n % 1000 == 1 ? std::nan("") : tool.motion.left.at(tool.time());
+    tool.follow();
+  }
+  guard.disarm();
+  EXPECT_EQ(guard.calls(), 0) << guard.report();
+  EXPECT_GT(tool.x.tick, 4000u);
 }
 
 /// A guard that notices nothing would prove nothing.

@@ -1,28 +1,75 @@
 // godobject_probe: runs the step of one composition a given number of times under callgrind.
-//   godobject_probe COMPOSITION STEPS BODIES     runs, e.g. godobject_probe "haptic-1 tr-bdf2" 500 1
+//   godobject_probe COMPOSITION STEPS MOTION     runs, e.g. godobject_probe "haptic-1 tr-bdf2" 500 s1
 //   godobject_probe                              lists name,params,state,scratch (bytes) of every composition
+// Motions: s1, s1-full (as many bodies as fit), s3, s5 (likewise), pair-<kind of joint>, pair-free; each also as <motion>-slow,
+// a smaller and slower one on which a step has as many instructions, if they do not depend on the data.
 #include <cstdlib>
 #include <iostream>
+#include <optional>
 #include <string>
 
+#include "sim/study/articulated_scene.h"
 #include "sim/study/case_run.h"
 #include "sim/study/compositions.h"
 #include "sim/study/probe/probe_step.h"
-#include "tests/oracle/scenes.h"
 
 namespace godobject::study {
 namespace {
 
 struct Probe {
   std::string name;
-  std::size_t max_bodies, params_bytes, state_bytes, scratch_bytes;
-  bool (*run)(std::size_t steps, std::size_t num_bodies);
+  std::size_t params_bytes, state_bytes, scratch_bytes;
+  bool (*run)(const std::string& motion, std::size_t steps);
 };
 
+std::optional<oracle::JointType> joint_type(const std::string& kind) {
+  using enum oracle::JointType;
+  for (const auto& [name, type] : {std::pair{"fixed", fixed},
+                                   {"ball", ball},
+                                   {"hinge", hinge},
+                                   {"slider", slider},
+                                   {"cylindrical", cylindrical},
+                                   {"universal", universal}})
+    if (kind == name) return type;
+  return std::nullopt;
+}
+
+/// Empty for a motion that does not exist.
+oracle::Case case_of(std::string motion, std::size_t max_bodies) {
+  Motion size;
+  if (motion.ends_with("-slow")) {
+    motion.resize(motion.size() - 5);
+    size = {.amplitude = 0.2, .rate = 0.3};
+  }
+  if (motion == "s1") return scene_s1(size);
+  if (motion == "s1-full") return copies(scene_s1(size), max_bodies);
+  if (motion == "s3") return scene_s3(size);
+  if (motion == "s5") {
+    oracle::Case chain = scene_s5(max_bodies);
+    chain.gravity *= size.amplitude;
+    return chain;
+  }
+  if (!motion.starts_with("pair-")) return {};
+  const auto type = joint_type(motion.substr(5));
+  if (type) return scene_pair(*type, size);
+  oracle::Case apart = scene_pair(oracle::JointType::fixed, size);
+  apart.joints.clear();
+  return motion == "pair-free" ? apart : oracle::Case{};
+}
+
+/// A scene type with all parts the case has.
 template <Scene S>
-bool run(std::size_t steps, std::size_t num_bodies) {
-  const oracle::Case problem = oracle::scene_s1();
-  CaseRun<S> scene(problem, 1e-3, num_bodies);
+bool holds(const oracle::Case& problem) {
+  if (problem.bodies.empty() || problem.bodies.size() > S::max_bodies) return false;
+  if (!problem.joints.empty() && !uses<typename S::Joints>) return false;
+  return !uses<typename S::Device> || problem.bodies[0].coupling.has_value();
+}
+
+template <Scene S>
+bool run(const std::string& motion, std::size_t steps) {
+  const oracle::Case problem = case_of(motion, S::max_bodies);
+  if (!holds<S>(problem)) return false;
+  CaseRun<S> scene(problem, 1e-3);
   Fault fault = Fault::none;
   for (const Input<S>& in : scene.inputs(steps, 1e9)) {
     probe_step<S>(scene.params(), in, scene.state(), scene.scratch(), scene.output());
@@ -34,29 +81,32 @@ bool run(std::size_t steps, std::size_t num_bodies) {
 template <Scene S>
 Probe probe(const std::string& scene) {
   return {.name = scene + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
-          .max_bodies = S::max_bodies,
           .params_bytes = sizeof(Params<S>),
           .state_bytes = sizeof(State<S>),
           .scratch_bytes = sizeof(Scratch<S>),
           .run = run<S>};
 }
 
-template <template <class, std::size_t> class SceneOf>
+template <template <class, std::size_t> class SceneOf, std::size_t... capacities>
 void add(std::vector<Probe>& probes, const std::string& scene) {
-  probes.push_back(probe<SceneOf<ImplicitEuler, 1>>(scene));
-  probes.push_back(probe<SceneOf<ImplicitEuler, 8>>(scene));
-  probes.push_back(probe<SceneOf<TrBdf2, 1>>(scene));
-  probes.push_back(probe<SceneOf<TrBdf2, 8>>(scene));
+  (probes.push_back(probe<SceneOf<ImplicitEuler, capacities>>(scene)), ...);
+  (probes.push_back(probe<SceneOf<TrBdf2, capacities>>(scene)), ...);
 }
 
+/// Those of sim/study/CMakeLists.txt.
 std::vector<Probe> all_probes() {
   std::vector<Probe> probes;
-  add<Free>(probes, "free");
-  add<DeviceOnly>(probes, "device");
-  add<Follower>(probes, "pose");
-  add<Haptic>(probes, "haptic");
-  add<Relative>(probes, "relative");
-  add<Admittance>(probes, "admittance");
+  add<Free, 1, 8>(probes, "free");
+  add<DeviceOnly, 1, 8>(probes, "device");
+  add<Follower, 1, 8>(probes, "pose");
+  add<Haptic, 1, 8>(probes, "haptic");
+  add<Relative, 1, 8>(probes, "relative");
+  add<Admittance, 1, 8>(probes, "admittance");
+  add<FreeJoints, 1, 8, 64, 256>(probes, "free-joints");
+  add<Tool, 2, 4>(probes, "pose-joints");
+  add<ToolWithStops, 4>(probes, "pose-joints-stops");
+  add<ToolWithImposed, 4>(probes, "pose-joints-imposed");
+  add<ToolWithAll, 4>(probes, "pose-joints-stops-imposed");
   return probes;
 }
 
@@ -66,13 +116,10 @@ int main(const std::vector<std::string>& arguments) {
       std::cout << p.name << ',' << p.params_bytes << ',' << p.state_bytes << ',' << p.scratch_bytes << '\n';
     return 0;
   }
-  for (const Probe& p : all_probes()) {
-    if (arguments.size() != 3 || p.name != arguments[0]) continue;
-    const std::size_t steps = std::stoul(arguments[1]), num_bodies = std::stoul(arguments[2]);
-    if (num_bodies < 1 || num_bodies > p.max_bodies) break;
-    return p.run(steps, num_bodies) ? 0 : 1;
-  }
-  std::cerr << "usage: godobject_probe [COMPOSITION STEPS BODIES]\n";
+  for (const Probe& p : all_probes())
+    if (arguments.size() == 3 && p.name == arguments[0])
+      return p.run(arguments[2], std::stoul(arguments[1])) ? 0 : 1;
+  std::cerr << "usage: godobject_probe [COMPOSITION STEPS MOTION]\n";
   return 2;
 }
 

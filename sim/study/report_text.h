@@ -1,0 +1,24 @@
+// Numbers as the report prints them.
+#pragma once
+
+#include <cmath>
+#include <iomanip>
+#include <optional>
+#include <sstream>
+#include <string>
+
+namespace godobject::study {
+
+inline std::string number(double value, int digits = 3) {
+  std::ostringstream text;
+  text << std::setprecision(digits) << value;
+  return text.str();
+}
+inline std::string number(const std::optional<double>& value, int digits = 3) {
+  return value ? number(*value, digits) : "not available";
+}
+inline std::string whole(const std::optional<double>& value) {
+  return value ? std::to_string(std::lround(*value)) : "not available";
+}
+
+}  // namespace godobject::study

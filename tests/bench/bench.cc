@@ -1,0 +1,89 @@
+#include "tests/bench/bench.h"
+
+#include <cstdio>
+
+#include "sim/study/study.h"
+
+namespace godobject::bench {
+namespace {
+
+std::vector<Row>& rows() {
+  static std::vector<Row> all;
+  return all;
+}
+
+/// Of this scene by us with this integrator.
+const Row* ours(const std::string& scene, const std::string& integrator) {
+  for (const Row& r : rows())
+    if (!r.peer && r.scene == scene && r.who.ends_with(integrator)) return &r;
+  return nullptr;
+}
+
+std::string ratio(const Row& r, const std::string& integrator) {
+  const Row* const base = ours(r.scene, integrator);
+  if (base == nullptr) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", r.times.p50 / base->times.p50);
+  return text;
+}
+
+}  // namespace
+
+study::InstructionCounter& counter() {
+  static study::InstructionCounter instance((study::default_probe_directory() / "godobject_probe").string());
+  return instance;
+}
+
+void keep(benchmark::State& state, const Row& row) {
+  state.counters["p50_ns"] = row.times.p50;
+  state.counters["p99_ns"] = row.times.p99;
+  if (row.num_bodies > 1) state.counters["ns_per_body"] = row.times.p50 / static_cast<double>(row.num_bodies);
+  if (row.instructions) state.counters["instructions"] = *row.instructions;
+  state.counters["error_m"] = row.errors.position;
+  state.counters["error_rad"] = row.errors.rotation;
+  if (row.errors.drift) {
+    state.counters["drift_m"] = row.errors.drift->m;
+    state.counters["drift_rad"] = row.errors.drift->rad;
+  }
+  for (Row& r : rows()) {
+    if (r.scene != row.scene || r.who != row.who) continue;
+    if (row.times.p50 < r.times.p50) r = row;
+    return;
+  }
+  rows().push_back(row);
+}
+
+void print_table() {
+  std::printf("\n%-7s %-34s %9s %9s %8s %7s %9s %9s %9s %9s %7s %7s\n", "scene", "by", "p50 ns", "p99 ns",
+              "ns/body", "instr.", "error m", "rad", "drift m", "rad", "/euler", "/bdf2");
+  for (const Row& r : rows()) {
+    const std::string instructions = r.instructions ? std::to_string(std::lround(*r.instructions)) : "-";
+    const Drift drift = r.errors.drift.value_or(Drift{});
+    std::printf("%-7s %-34s %9.0f %9.0f %8.1f %7s %9.2g %9.2g %9.2g %9.2g %7s %7s\n", r.scene.c_str(),
+                r.who.c_str(), r.times.p50, r.times.p99, r.times.p50 / static_cast<double>(r.num_bodies),
+                instructions.c_str(), r.errors.position, r.errors.rotation, drift.m, drift.rad,
+                ratio(r, ImplicitEuler::name).c_str(), ratio(r, TrBdf2::name).c_str());
+  }
+  std::printf(
+      "p50, p99: of single steps, the best repetition. /euler, /bdf2: p50 over ours with that integrator.\n");
+}
+
+void add(const std::string& name, const std::function<void(benchmark::State&)>& run) {
+  benchmark::RegisterBenchmark(name.c_str(), run)
+      ->Unit(benchmark::kNanosecond)
+      ->MinTime(0.1)
+      ->Repetitions(9)
+      ->ReportAggregatesOnly(true);
+}
+
+}  // namespace godobject::bench
+
+int main(int argc, char** argv) {
+  using namespace godobject::bench;
+  add_ours();
+  add_peers();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  print_table();
+}

@@ -1,0 +1,95 @@
+// What the benchmarks have in common: how a step is timed, what the runs are set against, the closing table.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/study/case_errors.h"
+#include "sim/study/instruction_count.h"
+
+namespace godobject::bench {
+
+using study::Errors;
+
+inline constexpr double h = 1e-3;  // s, in every benchmark
+
+/// Times of one step in ns.
+struct StepTimes {
+  double p50 = 0, p99 = 0;
+};
+
+/// Of `steps` steps in order. Short steps are timed by the chunk, for the clock's own time not to matter: up to 20 of
+/// them that take a microsecond.
+template <class Step>
+StepTimes time_steps(std::size_t steps, double mean_ns, Step step) {
+  const auto chunk = static_cast<std::size_t>(std::clamp(1000 / mean_ns, 1.0, 20.0));
+  std::vector<double> times;
+  for (std::size_t first = 0; first + chunk <= steps; first += chunk) {
+    const auto start = std::chrono::steady_clock::now();
+    for (std::size_t n = first; n < first + chunk; ++n) step(n);
+    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - start;
+    times.push_back(elapsed.count() / static_cast<double>(chunk));
+  }
+  std::sort(times.begin(), times.end());
+  const auto at = [&](double share) {
+    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
+  };
+  return {.p50 = at(0.5), .p99 = at(0.99)};
+}
+
+/// A line of the closing table.
+struct Row {
+  std::string scene, who;
+  std::size_t num_bodies = 1;
+  bool peer = false;
+  StepTimes times;  // the repetition with the lowest median
+  std::optional<double> instructions;
+  Errors errors;
+};
+
+/// Runs steps 0 .. steps - 1 again and again for google benchmark, then once more step by step, and keeps the row.
+template <class Restart, class Step>
+void measure(benchmark::State& state, Row row, std::size_t steps, Restart restart, Step step);
+
+/// Keeps the row's lowest median, and shows its numbers as counters.
+void keep(benchmark::State& state, const Row& row);
+
+/// Of all rows kept: every peer over ours.
+void print_table();
+
+study::InstructionCounter& counter();
+
+/// Registers with the number of repetitions and the time all benchmarks have.
+void add(const std::string& name, const std::function<void(benchmark::State&)>& run);
+
+/// Registers our step on every scene, and the peers this build has.
+void add_ours();
+void add_peers();
+
+template <class Restart, class Step>
+void measure(benchmark::State& state, Row row, std::size_t steps, Restart restart, Step step) {
+  using Clock = std::chrono::steady_clock;
+  std::size_t n = 0;
+  restart();
+  const Clock::time_point start = Clock::now();
+  for (auto _ : state) {
+    step(n);
+    benchmark::ClobberMemory();
+    if (++n == steps) {
+      n = 0;
+      restart();
+    }
+  }
+  const std::chrono::duration<double, std::nano> elapsed = Clock::now() - start;
+  restart();
+  row.times = time_steps(steps, elapsed.count() / static_cast<double>(state.iterations()), step);
+  keep(state, row);
+}
+
+}  // namespace godobject::bench

@@ -1,0 +1,91 @@
+// MuJoCo 2.2: reduced coordinates, semi-implicit Euler. Its files nest bodies: a hundred links are too deep.
+#include <mujoco/mujoco.h>
+
+#include <array>
+#include <cstring>
+#include <sstream>
+#include <stdexcept>
+
+#include "tests/bench/bench.h"
+#include "tests/bench/peer.h"
+
+namespace godobject::bench {
+namespace {
+
+std::string numbers(const oracle::Vector3d& a) {
+  std::ostringstream text;
+  text.precision(17);
+  text << a.x() << ' ' << a.y() << ' ' << a.z();
+  return text.str();
+}
+
+/// The chain as a model file. The links start on one line, turned alike.
+std::string model_of(const oracle::Case& problem) {
+  std::ostringstream xml;
+  xml.precision(17);
+  xml << "<mujoco><compiler inertiafromgeom='false' boundmass='0'/><option timestep='" << h << "' gravity='"
+      << numbers(problem.gravity) << "' integrator='Euler'><flag constraint='disable'/></option>"
+      << "<worldbody>";
+  for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+    const oracle::Body& body = problem.bodies[i];
+    const oracle::Joint& joint = problem.joints[i];
+    if (joint.type != oracle::JointType::ball) throw std::invalid_argument("chains of ball joints only");
+    const oracle::Quaterniond& q = body.start.q;
+    xml << "<body pos='" << numbers(i == 0 ? body.start.p : joint.anchor_P - joint.anchor_C) << "'";
+    if (i == 0) xml << " quat='" << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << "'";
+    xml << "><joint type='ball' pos='" << numbers(joint.anchor_C) << "'/><inertial pos='0 0 0' mass='"
+        << body.m << "' diaginertia='" << numbers(body.I_B.diagonal()) << "'/>";
+  }
+  for (std::size_t i = 0; i < problem.bodies.size(); ++i) xml << "</body>";
+  xml << "</worldbody></mujoco>";
+  return xml.str();
+}
+
+mjModel* load(const std::string& xml) {
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "chain.xml", static_cast<int>(xml.size()));
+  std::memcpy(files->filedata[0], xml.data(), xml.size());
+  std::array<char, 500> error{};
+  mjModel* const model = mj_loadXML("chain.xml", files.get(), error.data(), static_cast<int>(error.size()));
+  mj_deleteVFS(files.get());
+  if (model == nullptr) throw std::runtime_error(error.data());
+  return model;
+}
+
+class MujocoChain final : public Peer {
+ public:
+  explicit MujocoChain(const oracle::Case& problem)
+      : model_(load(model_of(problem))), data_(mj_makeData(model_)) {}
+  ~MujocoChain() override {
+    mj_deleteData(data_);
+    mj_deleteModel(model_);
+  }
+  MujocoChain(const MujocoChain&) = delete;
+  MujocoChain& operator=(const MujocoChain&) = delete;
+
+  void restart() override { mj_resetData(model_, data_); }
+  void step(std::size_t) override { mj_step(model_, data_); }
+
+  oracle::RigidState pose(std::size_t i) const override {
+    if (i == 0) mj_kinematics(model_, data_);  // a step leaves the poses it started from
+    const mjtNum* const p = data_->xpos + 3 * (i + 1);
+    const mjtNum* const q = data_->xquat + 4 * (i + 1);
+    oracle::RigidState x;
+    x.p = {p[0], p[1], p[2]};
+    x.q = {q[0], q[1], q[2], q[3]};
+    return x;
+  }
+
+ private:
+  mjModel* model_;
+  mjData* data_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> make_mujoco(const oracle::Case& problem, const Targets&) {
+  return std::make_unique<MujocoChain>(problem);
+}
+
+}  // namespace godobject::bench
