@@ -37,15 +37,18 @@ struct BodyPairs {
     if (b < a) std::swap(a, b);
     return (rows[a][b / 64] >> (b % 64) & 1) != 0;
   }
+  /// f(b) for every pair (a, b), a < b, in the order of b.
+  template <class F>
+  void for_each_of(std::uint32_t a, F f) const noexcept {
+    for (std::uint32_t word = a / 64; word < (num_bodies + 63) / 64; ++word) {
+      for (std::uint64_t left = rows[a][word]; left != 0; left &= left - 1)
+        f(64 * word + static_cast<std::uint32_t>(std::countr_zero(left)));
+    }
+  }
   /// f(a, b) for every pair, a < b, in the order of a, then b.
   template <class F>
   void for_each(F f) const noexcept {
-    for (std::uint32_t a = 0; a < num_bodies; ++a) {
-      for (std::uint32_t word = a / 64; word < (num_bodies + 63) / 64; ++word) {
-        for (std::uint64_t left = rows[a][word]; left != 0; left &= left - 1)
-          f(a, 64 * word + static_cast<std::uint32_t>(std::countr_zero(left)));
-      }
-    }
+    for (std::uint32_t a = 0; a < num_bodies; ++a) for_each_of(a, [&](std::uint32_t b) { f(a, b); });
   }
 };
 
@@ -183,6 +186,20 @@ void sweep(const BroadPhaseScratch<max_bodies>& w, int axis, F f) noexcept {
   }
 }
 
+/// Pairs of entries whose boxes overlap and of which may_touch(a, b), in w.pairs.
+template <std::size_t max_bodies, class MayTouch>
+void find_overlaps(std::size_t num_bodies, BroadPhaseScratch<max_bodies>& w, MayTouch may_touch) noexcept {
+  const int axis = widest_axis(w);
+  for (std::size_t k = 0; k < w.num_entries; ++k) w.entries[k].lo = w.boxes[w.entries[k].body].lo[axis];
+  sort_entries(w);
+  pack_boxes(w);
+  w.pairs.clear(num_bodies);
+  sweep(w, axis, [&](std::size_t k, std::size_t l) {
+    const std::uint32_t a = w.entries[k].body, b = w.entries[l].body;
+    if (may_touch(a, b)) w.pairs.insert(a, b);
+  });
+}
+
 /// Finds in w.pairs the bodies, not of one group, that may have spheres with a gap below `margin` (m, >= 0).
 /// Returns how many bodies were left out because a number of them is not finite.
 template <std::size_t max_bodies, std::size_t max_spheres>
@@ -195,16 +212,9 @@ std::size_t find_body_pairs(const BodySpheres<max_bodies, max_spheres>& spheres,
     if (find_box(spheres, spheres.bodies[b], margin / 2, w.boxes[b])) w.entries[w.num_entries++].body = b;
     else ++num_left_out;
   }
-  const int axis = widest_axis(w);
-  for (std::size_t k = 0; k < w.num_entries; ++k) w.entries[k].lo = w.boxes[w.entries[k].body].lo[axis];
-  sort_entries(w);
-  pack_boxes(w);
-
-  w.pairs.clear(spheres.num_bodies);
-  sweep(w, axis, [&](std::size_t k, std::size_t l) {
-    const std::uint32_t a = w.entries[k].body, b = w.entries[l].body;
+  find_overlaps(spheres.num_bodies, w, [&](std::uint32_t a, std::uint32_t b) {
     const std::uint32_t group = spheres.bodies[a].group;
-    if (group == 0 || group != spheres.bodies[b].group) w.pairs.insert(a, b);
+    return group == 0 || group != spheres.bodies[b].group;
   });
   return num_left_out;
 }

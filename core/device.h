@@ -37,6 +37,22 @@ struct DeviceState {
   Real held = 0;  // s since the last valid sample
 };
 
+/// The state after the step.
+inline DeviceState carried_over(const Pull& pull) noexcept {
+  return {.last = pull.to, .ramp = pull.ramp, .held = pull.held};
+}
+
+/// What a device part's pull() returns: a Pull, or what the part names Pull, which is one and has more.
+template <class Device>
+struct PullOf {
+  using type = Pull;
+};
+template <class Device>
+requires requires { typename Device::Pull; }
+struct PullOf<Device> {
+  using type = typename Device::Pull;
+};
+
 /// The ramp: 0 in the first engaged step, so that engaging moves nothing; then rising linearly to 1. Engaging takes
 /// a valid sample, and so does going on after a long time without one.
 inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted, bool valid, Real h,

@@ -1,6 +1,7 @@
 // Everything the author of a scene includes.
 #pragma once
 
+#include "core/device_holding.h"
 #include "core/energy.h"
 #include "core/hash.h"
 #include "core/integrator_implicit_euler.h"

@@ -5,7 +5,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "core/device.h"
+#include "core/contact_memory.h"
+#include "core/device_holding.h"
 #include "core/feedback.h"
 #include "core/integrator_tr_bdf2.h"
 #include "core/joint_imposed.h"
@@ -60,6 +61,10 @@ class Hash {
     add(x.ramp);
     add(x.held);
   }
+  void add(const HoldingState& x) noexcept {
+    add(static_cast<const DeviceState&>(x));
+    add(x.X_DB);
+  }
   template <class J>
   requires requires(const J& x) { x.f_C; }
   void add(const J& x) noexcept {
@@ -70,6 +75,16 @@ class Hash {
   void add(const ImposedJoints::State& x) noexcept {
     for (const JointCoordinates& a : {x.last.q, x.last.q_dot})
       for (const Real c : {a.x(), a.y()}) add(c);
+  }
+  template <std::size_t max_contacts>
+  void add(const ContactMemories<max_contacts>& x) noexcept {
+    add(std::uint64_t{x.size});
+    for (std::size_t i = 0; i < x.size; ++i) {
+      const ContactMemory& m = x.list[i];
+      add(m.key);
+      for (const Vec3* a : {&m.xi_W, &m.xi_dot_W, &m.F_W}) add(*a);
+      add(m.e);
+    }
   }
   template <int slot>
   void add(const Absent<slot>&) noexcept {}
@@ -93,6 +108,7 @@ std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
     hash.add(body.feedback);
     hash.add(body.joint);
   }
+  hash.add(x.contacts);
   return hash.value();
 }
 

@@ -42,10 +42,10 @@ struct TrBdf2 {
     // (12)
     const bool smooth = start_is_smooth(par, x, w);
     const Real h_1 = smooth ? d * h : c * h;
+    const Real dh = smooth ? d * h : 0;
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       const GroupIn<S> group(g, num_bodies(par));
       const Start<S> y(group, x);
-      const Real dh = smooth ? d * h : 0;
       w.bases[g] = extrapolated<T>(y.x, y.x.v_W, y.x.w_B, y.a_W, y.alpha_B, dh);
       recall_errors<S>(group, x, w.next[g]);
       if constexpr (uses<typename S::Device>)
@@ -54,11 +54,14 @@ struct TrBdf2 {
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
     }
     lead_joints(par, c, w);
+    begin_stage<S>({.t_0 = dh, .elapsed = c * h}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     solve_stage(par, x, h_1, inside, w);
 
     // (13)
-    const bool still_smooth = smooth && turns_are_small(par, w);
+    bool still_smooth = smooth && turns_are_small(par, w);
+    if constexpr (uses<ContactsOf<S>>)
+      still_smooth = still_smooth && touch_alike(x.contacts, w.contacts.memories[w.contacts.last]);
     const Real h_2 = still_smooth ? d * h : (1 - c) * h;
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       const StageVelocityOf<T>& V_1 = w.velocities[g];
@@ -73,6 +76,9 @@ struct TrBdf2 {
       }
     }
     lead_joints(par, 1, w);
+    const Real bh = b * h;
+    begin_stage<S>(
+        {.t_0 = still_smooth ? bh : dh, .t_1 = still_smooth ? bh : h_1, .elapsed = h, .goes_on = true}, w);
     solve_stage(par, x, h_2, targets_at_the_end(par, w), w);
 
     for (std::size_t g = 0; g < num_groups(par); ++g) {
@@ -119,8 +125,11 @@ struct TrBdf2 {
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step.
   template <Scene S>
   static bool is_calm(const Scratch<S>& w) noexcept {
-    if constexpr (uses<typename S::Joints>) return !w.tree.stiff_stop;
-    return true;
+    bool calm = true;
+    if constexpr (uses<typename S::Joints>) calm = !w.tree.stiff_stop;
+    if constexpr (uses<ContactsOf<S>>)
+      calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
+    return calm;
   }
 
   template <Scene S>

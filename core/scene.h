@@ -7,6 +7,7 @@
 //     using Joints = None;               // or TreeJoints<>
 //     using Coupling = DampedSpring;     // or None
 //     using Feedback = LimitedFeedback;  // or None: not haptic
+//     using Contacts = FixedContacts<10, 1, 20>;  // or BodyContacts; may be left out: nothing touches anything
 //   };
 //   static_assert(Scene<Peg>);
 #pragma once
@@ -31,6 +32,7 @@ struct None {
   using StateOf = Empty;
   using Input = Empty;
   using Output = Empty;
+  using BodyOutput = Empty;
 };
 
 /// Stands for an empty part in a struct: of another type in each slot, since two empty members of one type
@@ -47,6 +49,19 @@ using Slot = std::conditional_t<std::is_empty_v<T>, Absent<slot>, T>;
 template <class Part>
 inline constexpr bool uses = !std::is_same_v<Part, None>;
 
+/// The contacts of a scene that lists them: `using Contacts = FixedContacts<10, 1, 20>;`, or BodyContacts.
+template <class S>
+struct ContactsSlot {
+  using type = None;
+};
+template <class S>
+requires requires { typename S::Contacts; }
+struct ContactsSlot<S> {
+  using type = typename S::Contacts;
+};
+template <class S>
+using ContactsOf = typename ContactsSlot<S>::type;
+
 template <class P> concept Part = requires {
   typename P::Params;
   typename P::State;
@@ -61,12 +76,13 @@ template <class S> concept CouplingIsAPart = Part<typename S::Coupling>;
 template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
 template <class S>
 concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
+template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
-concept Scene =
-    HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> && CouplingIsAPart<S> &&
-    FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
+    CouplingIsAPart<S> && FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && ContactsAreAPart<S> &&
+    CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
 template <class S>
@@ -84,6 +100,7 @@ struct Params {
   std::size_t num_bodies = 1;     // 1..S::max_bodies
   Vec3 gravity_W = Vec3::Zero();  // m/s^2
   std::array<BodyParams<S>, S::max_bodies> bodies;
+  [[no_unique_address]] Slot<typename ContactsOf<S>::Params, 10> contacts;
 };
 
 /// A scene made for one body has one: its loops vanish.
@@ -108,6 +125,7 @@ template <class S>
 struct State {
   std::array<BodyState<S>, S::max_bodies> bodies;
   std::uint64_t tick = 0;  // steps taken
+  [[no_unique_address]] Slot<typename ContactsOf<S>::State, 10> contacts;
 };
 
 /// A part for every body, or nothing for all.
@@ -128,11 +146,13 @@ struct BodyOutput {
   Twist V_WB;
   [[no_unique_address]] Slot<typename S::Feedback::Output, 2> feedback;
   [[no_unique_address]] Slot<typename S::Joints::Output, 4> joint;
+  [[no_unique_address]] Slot<typename ContactsOf<S>::BodyOutput, 10> contact;
 };
 
 template <class S>
 struct Output {
   std::array<BodyOutput<S>, S::max_bodies> bodies;
+  [[no_unique_address]] Slot<typename ContactsOf<S>::Output, 10> contacts;
   Fault fault = Fault::none;
   Limited limited = Limited::none;
 };

@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/contact.h"
 #include "core/device.h"
 #include "core/feedback.h"
 #include "core/tree.h"
@@ -21,7 +22,10 @@ enum class Invalid : std::uint8_t {
   parent_not_before,     // a joint's parent is not a body before its child
   joint_frame,           // a joint's frame is not finite or not a rotation
   stop,                  // a stop with its ends crossed, beyond a half turn, negative gains or no width
-  not_imposable,         // an imposed joint of a kind without coordinates of its own: free, fixed or ball
+  contact_sphere,        // a sphere without radius, of no body or material, or not in the order of the bodies
+  contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
+  contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
+  not_imposable,    // an imposed joint of a kind without coordinates of its own: free, fixed or ball
 };
 
 /// Principal moments of inertia, ascending.
@@ -83,6 +87,51 @@ Invalid validate_joint(const typename Joints::Params& par, std::size_t i) noexce
   return Invalid::nothing;
 }
 
+inline bool is_valid(const ContactLaw& law) noexcept {
+  const bool holds = law.mu == 0 || law.k_t > 0 || law.c_t > 0;
+  return is_gain(law.k) && is_gain(law.c) && is_gain(law.mu) && is_gain(law.k_t) && is_gain(law.c_t) &&
+         is_gain(law.push_out) && holds;
+}
+inline bool is_equal(const ContactLaw& a, const ContactLaw& b) noexcept {
+  return a.k == b.k && a.c == b.c && a.mu == b.mu && a.k_t == b.k_t && a.c_t == b.c_t &&
+         a.push_out == b.push_out;
+}
+
+/// Kinds of shapes that a body may carry: convex and bounded.
+constexpr bool is_carried(ShapeKind kind) noexcept {
+  return kind == ShapeKind::box || kind == ShapeKind::sphere || kind == ShapeKind::capsule;
+}
+
+/// Contacts of bodies numbered below num_bodies. on_bodies: surfaces may be, too.
+template <std::size_t max_spheres, std::size_t max_surfaces>
+Invalid validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, std::size_t num_bodies,
+                          bool on_bodies) noexcept {
+  if (par.num_spheres > max_spheres) return Invalid::contact_sphere;
+  if (par.num_surfaces > max_surfaces) return Invalid::contact_surface;
+  std::size_t body = 0;
+  for (std::size_t s = 0; s < par.num_spheres; ++s) {
+    const BodySphere& sphere = par.spheres[s];
+    const bool placed = is_dimension(sphere.radius) && sphere.p_B.sum() - sphere.p_B.sum() == 0;
+    if (!placed || sphere.body >= num_bodies || sphere.body < body || sphere.material >= max_materials)
+      return Invalid::contact_sphere;
+    body = sphere.body;
+  }
+  body = world;
+  for (std::size_t o = 0; o < par.num_surfaces; ++o) {
+    const Surface& surface = par.surfaces[o];
+    const bool in_order = body == world || (surface.body != world && surface.body >= body);
+    const bool owned =
+        surface.body == world || (on_bodies && surface.body < num_bodies && is_carried(surface.shape.kind));
+    if (!is_valid(surface.shape) || !in_order || !owned || surface.material >= max_materials)
+      return Invalid::contact_surface;
+    body = surface.body;
+  }
+  for (std::size_t a = 0; a < max_materials; ++a)
+    for (std::size_t b = 0; b <= a; ++b)
+      if (!is_valid(par.laws[a][b]) || !is_equal(par.laws[a][b], par.laws[b][a])) return Invalid::contact_law;
+  return Invalid::nothing;
+}
+
 template <Scene S>
 Invalid validate(const Params<S>& par) noexcept {
   if (!(par.h > 0 && par.h - par.h == 0)) return Invalid::step_not_positive;
@@ -102,6 +151,8 @@ Invalid validate(const Params<S>& par) noexcept {
       if (joint != Invalid::nothing) return joint;
     }
   }
+  if constexpr (uses<ContactsOf<S>>)
+    return validate_contacts(par.contacts, par.num_bodies, ContactsOf<S>::between_bodies);
   return Invalid::nothing;
 }
 

@@ -1,7 +1,10 @@
 // One stage of an integrator: from the bases of all bodies to the velocities they move with.
 #pragma once
 
+#include "core/contact_bodies.h"
+#include "core/contact_fixed.h"
 #include "core/device.h"
+#include "core/flatten.h"
 #include "core/gather.h"
 #include "core/implicit_stage.h"
 #include "core/tree.h"
@@ -45,15 +48,33 @@ struct Next {
 template <class S>
 inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
 
+template <class S>
+struct ContactScratchType {
+  using type = Absent<10>;
+};
+template <class S>
+requires(uses<ContactsOf<S>>) struct ContactScratchType<S> {
+  using type =
+      std::conditional_t<ContactsOf<S>::between_bodies, BodyContactScratch<ContactsOf<S>, S::max_bodies>,
+                         FixedContactScratch<ContactsOf<S>, S::max_bodies>>;
+};
+template <class S>
+inline constexpr bool bodies_touch = false;
+template <class S>
+requires(uses<ContactsOf<S>>) inline constexpr bool bodies_touch<S> = ContactsOf<S>::between_bodies;
+
+template <class S>
+using ContactScratchOf = typename ContactScratchType<S>::type;
+
 /// Worthless between steps.
 template <class S>
 struct Scratch {
   using T = Lanes<S>;
-  std::array<Pull, S::max_bodies> pulls;                     // from the devices
-  std::array<Next<S>, max_groups<S>> next;                   // committed if finite
-  std::array<TargetOf<T>, max_groups<S>> inside;             // targets inside the step
-  std::array<RigidBodyStateOf<T>, max_groups<S>> bases;      // where the stage starts
-  std::array<StageVelocityOf<T>, max_groups<S>> velocities;  // what the stage solves for
+  std::array<typename PullOf<typename S::Device>::type, S::max_bodies> pulls;  // from the devices
+  std::array<Next<S>, max_groups<S>> next;                                     // committed if finite
+  std::array<TargetOf<T>, max_groups<S>> inside;                               // targets inside the step
+  std::array<RigidBodyStateOf<T>, max_groups<S>> bases;                        // where the stage starts
+  std::array<StageVelocityOf<T>, max_groups<S>> velocities;                    // what the stage solves for
   [[no_unique_address]] std::conditional_t<uses<typename S::Joints>, Tree<S::max_bodies, typename S::Joints>,
                                            Absent<4>>
       tree;  // the bodies with their joints
@@ -61,7 +82,99 @@ struct Scratch {
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
       wanted;  // to be shown on the links of the device, before limits
   [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
+  [[no_unique_address]] ContactScratchOf<S> contacts;
 };
+
+/// (7): the velocities of all bodies, from their systems in the tree.
+template <Scene S>
+void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
+  w.tree.stiff_stop = false;
+  for (std::size_t i = num_bodies(par); i-- > 0;)
+    eliminate(par.bodies[i].joint, i, x.bodies[i].joint.f_C, h, w.tree);
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    const StageVelocity V = solve_back(par.bodies[i].joint, i, h, w.tree);
+    set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v_W);
+    set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>, V.w_B);
+  }
+}
+
+/// The same with contacts of the world (24). A function of its own: compiled once for all stages of a step.
+template <Scene S>
+GODOBJECT_FLATTEN [[gnu::noinline]] void solve_with_contacts(const Params<S>& par, const State<S>& x, Real h,
+                                                             Scratch<S>& w) noexcept {
+  auto& contacts = w.contacts;
+  find_contacts<ContactsOf<S>>(par.contacts, w.tree, contacts.near);
+  begin_contacts(par.contacts, x.contacts, par.h, h, w.tree, contacts);
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    contacts.loaded[i] = w.tree.nodes[i].body;
+    w.tree.nodes[i].V = {.w = Column(w.tree.nodes[i].at.V.w), .v = Column(w.tree.nodes[i].at.V.v)};
+  }
+  static_cast<void>(
+      update_contacts(w.tree, contact_pass(0), contacts));  // cases at the velocities of the base
+  w.contacts.report.passes = 1;
+  for (int pass = 0; pass < max_contact_passes; ++pass) {
+    for (std::size_t i = 0; pass > 0 && i < num_bodies(par); ++i) w.tree.nodes[i].body = contacts.loaded[i];
+    hang_contacts(contacts, h, w.tree);
+    solve_tree(par, x, h, w);
+    if (update_contacts(w.tree, contact_pass(pass + 1), contacts)) break;
+    ++w.contacts.report.passes;
+  }
+  end_contacts(par.contacts, h, w.tree, contacts);
+}
+
+/// The bodies of a group by themselves: where they are predicted to be, their stages, and their velocities without
+/// contacts.
+template <Scene S, class T>
+void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
+                 const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation, Real h,
+                 Scratch<S>& w) noexcept {
+  const TreePlaceOf<T> at = place<T>(Vector3<T>::Zero(), predicted(base, h));
+  const Matrix3<T>& R = at.R_WB;
+  const Matrix3<T> A_W = R * rotation.A_B * R.transpose();
+  const Vector3<T> b_w = R * rotation.b_B;
+  const Vector3<T> w_W = solve3<T>(A_W, b_w), v_W = translation.b_W * T(1 / translation.M);
+  const Vector3<T> s(Real(0.5) * (A_W(2, 1) - A_W(1, 2)), Real(0.5) * (A_W(0, 2) - A_W(2, 0)),
+                     Real(0.5) * (A_W(1, 0) - A_W(0, 1)));
+  const Matrix3<T> A_s = A_W - skew<T>(s);
+  const auto A_0 = columns(A_s.col(0).eval()), A_1 = columns(A_s.col(1).eval()),
+             A_2 = columns(A_s.col(2).eval());
+  const auto s_W = columns(s), b_w_W = columns(b_w), b_v_W = columns(translation.b_W), w_0 = columns(w_W),
+             v_0 = columns(v_W);
+  for (std::size_t j = 0; j < num_lanes<T> && g * num_lanes<T> + j < num_bodies(par); ++j) {
+    const std::size_t i = g * num_lanes<T> + j;
+    TreePlace& place = w.contacts.finder.at[i];
+    place = lane(at, j);
+    w.contacts.finder.owned[i].tree = static_cast<std::uint32_t>(i);
+    w.contacts.stages[i] = {.A_ww = {{A_0[j], A_1[j], A_2[j]}},
+                            .M = lane(translation.M, j),
+                            .s = s_W[j],
+                            .b_w = b_w_W[j],
+                            .b_v = b_v_W[j]};
+    w.contacts.V[i] = {.w = w_0[j], .v = v_0[j]};
+    w.contacts.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
+  }
+}
+
+/// The same, with what they touch (28).
+template <Scene S>
+[[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, Real h,
+                                      Scratch<S>& w) noexcept {
+  auto& contacts = w.contacts;
+  solve_contacts(par.contacts, x.contacts, num_bodies(par), par.h, h, contacts);
+  end_contacts(par.contacts, h, contacts);
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    const AnchorTwist& V = contacts.V[i];
+    set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v.vec());
+    set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>,
+             contacts.finder.at[i].R_WB.transpose() * V.w.vec());
+  }
+}
+
+/// What a stage starts from: contacts dragged on for t_0 at the rate of the step, t_1 at that of the stage before.
+template <Scene S>
+void begin_stage(const ContactStage& stage, Scratch<S>& w) noexcept {
+  if constexpr (uses<ContactsOf<S>>) w.contacts.stage = stage;
+}
 
 /// The attitude errors of the step before, by which a stage keeps its side near the half turn.
 template <Scene S>
@@ -109,21 +222,16 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOf
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
     if constexpr (uses<typename S::Joints>) {
       load(par, g, base, translation, rotation, h, w.tree);
+    } else if constexpr (bodies_touch<S>) {
+      load_bodies(par, g, base, translation, rotation, h, w);
     } else {
       w.velocities[g] = {.v_W = translation.b_W * T(1 / translation.M),
                          .w_B = solve3<T>(rotation.A_B, rotation.b_B)};
     }
   }
-  if constexpr (uses<typename S::Joints>) {
-    w.tree.stiff_stop = false;
-    for (std::size_t i = num_bodies(par); i-- > 0;)
-      eliminate(par.bodies[i].joint, i, x.bodies[i].joint.f_C, h, w.tree);
-    for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      const StageVelocity V = solve_back(par.bodies[i].joint, i, h, w.tree);
-      set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v_W);
-      set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>, V.w_B);
-    }
-  }
+  if constexpr (bodies_touch<S>) solve_touching(par, x, h, w);
+  else if constexpr (uses<ContactsOf<S>>) solve_with_contacts(par, x, h, w);
+  else if constexpr (uses<typename S::Joints>) solve_tree(par, x, h, w);
 }
 
 /// Imposed joints at the fraction s of the step: where the coming stage is to lead them.

@@ -78,21 +78,13 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (!std::is_empty_v<typename S::Integrator::Memory>)
       x.bodies[i].memory = next.memory.of_lane(j);
     if constexpr (uses<typename S::Coupling>) x.bodies[i].coupling.phi_B = lane(next.coupling.phi_B, j);
-    if constexpr (uses<typename S::Device>)
-      x.bodies[i].device = {.last = w.pulls[i].to, .ramp = w.pulls[i].ramp, .held = w.pulls[i].held};
+    if constexpr (uses<typename S::Device>) x.bodies[i].device = carried_over(w.pulls[i]);
     if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.f_C = w.tree.nodes[i].F_C.f;
   }
+  if constexpr (uses<ContactsOf<S>>) x.contacts.assign(w.contacts.memories[w.contacts.last]);
   x.tick += 1;
 }
-
-// A step and all it calls in one function: the chain of its results stays in registers (docs/decisions/010). Builds
-// with assertions and sanitizers do without; they would compile for minutes.
-#ifdef NDEBUG
-#define GODOBJECT_FLATTEN [[gnu::flatten]]
-#else
-#define GODOBJECT_FLATTEN
-#endif
 
 /// One time step of length par.h: from state x and the devices' samples at the end of the step to the new
 /// state and what the devices are to show. A step whose input or result is not finite is not taken: x
@@ -125,6 +117,10 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
     if (!is_finite(par, w)) out.fault |= Fault::state_not_finite;
   }
   if (!any(out.fault)) commit(par, w, x);
+  const bool taken = !any(out.fault);
+  if constexpr (uses<ContactsOf<S>>) {
+    if (taken) out.contacts = w.contacts.report;
+  }
 
   // feedback: (8), moved to driven links (9), bounded
   if constexpr (uses<typename S::Feedback>) {
@@ -153,8 +149,14 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
     if constexpr (uses<typename S::Joints>) {
       if (!any(out.fault)) out.bodies[i].joint = {.F_C = w.tree.nodes[i].F_C};
     }
+    if constexpr (uses<ContactsOf<S>>) {
+      if (!any(out.fault)) out.bodies[i].contact = {.F_W = w.contacts.wrenches[i]};
+    }
     out.bodies[i].X_WB = body.x.X_WB;
     out.bodies[i].V_WB = {.w = to_world(body.x.X_WB.q, body.x.w_B), .v = body.x.v_W};
+  }
+  if constexpr (uses<ContactsOf<S>>) {
+    if (taken && w.contacts.near.full()) out.fault |= Fault::contacts_full;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 
 namespace godobject {
 
@@ -17,7 +18,7 @@ std::optional<std::size_t> CsvTable::find(std::string_view column) const {
 /// One pass over the text, line by line.
 class CsvParser {
  public:
-  explicit CsvParser(const std::string& file) : log_(file) {}
+  CsvParser(const std::string& file, std::string_view word_column) : log_(file), word_column_(word_column) {}
 
   CsvResult parse(std::string_view text) {
     if (text.starts_with(utf8_byte_order_mark)) text.remove_prefix(utf8_byte_order_mark.size());
@@ -42,8 +43,9 @@ class CsvParser {
     }
     std::size_t num_cells = 0;
     for_each_cell(line, [&](std::string_view cell, std::uint32_t column) {
+      const bool is_word = num_cells < table_.columns_.size() && table_.columns_[num_cells] == word_column_;
       ++num_cells;
-      add_value(cell, column);
+      is_word ? add_word(cell, column) : add_value(cell, column);
     });
     if (num_cells != table_.columns_.size()) {
       error(1, "has " + std::to_string(num_cells) + " values, the header " +
@@ -83,23 +85,32 @@ class CsvParser {
     table_.places_.push_back({line_, column});
   }
 
+  void add_word(std::string_view cell, std::uint32_t column) {
+    table_.words_.emplace_back(cell);
+    table_.values_.push_back(std::numeric_limits<double>::quiet_NaN());
+    table_.places_.push_back({line_, column});
+  }
+
   void error(std::uint32_t column, const std::string& what) {
     ++num_errors_;
     log_.error({std::max(line_, 1u), column}, what);
   }
 
   Diagnostics log_;
+  std::string_view word_column_;
   CsvTable table_;
   std::uint32_t line_ = 0;
   std::size_t num_errors_ = 0;
 };
 
-CsvResult parse_csv(std::string_view text, const std::string& file) { return CsvParser(file).parse(text); }
+CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column) {
+  return CsvParser(file, word_column).parse(text);
+}
 
-CsvResult read_csv(const std::string& path) {
+CsvResult read_csv(const std::string& path, std::string_view word_column) {
   const std::optional<std::string> text = read_text(path);
   if (!text) return {std::nullopt, {path + ": cannot be read: is the path right?"}};
-  return parse_csv(*text, path);
+  return parse_csv(*text, path, word_column);
 }
 
 }  // namespace godobject

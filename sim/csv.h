@@ -1,4 +1,4 @@
-// Comma-separated numbers under a header line: motions in, traces out and in again.
+// Comma-separated numbers under a header line, and one column of words: motions in, traces out and in again.
 #pragma once
 
 #include <optional>
@@ -16,6 +16,8 @@ class CsvTable {
   std::size_t num_rows() const { return columns_.empty() ? 0 : values_.size() / columns_.size(); }
   std::optional<std::size_t> find(std::string_view column) const;
   double at(std::size_t row, std::size_t column) const { return values_[row * columns_.size() + column]; }
+  /// Of the column of words.
+  const std::string& word(std::size_t row) const { return words_[row]; }
   /// Where that number stands in the file.
   TextPosition place(std::size_t row, std::size_t column) const {
     return places_[row * columns_.size() + column];
@@ -26,6 +28,7 @@ class CsvTable {
   std::vector<std::string> columns_;
   std::vector<double> values_;        // row by row
   std::vector<TextPosition> places_;  // of each value
+  std::vector<std::string> words_;    // of the column of words, which has NaN for values
 };
 
 struct CsvResult {
@@ -33,8 +36,9 @@ struct CsvResult {
   std::vector<std::string> errors;  // "file:line:column: what", the first 20
 };
 
-CsvResult read_csv(const std::string& path);
+/// word_column: the one column, if the table has it, that holds words instead of numbers.
+CsvResult read_csv(const std::string& path, std::string_view word_column = {});
 /// As read_csv for a text; file is what messages call it.
-CsvResult parse_csv(std::string_view text, const std::string& file);
+CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column = {});
 
 }  // namespace godobject

@@ -6,6 +6,7 @@
 
 #include "hal/kinematic_tree.h"
 #include "sim/device_from_joints.h"
+#include "sim/hold_keys.h"
 #include "sim/scene.h"
 #include "sim/visit.h"
 
@@ -20,6 +21,7 @@ void visit_limits(V& v, LimitConfig& l) {
   v.value(Key{"force_rate", "N/s", "fastest change of that force", positive}, l.force_rate);
   v.value(Key{"torque_rate", "N m/s", "fastest change of that torque", positive}, l.torque_rate);
   v.value(Key{"ramp", "s", "from engage to full coupling and feedback; 0: at once", {0, 60}}, l.ramp);
+  v.value(Key{"grab_ramp", "s", "the same where the device takes hold of bodies", {0, 60}}, l.grab_ramp);
 }
 
 /// Names that joints, handles, encoders and drives refer to.
@@ -288,6 +290,7 @@ template <class V>
 void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& buses, DeviceConfig& d) {
   visit_name(v, "name of the device", d.name);
   choose(v, Key{"kind", "", "what it gives and takes"}, device_kind_names, d.kind);
+  visit_grabbing(v, scene, d);
   plain_table(v, TableKey{"limits", "Bounds of the wrench shown to the hand, and the ramp on engage."},
               [&](auto& t) { visit_limits(t, d.limits); });
   RigParams rig = d.rig.value_or(RigParams{.buses = buses, .tree = {}, .encoders = {}, .drives = {}});

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "core/contact.h"
 #include "core/energy.h"
 #include "core/joint_imposed.h"
+#include "sim/contact_pairs.h"
 #include "sim/scene.h"
 
 namespace godobject {
@@ -32,11 +34,13 @@ struct BodyView {
   Wrench feedback_D;  // shown to the hand
   Wrench coupling_B;  // (2) at the end of the step; only from view()
   Wrench joint_C;     // of its joint on the body, at the joint's anchor on it; mean of the step's last stage
+  Wrench contact_W;   // of all its contacts, about its centre of mass
 };
 
 struct StepReport {
   Fault fault = Fault::none;
   Limited limited = Limited::none;
+  ContactReport contacts;
 };
 
 /// A part of a composition and what it costs in it, for all of the composition's bodies.
@@ -53,6 +57,9 @@ struct Composition {
   bool device = false, coupling = false, feedback = false;
   bool joints = false, stops = false, imposed = false;
   DeviceKind kind = DeviceKind::non_haptic;  // meaningful with a device
+  bool holding = false;                      // of a pose device: it takes hold of bodies
+  ContactScope contacts = ContactScope::none;
+  std::size_t max_spheres = 0, max_surfaces = 0, max_contacts = 0;
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
   std::vector<PartBytes> parts;  // those that have storage
 

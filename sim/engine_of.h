@@ -1,7 +1,9 @@
 // Engine for one scene type. Included only by the files that instantiate compositions.
 #pragma once
 
+#include "core/contact_fixed.h"
 #include "core/godobject.h"
+#include "sim/contact_params.h"
 #include "sim/engine.h"
 #include "sim/joint_params.h"
 
@@ -48,6 +50,20 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
   return par;
 }
 
+/// Coupling "imposed": so stiff that an implicit step ends on the target, to 1e-9 of what the body would be off.
+inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
+  constexpr Real stiff = 1e9;
+  return {.k = stiff * body.m / (h * h),
+          .g = 0,
+          .k_r = stiff * principal_moments(body.I_B).z() / (h * h),
+          .g_r = 0};
+}
+
+inline Real ramp_of(const SceneConfig& scene, const LimitConfig& limits) {
+  if (scene.coupling == CouplingMode::imposed) return 0;
+  return takes_hold(scene) ? limits.grab_ramp : limits.ramp;
+}
+
 template <Scene S>
 Params<S> params_of(const SceneConfig& scene) {
   Params<S> par;
@@ -58,7 +74,11 @@ Params<S> params_of(const SceneConfig& scene) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const BodyConfig& body = scene.bodies[i];
     par.bodies[i].body = rigid_body(body.mass, body.inertia);
-    if constexpr (uses<typename S::Coupling>) par.bodies[i].coupling = spring_params(body.coupling);
+    if constexpr (uses<typename S::Coupling>) {
+      const bool imposed = scene.coupling == CouplingMode::imposed && body.coupling;
+      par.bodies[i].coupling =
+          imposed ? rigid_spring(par.bodies[i].body, par.h) : spring_params(body.coupling);
+    }
     if constexpr (uses<typename S::Feedback>) {
       par.bodies[i].feedback = {.gains = spring_params(body.feedback),
                                 .max_force = limits.force,
@@ -66,7 +86,7 @@ Params<S> params_of(const SceneConfig& scene) {
                                 .max_force_rate = limits.force_rate,
                                 .max_torque_rate = limits.torque_rate};
     }
-    if constexpr (uses<typename S::Device>) par.bodies[i].device.rise = limits.ramp;
+    if constexpr (uses<typename S::Device>) par.bodies[i].device.rise = ramp_of(scene, limits);
   }
   if constexpr (uses<typename S::Joints>) {
     for (const JointConfig& joint : scene.joints)
@@ -76,10 +96,20 @@ Params<S> params_of(const SceneConfig& scene) {
 }
 
 template <Scene S>
+constexpr ContactScope scope_of() noexcept {
+  if constexpr (!uses<ContactsOf<S>>) return ContactScope::none;
+  else return ContactsOf<S>::between_bodies ? ContactScope::bodies : ContactScope::obstacles;
+}
+
+template <Scene S>
 class EngineOf final : public Engine {
  public:
   EngineOf(const SceneConfig& scene, std::span<const BodySample> at_start, Composition composition)
       : composition_(std::move(composition)), par_(params_of<S>(scene)) {
+    if constexpr (uses<ContactsOf<S>>) {
+      contacts_ = scene_contacts(scene);
+      set_contact_params(contacts_, par_.contacts);
+    }
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       place(x_, i, {.X_WB = scene.bodies[i].X_WB, .V_WB = scene.bodies[i].V_WB});
       if constexpr (uses<typename S::Device>) {
@@ -87,7 +117,8 @@ class EngineOf final : public Engine {
         before_[i] = sample;
         const bool absolute = std::is_same_v<typename S::Device, PoseDevice>;
         engage_at(x_, i, absolute ? sample : Target{.X_WD = scene.bodies[i].X_WB, .V_WD = {}});
-        const bool at_once = par_.bodies[i].device.rise == 0 && at_start[i].engaged;
+        const bool holding = std::is_same_v<typename S::Device, HoldingDevice>;  // captures in its first step
+        const bool at_once = par_.bodies[i].device.rise == 0 && at_start[i].engaged && !holding;
         if (!at_once) x_.bodies[i].device.ramp = {};
       }
     }
@@ -108,7 +139,9 @@ class EngineOf final : public Engine {
       }
     }
     godobject::step(par_, in_, x_, w_, out_);
-    return {.fault = out_.fault, .limited = out_.limited};
+    StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}};
+    if constexpr (uses<ContactsOf<S>>) report.contacts = out_.contacts;
+    return report;
   }
 
   BodyView view(std::size_t i) const noexcept override {
@@ -117,10 +150,12 @@ class EngineOf final : public Engine {
                .target = {},
                .feedback_D = feedback(i),
                .coupling_B = {},
-               .joint_C = {}};
+               .joint_C = {},
+               .contact_W = {}};
     if constexpr (uses<typename S::Device>) v.target = x_.bodies[i].device.last;
     if constexpr (uses<typename S::Coupling>) v.coupling_B = coupling_wrench(par_, x_, i);
     if constexpr (uses<typename S::Joints>) v.joint_C = out_.bodies[i].joint.F_C;
+    if constexpr (uses<ContactsOf<S>>) v.contact_W = out_.bodies[i].contact.F_W;
     return v;
   }
 
@@ -142,7 +177,8 @@ class EngineOf final : public Engine {
 
  private:
   Composition composition_;
-  Params<S> par_;
+  [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>>, SceneContacts, Empty> contacts_;
+  Params<S> par_;  // refers to contacts_
   State<S> x_;
   Scratch<S> w_;
   Input<S> in_;
@@ -194,7 +230,22 @@ std::vector<PartBytes> parts_of() {
   }
   add_slot("coupling", static_cast<const typename S::Coupling*>(nullptr));
   add_slot("feedback", static_cast<const typename S::Feedback*>(nullptr));
+  if constexpr (uses<ContactsOf<S>>)
+    parts.push_back(
+        {"contacts", sizeof(Params<S>::contacts), sizeof(State<S>::contacts), sizeof(W::contacts)});
   return parts;
+}
+
+/// The core's opinion on the scene's parameters.
+template <Scene S>
+Invalid check(const SceneConfig& scene) {
+  const auto par = std::make_unique<Params<S>>(params_of<S>(scene));
+  if constexpr (uses<ContactsOf<S>>) {
+    const SceneContacts contacts = scene_contacts(scene);
+    set_contact_params(contacts, par->contacts);
+    return validate(*par);
+  }
+  return validate(*par);
 }
 
 template <Scene S>
@@ -209,27 +260,38 @@ CompositionRow row(std::string name, DeviceKind kind) {
                 .stops = stops_of<S>(),
                 .imposed = imposes<S>,
                 .kind = kind,
+                .holding = std::is_same_v<typename S::Device, HoldingDevice>,
+                .contacts = scope_of<S>(),
                 .params_bytes = sizeof(Params<S>),
                 .state_bytes = sizeof(State<S>),
                 .scratch_bytes = sizeof(Scratch<S>),
                 .parts = parts_of<S>()};
-  return {
-      std::move(c),
-      [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
-          -> std::unique_ptr<Engine> { return std::make_unique<EngineOf<S>>(scene, at_start, what); },
-      [](const SceneConfig& scene) { return validate(*std::make_unique<Params<S>>(params_of<S>(scene))); }};
+  if constexpr (uses<ContactsOf<S>>) {
+    c.max_spheres = Params<S>{}.contacts.spheres.size();
+    c.max_surfaces = Params<S>{}.contacts.surfaces.size();
+    c.max_contacts = ContactsOf<S>::max_contacts;
+  }
+  return {std::move(c),
+          [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
+              -> std::unique_ptr<Engine> { return std::make_unique<EngineOf<S>>(scene, at_start, what); },
+          [](const SceneConfig& scene) { return check<S>(scene); }};
 }
 
 // One file each: sim/engine_<what>.cc.
 void add_free(std::vector<CompositionRow>& table);
 void add_pose(std::vector<CompositionRow>& table);
 void add_haptic(std::vector<CompositionRow>& table);
+void add_holding(std::vector<CompositionRow>& table);
 void add_relative(std::vector<CompositionRow>& table);
 void add_admittance(std::vector<CompositionRow>& table);
 void add_free_joints(std::vector<CompositionRow>& table);
 void add_pose_joints(std::vector<CompositionRow>& table);
 void add_haptic_joints(std::vector<CompositionRow>& table);
 void add_haptic_stops(std::vector<CompositionRow>& table);
+void add_free_contacts(std::vector<CompositionRow>& table);
+void add_pose_contacts(std::vector<CompositionRow>& table);
+void add_haptic_contacts(std::vector<CompositionRow>& table);
+void add_touching(std::vector<CompositionRow>& table);
 
 /// Adds the scene with both integrators and all capacities.
 template <template <class, std::size_t> class SceneOf>
@@ -240,13 +302,6 @@ void add_all(std::vector<CompositionRow>& table, const char* name, DeviceKind ki
   table.push_back(row<SceneOf<TrBdf2, 1>>(name, kind));
   table.push_back(row<SceneOf<TrBdf2, 2>>(name, kind));
   table.push_back(row<SceneOf<TrBdf2, 8>>(name, kind));
-}
-
-/// Adds the scene with both integrators and one capacity.
-template <template <class, std::size_t> class SceneOf, std::size_t N>
-void add_both(std::vector<CompositionRow>& table, const char* name, DeviceKind kind) {
-  table.push_back(row<SceneOf<ImplicitEuler, N>>(name, kind));
-  table.push_back(row<SceneOf<TrBdf2, N>>(name, kind));
 }
 
 }  // namespace godobject

@@ -23,12 +23,15 @@ class KeyReference {
   void value(const Key& key, const Vec3& x);
   void value(const Key& key, bool x) { row(key, "boolean", x ? "true" : "false"); }
   void value(const Key& key, const std::optional<double>&) { row(key, "number", "none"); }
+  void value(const Key& key, const std::optional<Vec3>&) { row(key, "3 numbers", "none"); }
   void value(const Key& key, const std::vector<std::string>&) { row(key, "strings", "none"); }
   template <std::integral T>
   void value(const Key& key, T x) {
     row(key, "integer", std::to_string(x));
   }
+  void path(const Key& key, const std::string&) { row(key, "string: path of a file", "none"); }
   void shorthand(const Key& key, double) { row(key, "number", "none"); }
+  void shorthand(const Key& key, const std::string&) { row(key, "string", "none"); }
   void shorthand(const Key& key, const Vec3& x) { value(key, x); }
   void shorthand(const Key& key, const Quat& q) { attitude(key, q); }
   void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback,

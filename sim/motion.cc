@@ -43,10 +43,17 @@ MotionSample evaluate(const MotionConfig& m, double t) noexcept {
 
 }  // namespace
 
+HoldWish hold_wish(const SceneConfig& scene, const std::string& name) {
+  if (name.empty()) return {};
+  if (name == nearest_name) return {.kind = HoldWish::Kind::nearest};
+  return {.kind = HoldWish::Kind::body, .body = body_named(scene, name).value()};
+}
+
 Motion::Motion(const SceneConfig& scene) : built_in_(scene.motion) {
-  const std::vector<std::size_t> driven = driven_bodies(scene);
-  for (const std::size_t body : driven) starts_.push_back(scene.bodies[body].X_WB);
-  handles_.resize(driven.size());
+  for (const std::size_t body : driven_bodies(scene)) starts_.push_back(scene.bodies[body].X_WB);
+  starts_.resize(motion_targets(scene).size());
+  handles_.resize(starts_.size());
+  if (takes_hold(scene)) take_holds(scene);
   if (!scene.device || !scene.device->rig) return;
   tree_.emplace(scene.device->rig->tree);
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
@@ -58,6 +65,20 @@ Motion::Motion(const SceneConfig& scene) : built_in_(scene.motion) {
     const auto moved = std::ranges::find(built_in_->joints, name, &CoordinateMotion::coordinate);
     joint_sines_.push_back(moved == built_in_->joints.end() ? CoordinateMotion{} : *moved);
   }
+}
+
+/// What the device holds at the start, and the scene's own [[motion.hold]].
+void Motion::take_holds(const SceneConfig& scene) {
+  std::vector<HoldConfig> holds;
+  if (built_in_) holds = built_in_->holds;
+  if (holds.empty() || holds.front().time > 0)
+    holds.insert(holds.begin(), {.time = 0, .body = scene.device->holds});
+  std::vector<double> times;
+  for (const HoldConfig& hold : holds) {
+    times.push_back(hold.time);
+    holds_.push_back(hold_wish(scene, hold.body));
+  }
+  hold_grid_.emplace(std::move(times));
 }
 
 MotionSample Motion::target(std::size_t body, double t) const noexcept {
@@ -104,6 +125,12 @@ MotionSwitches Motion::switches(std::size_t body, double t) const noexcept {
   if (!switch_grid_) return {};
   return switches_[body][switch_grid_->held(t)];
 }
+
+HoldWish Motion::hold(double t) const noexcept {
+  return hold_grid_ ? holds_[hold_grid_->held(t)] : HoldWish{};
+}
+
+bool Motion::button(double t) const noexcept { return !buttons_.empty() && buttons_[switch_grid_->held(t)]; }
 
 std::optional<double> Motion::end() const noexcept {
   if (!grid_) return std::nullopt;

@@ -31,9 +31,22 @@ struct MotionSwitches {
   bool clutch = true;  // relative devices
 };
 
+/// What the script wants a device to hold that takes hold of bodies.
+struct HoldWish {
+  enum class Kind : std::uint8_t { nothing, body, nearest };
+  Kind kind = Kind::nothing;
+  std::size_t body = 0;  // index in the scene
+
+  friend bool operator==(const HoldWish&, const HoldWish&) = default;
+};
+
+/// The wish for the body of this name; HoldConfig says which names there are.
+HoldWish hold_wish(const SceneConfig& scene, const std::string& name);
+
 struct MotionResult;
 
-/// Bodies are counted as driven_bodies() of the scene lists them. Evaluation does not allocate.
+/// Bodies are counted as motion_targets() of the scene lists them: where the device takes hold of bodies
+/// there is one, the device itself. Evaluation does not allocate.
 class Motion {
  public:
   /// The scene's own [motion]: of the device's joints, each handle moving its body, or of the first driven
@@ -44,8 +57,10 @@ class Motion {
   ///   <body>.x, y, z, qw, qx, qy, qz   (m; unit quaternion), or
   ///   <body>.fx, fy, fz, tx, ty, tz    (N, N m; admittance devices), or
   ///   <joint> for every joint of the device (rad or m): each handle moves its body, other bodies rest;
-  /// and, for any of them, <body>.engaged, <body>.clutch (0 or 1). A table with no other columns than these
-  /// leaves the target, or the wrench, to the scene's own [motion].
+  /// and, for any of them, <body>.engaged, <body>.clutch (0 or 1). Where the device takes hold of bodies its
+  /// name stands for <body>; instead of <body>.engaged there are hold (a name of HoldConfig; "-": nothing)
+  /// and button (0 or 1). A table with no other columns than these leaves the target, or the wrench, to the
+  /// scene's own [motion]; one without hold leaves that to it.
   /// Between samples: sim/curve.h. Before the first and after the last: the end's pose at rest, its wrench.
   /// Switches hold from their sample to the next one; before the first sample they are as in it.
   static MotionResult read(const std::string& path, const SceneConfig& scene);
@@ -62,6 +77,10 @@ class Motion {
   JointTarget joints(double t) const noexcept;
   /// Both on where the table says nothing.
   MotionSwitches switches(std::size_t body, double t) const noexcept;
+  /// Nothing where neither the table nor the scene says anything.
+  HoldWish hold(double t) const noexcept;
+  /// The device's button is pressed.
+  bool button(double t) const noexcept;
   /// Last sample's time, where the target or the wrench is a table.
   std::optional<double> end() const noexcept;
 
@@ -75,6 +94,8 @@ class Motion {
     VectorCurve<Vec3> f, tau;
   };
 
+  void take_holds(const SceneConfig& scene);
+
   std::vector<Pose> starts_;                   // per driven body
   std::optional<MotionConfig> built_in_;       // for body 0
   std::vector<CoordinateMotion> joint_sines_;  // of the scene, one per joint of the device
@@ -86,6 +107,9 @@ class Motion {
   std::vector<VectorCurve<double>> joints_;
   std::optional<TimeGrid> switch_grid_;                // of a table with switches
   std::vector<std::vector<MotionSwitches>> switches_;  // per driven body, one per time of switch_grid_
+  std::vector<bool> buttons_;                          // one per time of switch_grid_, or none
+  std::optional<TimeGrid> hold_grid_;
+  std::vector<HoldWish> holds_;  // one per time of hold_grid_
 };
 
 struct MotionResult {

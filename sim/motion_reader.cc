@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 
+#include "sim/hold_keys.h"
 #include "sim/motion.h"
 
 namespace godobject {
@@ -12,13 +13,14 @@ namespace godobject {
 inline constexpr double unit_tolerance = 1e-3;  // recorded quaternions are rounded to few digits
 inline constexpr std::size_t max_reported = 20;
 inline constexpr double max_position_m = 1e6;  // beyond it a double resolves no more than 0.1 nm
+inline constexpr const char* hold_column = "hold";
+inline constexpr const char* button_column = "button";
+inline constexpr const char* hold_nothing = "-";
 
 class MotionReader {
  public:
   MotionReader(const CsvTable& table, const std::string& file, const SceneConfig& scene)
-      : table_(table), log_(file), scene_(scene), motion_(scene) {
-    for (const std::size_t body : driven_bodies(scene)) bodies_.push_back(scene.bodies[body].name);
-  }
+      : table_(table), log_(file), scene_(scene), motion_(scene), bodies_(motion_targets(scene)) {}
 
   MotionResult read() {
     check_times();
@@ -26,6 +28,7 @@ class MotionReader {
     const std::vector<std::string> used = columns_of(content);
     check_columns(used, content == Content::poses ? joint_columns() : std::vector<std::string>{});
     check_switches();
+    check_holds();
     if (log_.ok()) check_finite(used);
     if (log_.ok()) fill(content);
     if (!log_.ok()) return {std::nullopt, log_.errors(), {}};
@@ -39,6 +42,7 @@ class MotionReader {
   static constexpr std::array pose_suffixes{".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"};
   static constexpr std::array wrench_suffixes{".fx", ".fy", ".fz", ".tx", ".ty", ".tz"};
   static constexpr std::array switch_suffixes{".engaged", ".clutch"};
+  static constexpr std::array holding_switch_suffixes{".clutch"};
 
   template <class Suffixes>
   std::vector<std::string> columns_of_bodies(const Suffixes& suffixes) const {
@@ -50,7 +54,18 @@ class MotionReader {
   }
   std::vector<std::string> pose_columns() const { return columns_of_bodies(pose_suffixes); }
   std::vector<std::string> wrench_columns() const { return columns_of_bodies(wrench_suffixes); }
-  std::vector<std::string> switch_columns() const { return columns_of_bodies(switch_suffixes); }
+  std::vector<std::string> switch_columns() const {
+    if (!takes_hold(scene_)) return columns_of_bodies(switch_suffixes);
+    std::vector<std::string> columns = columns_of_bodies(holding_switch_suffixes);
+    columns.emplace_back(button_column);
+    return columns;
+  }
+  /// Columns that leave the target to the scene.
+  std::vector<std::string> columns_besides() const {
+    std::vector<std::string> columns = switch_columns();
+    columns.emplace_back(hold_column);
+    return columns;
+  }
   std::vector<std::string> joint_columns() const {
     std::vector<std::string> columns;
     if (!scene_.device || !scene_.device->rig) return columns;
@@ -77,7 +92,7 @@ class MotionReader {
   Content what_it_drives() const {
     const Content by_device = is_device(DeviceKind::admittance) ? Content::wrenches : Content::poses;
     const std::vector<std::string> wanted = columns_of(by_device), joints = joint_columns();
-    if (has_any(switch_columns()) && !has_any(wanted) && !has_any(joints)) return Content::nothing;
+    if (has_any(columns_besides()) && !has_any(wanted) && !has_any(joints)) return Content::nothing;
     if (by_device == Content::wrenches || joints.empty()) return by_device;
     return !missing(wanted).empty() && missing(joints).empty() ? Content::joints : Content::poses;
   }
@@ -113,7 +128,7 @@ class MotionReader {
       log_.error({1, 1}, "column '" + column + "' is missing" + other);
     }
     std::set<std::string> needed(used.begin(), used.end());
-    for (std::string& column : switch_columns()) needed.insert(std::move(column));
+    for (std::string& column : columns_besides()) needed.insert(std::move(column));
     for (std::size_t c = 1; c < table_.columns().size(); ++c) {
       if (!needed.contains(table_.columns()[c]))
         log_.warning({1, 1}, "column '" + table_.columns()[c] + "' is not used");
@@ -133,6 +148,31 @@ class MotionReader {
       }
       if (name.ends_with(".clutch") && !is_device(DeviceKind::relative))
         log_.warning({1, 1}, "column '" + name + "' has no effect: only relative devices have a clutch");
+    }
+  }
+
+  void check_holds() {
+    if (!takes_hold(scene_)) {
+      if (table_.find(hold_column))
+        log_.error({1, 1},
+                   "column 'hold' needs a device that takes hold of bodies: give [device] 'holds' or "
+                   "'grab_radius'");
+      return;
+    }
+    const bool has_radius = scene_.device->grab_radius.has_value();
+    if (table_.find(button_column) && !has_radius)
+      log_.error({1, 1}, "column 'button' takes hold of the nearest body: give [device] 'grab_radius'");
+    const std::optional<std::size_t> column = table_.find(hold_column);
+    std::size_t num_errors = 0;
+    for (std::size_t row = 0; column && row < table_.num_rows() && num_errors < max_reported; ++row) {
+      const std::string& name = table_.word(row);
+      if (name == hold_nothing || (name == nearest_name && has_radius)) continue;
+      const std::string why_not = name == nearest_name
+                                      ? "is \"nearest\": how far is that? Give [device] 'grab_radius'"
+                                      : why_not_held(scene_, name);
+      if (why_not.empty()) continue;
+      ++num_errors;
+      log_.error(table_.place(row, *column), "'hold' " + why_not + "; '-' holds nothing");
     }
   }
 
@@ -164,6 +204,12 @@ class MotionReader {
     if (has_any(switch_columns())) {
       motion_.switch_grid_ = grid;
       fill_switches();
+    }
+    if (table_.find(hold_column)) {
+      motion_.hold_grid_ = grid;
+      motion_.holds_.clear();
+      for (std::size_t row = 0; row < table_.num_rows(); ++row)
+        motion_.holds_.push_back(hold_wish(scene_, table_.word(row) == hold_nothing ? "" : table_.word(row)));
     }
   }
 
@@ -230,6 +276,8 @@ class MotionReader {
         if (clutch) values[row].clutch = table_.at(row, *clutch) == 1;
       }
     }
+    if (takes_hold(scene_) && table_.find(button_column))
+      for (const double value : numbers(button_column)) motion_.buttons_.push_back(value == 1);
   }
 
   const CsvTable& table_;
@@ -240,13 +288,13 @@ class MotionReader {
 };
 
 MotionResult Motion::parse(std::string_view csv, const std::string& file, const SceneConfig& scene) {
-  const CsvResult result = parse_csv(csv, file);
+  const CsvResult result = parse_csv(csv, file, hold_column);
   if (!result.table) return {std::nullopt, result.errors, {}};
   return MotionReader(*result.table, file, scene).read();
 }
 
 MotionResult Motion::read(const std::string& path, const SceneConfig& scene) {
-  const CsvResult result = read_csv(path);
+  const CsvResult result = read_csv(path, hold_column);
   if (!result.table) return {std::nullopt, result.errors, {}};
   return MotionReader(*result.table, path, scene).read();
 }

@@ -10,6 +10,7 @@
 
 #include "core/joint.h"
 #include "hal/rig_params.h"
+#include "sim/contact_config.h"
 
 namespace godobject {
 
@@ -32,6 +33,7 @@ struct LimitConfig {
   double force_rate = 500;  // N/s
   double torque_rate = 25;  // N m/s
   double ramp = 0.5;        // s from engage to full coupling and feedback; 0: at once
+  double grab_ramp = 0.05;  // the same from taking hold of a body
 };
 
 /// Names of DeviceKind in scene files, in its order.
@@ -56,9 +58,20 @@ struct PlantConfig {
   double hand_damping = 0.5;   // per joint, N m s/rad or N s/m
 };
 
+/// What scene files and motions call the body nearest to the device. No body that can be held has this name.
+inline constexpr const char* nearest_name = "nearest";
+
+/// From this time on the device holds a body by its name, nearest_name, or nothing.
+struct HoldConfig {
+  double time = 0;   // s
+  std::string body;  // empty: lets go
+};
+
 struct DeviceConfig {
   std::string name;
   DeviceKind kind = DeviceKind::impedance;
+  std::string holds{};                  // name of the body held at the start; empty: none
+  std::optional<double> grab_radius{};  // m from the device to a centre of mass: how far nearest_name reaches
   LimitConfig limits;
   std::optional<RigParams> rig;  // absent: the scene can only run with --bus direct
   PlantConfig plant;
@@ -72,6 +85,8 @@ struct BodyConfig {
   Twist V_WB;                              // at t = 0
   std::optional<CouplingConfig> coupling;  // absent: free
   std::optional<FeedbackConfig> feedback;  // absent or zero: no haptics
+  std::vector<SphereConfig> spheres{};     // with which it touches what is not of its own tool
+  std::vector<ShapeConfig> shapes{};       // where spheres of other bodies touch it; without: at its spheres
 };
 
 /// What joints and messages call the ground. No body has this name.
@@ -132,6 +147,7 @@ struct MotionConfig {
   Vec3 force_amplitude = Vec3::Zero(), torque_amplitude = Vec3::Zero();  // N, N m
   // Of the device's joints, instead of the target's pose: each handle moves its body. Others rest at zero.
   std::vector<CoordinateMotion> joints;
+  std::vector<HoldConfig> holds{};  // in the order of time
 };
 
 /// Faults the simulated wire makes by chance; all zero by default.
@@ -142,16 +158,27 @@ struct WireConfig {
   double delay_s = 0;                 // added to every frame
 };
 
+/// Names of CouplingMode in scene files, in its order.
+inline constexpr std::array coupling_names{"god-object", "imposed"};
+
+enum class CouplingMode : std::uint8_t {
+  god_object,  // bodies are pulled to their targets by their couplings
+  imposed,     // bodies are placed at their targets in every step, whatever is in the way
+};
+
 struct SceneConfig {
   std::string name;
   std::string about;
   double step = 1e-3;    // h, s
   double duration = 10;  // s
   std::string integrator = "implicit-euler";
-  Vec3 gravity = Vec3::Zero();         // m/s^2
-  std::vector<BodyConfig> bodies;      // parents before children
-  std::vector<JointConfig> joints;     // a tree: each body is the child of at most one
-  std::optional<DeviceConfig> device;  // drives the bodies that have a handle
+  CouplingMode coupling = CouplingMode::god_object;
+  Vec3 gravity = Vec3::Zero();      // m/s^2
+  std::vector<BodyConfig> bodies;   // parents before children
+  std::vector<JointConfig> joints;  // a tree: each body is the child of at most one
+  std::vector<ObstacleConfig> obstacles;
+  std::vector<ContactConfig> contacts;  // one for every pair of materials that can meet
+  std::optional<DeviceConfig> device;   // drives the bodies that have a handle
   std::optional<MotionConfig> motion;
   WireConfig wire;
 };
@@ -175,10 +202,26 @@ inline std::optional<std::size_t> body_named(const SceneConfig& scene, const std
   return std::nullopt;
 }
 
-/// For each handle of the device's rig, in order: which of driven_bodies() it is the target of, if any.
+/// The device takes hold of coupled bodies and lets go of them, one at a time; otherwise it is tied to them.
+inline bool takes_hold(const SceneConfig& scene) {
+  return scene.device && (!scene.device->holds.empty() || scene.device->grab_radius ||
+                          (scene.motion && !scene.motion->holds.empty()));
+}
+
+/// What a motion moves, and what its columns are called by: the driven bodies; the device, where that takes
+/// hold of bodies.
+inline std::vector<std::string> motion_targets(const SceneConfig& scene) {
+  if (takes_hold(scene)) return {scene.device->name};
+  std::vector<std::string> names;
+  for (const std::size_t body : driven_bodies(scene)) names.push_back(scene.bodies[body].name);
+  return names;
+}
+
+/// For each handle of the device's rig, in order: which of motion_targets() it is, if any.
 inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConfig& scene) {
   std::vector<std::optional<std::size_t>> by_handle;
   if (!scene.device || !scene.device->rig) return by_handle;
+  if (takes_hold(scene)) return {0};
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const HandleParams& handle : scene.device->rig->tree.handles) {
     by_handle.emplace_back();

@@ -1,5 +1,5 @@
 // Every key of a scene file, once: name, unit, range, meaning and the member it stands for; those below
-// [device] are in sim/device_keys.h. See sim/visit.h for what walks it.
+// [device], [[joint]] and of contacts are in files of their own. See sim/visit.h for what walks it.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,9 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "sim/contact_keys.h"
 #include "sim/device_keys.h"
+#include "sim/hold_keys.h"
 #include "sim/joint_keys.h"
 #include "sim/scene.h"
 #include "sim/visit.h"
@@ -75,11 +77,34 @@ void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& couplin
   visit_gains(v, body, std::nullopt, f);
 }
 
+/// What is not given is that of the body named `like`, as numbers; but for name, place and velocity.
 template <class V>
-void visit_body(V& v, BodyConfig& b) {
+void visit_like(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
+  std::string like;
+  v.shorthand(
+      Key{"like", "",
+          "an earlier body: all that is not given here is as there (a damping ratio: the damping), but "
+          "for name, place and velocity. A list of tables is given as a whole"},
+      like);
+  if (like.empty()) return;
+  const auto earlier = std::ranges::find_if(
+      bodies, [&](const BodyConfig& other) { return &other != &b && other.name == like; });
+  v.check(earlier != bodies.end(), "like", "is \"" + like + "\", which is no earlier body");
+  if (earlier == bodies.end()) return;
+  const std::string name = b.name;
+  b = *earlier;
+  b.name = name;
+  b.X_WB = {};
+  b.V_WB = {};
+}
+
+template <class V>
+void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   visit_name(v, "name of the body: columns of traces and motions start with it", b.name);
-  v.value(Key{"mass", "kg", "mass", {1e-12, 1e9}, true}, b.mass);
-  v.inertia(Key{"inertia", "kg m^2", "about the centre of mass in body axes", any_number, true}, b.inertia);
+  visit_like(v, bodies, b);
+  const bool own = !v.has("like");
+  v.value(Key{"mass", "kg", "mass", {1e-12, 1e9}, own}, b.mass);
+  v.inertia(Key{"inertia", "kg m^2", "about the centre of mass in body axes", any_number, own}, b.inertia);
   visit_pose(v, "position", "orientation_wxyz", "the centre of mass at t = 0", b.X_WB);
   v.value(Key{"velocity", "m/s", "of the centre of mass at t = 0, world axes"}, b.V_WB.v);
   v.value(Key{"angular_velocity", "rad/s", "at t = 0, world axes"}, b.V_WB.w);
@@ -98,6 +123,7 @@ void visit_body(V& v, BodyConfig& b) {
                    t.check(b.coupling.has_value(), "", "feedback needs a coupling: add [body.coupling]");
                    visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
                  });
+  visit_spheres_and_shapes(v, b);
 }
 
 template <class V>
@@ -114,6 +140,12 @@ void visit_header(V& v, SceneConfig& s) {
           s.duration);
   choose(v, Key{"integrator", "", "time-stepping scheme"}, {integrator_names.begin(), integrator_names.end()},
          s.integrator);
+  choose(v,
+         Key{"coupling", "",
+             "god-object: each [body.coupling] pulls; imposed: driven bodies are placed at their targets in "
+             "every "
+             "step"},
+         coupling_names, s.coupling);
   v.value(Key{"gravity", "m/s^2", "world axes"}, s.gravity);
 }
 
@@ -128,7 +160,8 @@ void visit_coordinate_motion(V& v, const std::vector<std::string>& device_joints
 }
 
 template <class V>
-void visit_motion(V& v, const std::vector<std::string>& device_joints, MotionConfig& m) {
+void visit_motion(V& v, const SceneConfig& scene, const std::vector<std::string>& device_joints,
+                  MotionConfig& m) {
   v.value(Key{"amplitude", "m", "A of p(t) = p_0 + A sin(2 pi f t + phase), per axis x, y, z"}, m.amplitude);
   v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
   v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
@@ -151,6 +184,7 @@ void visit_motion(V& v, const std::vector<std::string>& device_joints, MotionCon
         visit_coordinate_motion(t, device_joints, q);
         t.check(moved.insert(q.coordinate).second, "coordinate", "has an earlier table");
       });
+  visit_holds(v, scene, m.holds);
   v.check(m.joints.empty() || (m.amplitude.isZero(0) && m.angle_amplitude.isZero(0)), "joint",
           "moves the device: remove 'amplitude' and 'angle_amplitude', which move the first target");
 }
@@ -188,11 +222,25 @@ void check_imposed(V& v, const SceneConfig& s) {
   }
 }
 
+template <class V>
+void check_coupling_mode(V& v, const SceneConfig& s) {
+  if (s.coupling != CouplingMode::imposed) return;
+  const bool gives_a_pose = !(s.device && s.device->kind == DeviceKind::admittance);
+  v.check(
+      gives_a_pose, "scene",
+      "has coupling \"imposed\", but a device of kind \"admittance\" gives no pose to place bodies at: use "
+      "\"god-object\"");
+  v.check(std::ranges::any_of(s.bodies, [](const BodyConfig& b) { return b.coupling.has_value(); }), "scene",
+          "has coupling \"imposed\" and no body to place: add [body.coupling] to one");
+}
+
 /// Rules between tables.
 template <class V>
 void check_scene(V& v, const SceneConfig& s) {
   const auto coupled = [](const BodyConfig& b) { return b.coupling.has_value(); };
   check_imposed(v, s);
+  check_coupling_mode(v, s);
+  check_holding(v, s);
   const auto with_feedback = [](const BodyConfig& b) { return b.feedback.has_value(); };
   if (!s.device) return;
   const bool feedback = std::ranges::any_of(s.bodies, with_feedback);
@@ -210,11 +258,12 @@ void visit_scene(V& v, SceneConfig& s) {
   std::set<std::string> names;
   v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true}, s.bodies,
            [&](auto& t, BodyConfig& b) {
-             visit_body(t, b);
+             visit_body(t, s.bodies, b);
              t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
              t.check(b.name != world_name, "name", "is what joints call the ground: choose another name");
            });
   visit_tool_joints(v, s);
+  visit_contacts(v, s);
   std::vector<BusParams> buses = s.device && s.device->rig ? s.device->rig->buses : std::vector<BusParams>{};
   std::set<std::string> bus_names;
   v.tables(TableKey{"bus", "A CAN bus."}, buses, [&](auto& t, BusParams& b) {
@@ -227,7 +276,7 @@ void visit_scene(V& v, SceneConfig& s) {
                  s.device, [&](auto& t, DeviceConfig& d) { visit_device(t, s, buses, d); });
   optional_table(v,
                  TableKey{"motion", "Built-in motion of the target, used where no --motion file is given."},
-                 s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, device_joints(s), m); });
+                 s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, s, device_joints(s), m); });
   plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."},
               [&](auto& t) { visit_wire(t, s.wire); });
   check_scene(v, s);

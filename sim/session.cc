@@ -29,7 +29,12 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
   s->driven_ = driven_bodies(scene);
   s->samples_.resize(scene.bodies.size());
   s->find_imposed_joints(made.errors);
-  for (std::size_t i = 0; i < s->driven_.size(); ++i) s->samples_[s->driven_[i]] = s->motion_sample(i, 0);
+  for (std::size_t i = 0; i < s->driven_.size(); ++i)
+    s->samples_[s->driven_[i]] = s->motion_sample(std::min(i, s->motion_.num_bodies() - 1), 0);
+  if (takes_hold(scene)) {
+    s->grip_.emplace(scene);
+    for (const std::size_t body : s->driven_) s->samples_[body].engaged = false;
+  }
   s->impose(s->motion_.joints(0), true, s->samples_);
 
   if (bus == BusChoice::sim && !s->driven_.empty()) {
@@ -152,11 +157,12 @@ void Session::cycle(CycleRecord& record) noexcept {
   const Nanoseconds step_start = step_clock_();
   const StepReport report = engine_->step(samples_);
   record.step_ns = step_clock_() - step_start;
+  record.fault = report.fault;
+  record.limited = report.limited;
+  record.contacts = report.contacts;
   act(record);
 
   if (exact_engine_) static_cast<void>(exact_engine_->step(exact_samples_));
-  record.fault = report.fault;
-  record.limited = report.limited;
   observe(record);
 }
 
@@ -170,7 +176,8 @@ CycleRecord Session::at_start() const {
 void Session::observe(CycleRecord& record) const noexcept {
   record.cycle = cycle_;
   record.t = motion_time(cycle_);
-  record.engaged = !driven_.empty() && samples_[driven_.front()].engaged;
+  record.engaged = grip_ ? grip_->body().has_value() : !driven_.empty() && samples_[driven_.front()].engaged;
+  if (grip_) record.held = grip_->body();
   record.bodies.resize(scene_.bodies.size());
   for (std::size_t i = 0; i < record.bodies.size(); ++i) record.bodies[i] = engine_->view(i);
   record.energy = engine_->energy();
@@ -179,11 +186,15 @@ void Session::observe(CycleRecord& record) const noexcept {
 
 /// What the core is told, and what it would be told by a perfect device.
 void Session::sense(double t) noexcept {
-  for (std::size_t i = 0; i < driven_.size(); ++i) samples_[driven_[i]] = motion_sample(i, t);
+  for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples_[driven_[i]] = motion_sample(i, t);
   const JointTarget hand = motion_.joints(t);
   impose(hand, true, samples_);
   exact_samples_ = samples_;
-  if (!rig_) return;
+  if (rig_) sense_through_rig(t);
+  if (grip_) grip(t);
+}
+
+void Session::sense_through_rig(double t) noexcept {
   const DeviceSample device = exchange(t);
   for (std::size_t k = 0; k < held_.size(); ++k) {
     BodySample& sample = samples_[held_[k]];
@@ -198,10 +209,23 @@ void Session::sense(double t) noexcept {
   impose(sim_rig_->joints(), true, exact_samples_);
 }
 
+/// All that can be held get the device's sample; engaged for the one that is.
+void Session::grip(double t) noexcept {
+  const BodySample device = samples_[driven_.front()], exact = exact_samples_[driven_.front()];
+  grip_->update(motion_.hold(t), motion_.button(t), device.X_WD.p, *engine_);
+  for (const std::size_t body : driven_) {
+    samples_[body] = device;
+    exact_samples_[body] = exact;
+    samples_[body].engaged = exact_samples_[body].engaged = grip_->holds(body);
+  }
+}
+
 void Session::act(CycleRecord& record) noexcept {
+  if (grip_) record.hand_W = grip_->feel(samples_[driven_.front()].X_WD.p, *engine_, record.limited);
   if (!rig_) return;
   std::array<Wrench, max_handles> F_hand_W;
-  for (std::size_t k = 0; k < held_.size(); ++k) F_hand_W[k] = engine_->feedback(held_[k]);
+  for (std::size_t k = 0; k < held_.size(); ++k)
+    F_hand_W[k] = grip_ ? record.hand_W : engine_->feedback(held_[k]);
   record.drives = rig_->command(std::span(F_hand_W).first(held_.size()), t_now_ns_);
   record.rig_faults = rig_->faults();
 }
@@ -239,15 +263,17 @@ BodySample Session::motion_sample(std::size_t driven, double t) const noexcept {
 void Session::measure(CycleRecord& record) const noexcept {
   record.following = record.sensing = record.exact_following = record.encoders = {};
   const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
+  const bool offset = relative || grip_;  // between handle and target
   for (const std::size_t body : driven_) {
+    if (grip_ && !grip_->holds(body)) continue;
     const BodyView& view = record.bodies[body];
     const Pose& X_WH = exact_samples_[body].X_WD;
-    record.following = worst(record.following, difference(view.X_WB, relative ? view.target.X_WD : X_WH));
+    record.following = worst(record.following, difference(view.X_WB, offset ? view.target.X_WD : X_WH));
     record.sensing = worst(record.sensing, difference(samples_[body].X_WD, X_WH));
     if (!exact_engine_) continue;
     const BodyView exact = exact_engine_->view(body);
     record.exact_following =
-        worst(record.exact_following, difference(exact.X_WB, relative ? exact.target.X_WD : X_WH));
+        worst(record.exact_following, difference(exact.X_WB, offset ? exact.target.X_WD : X_WH));
     record.encoders = worst(record.encoders, difference(view.X_WB, exact.X_WB));
   }
 }

@@ -10,6 +10,7 @@
 
 #include "hal/rig.h"
 #include "sim/engine.h"
+#include "sim/grip.h"
 #include "sim/motion.h"
 #include "sim/sim_rig.h"
 
@@ -33,14 +34,18 @@ struct PoseError {
 struct CycleRecord {
   std::uint64_t cycle = 0;  // from 1
   double t = 0;             // of the state, s
-  bool engaged = false;     // the device holds the first driven body
+  bool engaged = false;     // the device holds the first driven body, or one that it has taken hold of
   std::vector<BodyView> bodies;
   Fault fault = Fault::none;
   Limited limited = Limited::none;
+  ContactReport contacts;
   RigFault rig_faults = RigFault::none;
   CommandReport drives;  // bounds on the motor commands
+  // Where the device takes hold of bodies:
+  std::optional<std::size_t> held;  // index of the held body
+  Wrench hand_W;                    // shown to the hand, about the device's origin, world axes
   // Worst of the driven bodies. The handle is where the device really is; without a bus, where the motion is.
-  PoseError following;  // body against handle (relative devices: against its target)
+  PoseError following;  // body against handle (relative devices, and what is held: against its target)
   PoseError sensing;    // sample the core got against handle
   // Of an engine beside it that is told the handle exactly; zero without a bus.
   PoseError exact_following;  // its body against the handle
@@ -110,6 +115,8 @@ class Session {
   void impose(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
   bool commands_torque() const noexcept;
   void sense(double t) noexcept;
+  void sense_through_rig(double t) noexcept;
+  void grip(double t) noexcept;
   void act(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
   void measure(CycleRecord& record) const noexcept;
@@ -118,6 +125,8 @@ class Session {
   Motion motion_;
   std::vector<std::size_t> driven_;  // bodies with a target
   std::vector<std::size_t> held_;    // with a bus: the body of each handle
+  std::optional<Grip>
+      grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
   std::vector<ImposedJoint> imposed_;
   std::vector<BodySample> samples_;        // one per body, as the core gets them
   std::vector<BodySample> exact_samples_;  // the same with the handle as it really is

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 #include <Eigen/Eigenvalues>
@@ -177,6 +178,23 @@ void TomlReader::value(const Key& key, bool& x) {
 
 void TomlReader::value(const Key& key, std::optional<double>& x) {
   if (const toml::node* node = find(key)) x = number(key, *node);
+}
+
+void TomlReader::value(const Key& key, std::optional<Vec3>& x) {
+  if (!has(key.name)) {
+    find(key);  // known from now on
+    return;
+  }
+  x = Vec3::Zero();
+  value(key, *x);
+}
+
+void TomlReader::path(const Key& key, std::string& x) {
+  std::string read;
+  value(key, read);
+  if (read.empty()) return;
+  const std::filesystem::path scene_file(log_.file());
+  x = std::filesystem::absolute(scene_file.parent_path() / read).lexically_normal().string();
 }
 
 void TomlReader::value(const Key& key, std::vector<std::string>& x) {

@@ -25,12 +25,16 @@ class TomlReader {
   void value(const Key& key, Vec3& x);
   void value(const Key& key, bool& x);
   void value(const Key& key, std::optional<double>& x);
+  void value(const Key& key, std::optional<Vec3>& x);
   void value(const Key& key, std::vector<std::string>& x);
   template <std::integral T>
   void value(const Key& key, T& x) {
     if (const std::optional<std::int64_t> n = integer(key)) x = static_cast<T>(*n);
   }
+  /// Of a file: relative to the scene file's directory; absolute from here on.
+  void path(const Key& key, std::string& x);
   void shorthand(const Key& key, double& x) { value(key, x); }
+  void shorthand(const Key& key, std::string& x) { value(key, x); }
   void shorthand(const Key& key, Vec3& x) { value(key, x); }
   void shorthand(const Key& key, Quat& q) { attitude(key, q); }
   /// Either of two spellings of one number; with neither the fallback, or an error where key is required.

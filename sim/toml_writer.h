@@ -22,10 +22,16 @@ class TomlWriter {
   void value(const Key& key, const std::optional<double>& x) {
     if (x) value(key, *x);
   }
+  void value(const Key& key, const std::optional<Vec3>& x) {
+    if (x) value(key, *x);
+  }
   void value(const Key& key, const std::vector<std::string>& x);
   template <std::integral T>
   void value(const Key& key, T x) {
     line(key, std::to_string(x));
+  }
+  void path(const Key& key, const std::string& x) {
+    if (!x.empty()) value(key, x);
   }
   template <class T>
   void shorthand(const Key&, const T&) {}

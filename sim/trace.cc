@@ -3,9 +3,25 @@
 #include <array>
 #include <charconv>
 
+#include "sim/contact_pairs.h"
+
 namespace godobject {
 
 inline constexpr std::size_t buffer_size = 1 << 16;  // bytes
+
+namespace {
+
+bool has_contacts(const SceneConfig& scene) { return contact_scope(scene) != ContactScope::none; }
+
+/// Bodies with contact columns.
+std::vector<std::size_t> touchable_bodies(const SceneConfig& scene) {
+  std::vector<std::size_t> touchable;
+  for (std::size_t i = 0; has_contacts(scene) && i < scene.bodies.size(); ++i)
+    if (!scene.bodies[i].spheres.empty() || !scene.bodies[i].shapes.empty()) touchable.push_back(i);
+  return touchable;
+}
+
+}  // namespace
 
 std::vector<std::string> trace_columns(const SceneConfig& scene) {
   std::vector<std::string> columns{"t"};
@@ -29,18 +45,25 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
   for (const JointConfig& joint : scene.joints) {
     for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"}) columns.push_back(joint.name + "." + name);
   }
-  columns.insert(columns.end(), {"penetration", "fault", "limited", "rig_fault"});
+  for (const std::size_t body : touchable_bodies(scene)) {
+    for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"})
+      columns.push_back(scene.bodies[body].name + ".contact." + name);
+  }
+  columns.push_back("penetration");
+  if (has_contacts(scene)) columns.insert(columns.end(), {"contacts", "contact_residual"});
+  columns.insert(columns.end(), {"fault", "limited", "rig_fault"});
   return columns;
 }
 
-TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene) : file_(path, std::ios::binary) {
+TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene)
+    : file_(path, std::ios::binary), touchable_(touchable_bodies(scene)), contacts_(has_contacts(scene)) {
   buffer_.reserve(2 * buffer_size);
   for (const std::string& column : trace_columns(scene)) buffer_ += column + ",";
   buffer_.back() = '\n';
 }
 
 void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-                      std::span<const Wrench> joints, double penetration, const TraceBits& bits) {
+                      std::span<const Wrench> joints, const ContactReport& contacts, const TraceBits& bits) {
   number(t);
   for (const TraceBody& body : bodies) {
     pose(body.X_WB);
@@ -53,7 +76,12 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
   }
   for (const TraceDriven& d : driven) pose(d.X_WD);
   for (const Wrench& F : joints) wrench(F);
-  number(penetration);
+  for (const std::size_t i : touchable_) wrench(bodies[i].contact);
+  number(contacts.deepest);
+  if (contacts_) {
+    number(static_cast<double>(contacts.num_contacts));
+    number(contacts.residual);
+  }
   for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) number(word);
   buffer_.back() = '\n';
   if (buffer_.size() > buffer_size) flush();

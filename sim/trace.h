@@ -1,6 +1,7 @@
 // The trace of a run as CSV: t, per body <body>.x y z qw qx qy qz vx vy vz wx wy wz, per driven body
 // <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, for the same bodies the target they were
-// pulled to, <body>.target.x y z qw qx qy qz, per joint <joint>.fx fy fz tx ty tz, then penetration, fault,
+// pulled to, <body>.target.x y z qw qx qy qz, per joint <joint>.fx fy fz tx ty tz, per body that can be touched
+// <body>.contact.fx .. tz, then penetration, in scenes with contacts contacts and contact_residual, then fault,
 // limited and rig_fault.
 // World frame, SI; every number reads back as the same double.
 #pragma once
@@ -11,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/types.h"
+#include "core/contact.h"
 #include "sim/scene.h"
 
 namespace godobject {
@@ -19,6 +20,7 @@ namespace godobject {
 struct TraceBody {
   Pose X_WB;
   Twist V_WB;
+  Wrench contact;  // of all its contacts, about its origin
 };
 
 /// Of a driven body, in the order of driven_bodies().
@@ -39,9 +41,9 @@ class TraceWriter {
   TraceWriter(const std::string& path, const SceneConfig& scene);
 
   /// bodies, driven, joints: as many as the scene has bodies, driven bodies and joints, in their order.
-  /// joints: what each does to its child, at its anchor there. penetration: m.
+  /// joints: what each does to its child, at its anchor there.
   void row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-           std::span<const Wrench> joints, double penetration, const TraceBits& bits);
+           std::span<const Wrench> joints, const ContactReport& contacts, const TraceBits& bits);
   /// Writes what is left. False when anything did not reach the file.
   [[nodiscard]] bool close();
 
@@ -54,6 +56,8 @@ class TraceWriter {
 
   std::ofstream file_;
   std::string buffer_;
+  std::vector<std::size_t> touchable_;  // bodies with contact columns
+  bool contacts_ = false;               // the scene has some
 };
 
 /// The header line's columns.

@@ -1,8 +1,9 @@
-// What the key lists of sim/scene_keys.h, sim/joint_keys.h and sim/device_keys.h have in common. A visitor V
-// walks them:
+// What the key lists of sim/scene_keys.h, sim/joint_keys.h, sim/contact_keys.h and sim/device_keys.h have in
+// common. A visitor V walks them:
 // sim/toml_reader.h fills a SceneConfig from a file, sim/toml_writer.h prints one, sim/key_reference.h
 // writes the reference of the format. V offers
 //   value, unit_vector, attitude, inertia, one_of   a key and its member
+//   path         a file: relative to the scene file in it, absolute in the member; empty without
 //   either       two spellings of one number: value, or other * unit_of_other; else the fallback
 //   shorthand    a value that only sets other members' defaults, never written back
 //   table, tables, has, check, advise               structure, and rules beyond a single range

@@ -5,7 +5,9 @@
 #include "hal/bus_load.h"
 #include "platform/cli/run_options.h"
 #include "platform/cli/verbs.h"
+#include "sim/contact_params.h"
 #include "sim/scene_toml.h"
+#include "sim/top_speed.h"
 
 namespace godobject {
 namespace {
@@ -24,6 +26,36 @@ void print_composition(const Composition& c) {
   std::printf("# compiled in:\n");
   for (const Composition& other : compositions())
     std::printf("#   %-32s %8zu bytes\n", other.name.c_str(), other.bytes());
+}
+
+void print_capacities(const SceneConfig& scene, const Composition& c) {
+  const auto print = [](const char* what, std::size_t used, std::size_t available) {
+    std::printf("#   %-24s %8zu of %zu\n", what, used, available);
+  };
+  std::printf("# capacities used\n");
+  print("bodies", scene.bodies.size(), c.max_bodies);
+  if (c.contacts == ContactScope::none) return;
+  const ContactCounts counts = contact_counts(scene);
+  print("spheres", counts.spheres, c.max_spheres);
+  print("surfaces", counts.surfaces, c.max_surfaces);
+  std::printf("#   %-24s %8s of %zu at a time; more are the fault contacts_full\n", "contacts", "",
+              c.max_contacts);
+}
+
+void print_top_speed(const std::string& path, const SceneConfig& scene) {
+  const std::optional<SpeedBound> bound = top_speed(scene);
+  if (!bound) return;
+  std::printf("\n# top speed at which nothing passes anything: %.3g m/s, %s\n", bound->top(),
+              bound->what.c_str());
+  std::printf(
+      "#   travel in a step: %.3g m/s; energy of the tool: %.3g m/s; hand %.3g m beyond the surface\n",
+      bound->travel, bound->energy, bound->hand);
+  if (bound->top() < advised_top_speed)
+    std::fprintf(stderr,
+                 "%s: warning: above %.3g m/s %s may pass each other, and a hand reaches %g m/s: make the "
+                 "solid thicker "
+                 "or the contact stiffer, or the step shorter\n",
+                 path.c_str(), bound->top(), bound->what.c_str(), advised_top_speed);
 }
 
 void print_bus_load(const BusLoad& load) {
@@ -63,6 +95,8 @@ ExitCode check(const std::string& path) {
   const SceneConfig& scene = prepared.session->scene();
   std::printf("# effective configuration\n%s", effective_config_toml(scene).c_str());
   print_composition(prepared.session->engine().composition());
+  print_capacities(scene, prepared.session->engine().composition());
+  print_top_speed(path, scene);
   for (const BusLoad& load : prepared.bus_loads) {
     print_bus_load(load);
     advise_on_bus_load(path, load);

@@ -38,6 +38,7 @@ study::StudyOptions options_of(const StudyArguments& a) {
   options.stability = a.part == "all" || a.part == "stability";
   options.footprint = a.part == "all" || a.part == "footprint";
   options.joints = a.part == "all" || a.part == "joints";
+  options.contacts = a.part == "all" || a.part == "contacts";
   options.quick = a.quick;
   options.out = a.out;
   options.report = a.report;
@@ -69,10 +70,10 @@ ExitCode run(const StudyArguments& a) {
 
 void add_study(CLI::App& app, ExitCode& code) {
   CLI::App* verb =
-      app.add_subcommand("study", "Measure error against run time, stability, footprint and joints.");
+      app.add_subcommand("study", "Measure error against run time, stability, footprint, joints and contacts.");
   const auto arguments = std::make_shared<StudyArguments>();
-  verb->add_option("PART", arguments->part, "error, stability, footprint, joints or all (default)")
-      ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "all"}));
+  verb->add_option("PART", arguments->part, "error, stability, footprint, joints, contacts or all (default)")
+      ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "all"}));
   verb->add_flag("--quick", arguments->quick, "small grids, well under a minute");
   verb->add_option("--out", arguments->out, "folder for CSV files and figures")->required();
   verb->add_option("--report", arguments->report, "report (Markdown) to write; figures go beside it");

@@ -25,14 +25,14 @@ RunFiles::RunFiles(const std::string& trace, const std::string& record, const Sc
 void RunFiles::add(const CycleRecord& record) {
   if (!trace_) return;
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    bodies_[i] = {.X_WB = record.bodies[i].X_WB, .V_WB = record.bodies[i].V_WB};
+    bodies_[i] = {
+        .X_WB = record.bodies[i].X_WB, .V_WB = record.bodies[i].V_WB, .contact = record.bodies[i].contact_W};
   for (std::size_t i = 0; i < driven_.size(); ++i) {
     const BodyView& body = record.bodies[driven_[i]];
     pulls_[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
   }
   for (std::size_t i = 0; i < children_.size(); ++i) joints_[i] = record.bodies[children_[i]].joint_C;
-  constexpr double penetration = 0;  // of the deepest contact: this program's compositions have none
-  trace_->row(record.t, bodies_, pulls_, joints_, penetration,
+  trace_->row(record.t, bodies_, pulls_, joints_, record.contacts,
               {.fault = static_cast<std::uint32_t>(record.fault),
                .limited = static_cast<std::uint32_t>(record.limited),
                .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});

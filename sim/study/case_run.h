@@ -35,7 +35,7 @@ inline oracle::Case copies(oracle::Case problem, std::size_t n) {
 }
 
 /// One running scene, the bodies of a case, parents before children. Coupled bodies are engaged from the start with
-/// no ramp. Feedback gains equal the coupling's.
+/// no ramp; bodies without a coupling are let go. Feedback gains equal the coupling's.
 template <Scene S>
 class CaseRun {
  public:
@@ -58,7 +58,8 @@ class CaseRun {
       place(x_, i,
             {.X_WB = {.p = body.start.p, .q = Quat(body.start.q)},
              .V_WB = {.w = body.start.w, .v = body.start.v}});
-      if constexpr (uses<typename S::Device>) engage_at(x_, i, target_of(body.coupling->target->at(0)));
+      if constexpr (uses<typename S::Device>)
+        if (body.coupling) engage_at(x_, i, target_of(body.coupling->target->at(0)));
     }
   }
 
@@ -67,6 +68,10 @@ class CaseRun {
     std::vector<Input<S>> all(steps);
     if constexpr (uses<typename S::Device>) {
       for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+        if (!problem_.bodies[i].coupling) {
+          for (Input<S>& in : all) in.devices[i].engaged = false;
+          continue;
+        }
         const oracle::Target& target = *problem_.bodies[i].coupling->target;
         const auto at_tick = [&](std::size_t n) {
           return target.at(std::min(static_cast<double>(n) * par_.h, t_last));
@@ -104,7 +109,7 @@ class CaseRun {
   static void set_body(const oracle::Body& body, BodyParams<S>& par) {
     par.body = rigid_body(body.m, body.I_B);
     if constexpr (uses<typename S::Coupling>) {
-      const oracle::Coupling& c = *body.coupling;
+      const oracle::Coupling c = body.coupling.value_or(oracle::Coupling{});
       par.coupling = {.k = c.k_t, .g = c.g_t, .k_r = c.k_r, .g_r = c.g_r};
     }
     if constexpr (uses<typename S::Feedback>) par.feedback.gains = par.coupling;

@@ -3,6 +3,8 @@
 // part of the joints by itself, and with each stabilisation.
 #pragma once
 
+#include "core/contact_bodies.h"
+#include "core/contact_fixed.h"
 #include "core/godobject.h"
 
 namespace godobject::study {
@@ -71,5 +73,23 @@ struct ToolWithAll : FollowerOnJoints<I, N, TreeJoints<JointStops, ImposedJoints
 /// A tool whose joints are held by another stabilisation. Those that need the base are of first order.
 template <class I, std::size_t N, class Stabilisation>
 struct ToolHeldBy : FollowerOnJoints<I, N, TreeJoints<None, None, Stabilisation>> {};
+
+/// A tool of ten spheres over a plane, S2.
+template <class I, std::size_t N>
+struct PressedTool : Tool<I, N> {
+  using Contacts = FixedContacts<10 * N, 1, 10 * N>;
+};
+
+/// A ball over a plane.
+template <class I, std::size_t N>
+struct Ball : FreeJoints<I, N> {
+  using Contacts = FixedContacts<N, 1, N>;
+};
+
+/// Bricks of a box and eight spheres on a plane, S4.
+template <class I, std::size_t N>
+struct Bricks : Follower<I, N> {
+  using Contacts = BodyContacts<8 * N, N + 1, 24 * N>;
+};
 
 }  // namespace godobject::study

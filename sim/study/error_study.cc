@@ -1,40 +1,17 @@
 #include "sim/study/error_study.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "sim/study/compositions.h"
 #include "sim/study/csv_writer.h"
 #include "sim/study/reference_solution.h"
+#include "sim/study/step_time.h"
 
 namespace godobject::study {
 namespace {
 
 constexpr double resolvable_error = 1e-11;  // m, rad: below it an order is an order of rounding
-
-/// Median time of one step, ns, over stretches of up to 1000 steps: long enough for the clock, short
-/// enough that most are not interrupted. The inputs are there before the clock starts.
-template <Scene S>
-double time_step(const ReferenceScene& scene, CaseRun<S>& run, double h, std::size_t min_steps) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::size_t stretch = 1000;
-  const std::vector<Input<S>> inputs = run.inputs(steps_in(scene.duration, h), scene.duration);
-  std::vector<double> times;
-  for (std::size_t done = 0; done < min_steps; done += inputs.size()) {
-    run.restart();
-    for (std::size_t n = 0; n < inputs.size();) {
-      const std::size_t first = n, end = std::min(inputs.size(), n + stretch);
-      const Clock::time_point start = Clock::now();
-      for (; n < end; ++n) run.step(inputs[n]);
-      const std::chrono::duration<double, std::nano> elapsed = Clock::now() - start;
-      times.push_back(elapsed.count() / static_cast<double>(end - first));
-    }
-  }
-  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
-  return *middle;
-}
 
 std::optional<double> order(double coarse, double fine) {
   if (!(fine > resolvable_error)) return std::nullopt;
@@ -57,7 +34,8 @@ void add_rows(const ReferenceScene& scene, const oracle::Solution& reference, bo
     row.integrator = S::Integrator::name;
     row.h = h;
     row.errors = compare(scene, reference, run, h);
-    row.ns_per_step = time_step(scene, run, h, quick ? 20'000 : 200'000);
+    row.ns_per_step =
+        time_step(run, run.inputs(steps_in(scene.duration, h), scene.duration), quick ? 20'000 : 200'000);
     row.instructions_per_step = instructions;
     if (coarser != nullptr) {
       row.order_position = order(coarser->errors.position, row.errors.position);

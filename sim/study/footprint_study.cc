@@ -19,6 +19,11 @@ bool parse(const std::string& line, FootprintRow& row) {
   return static_cast<bool>(std::istringstream(row.composition.substr(dash + 1)) >> row.max_bodies);
 }
 
+Family family_of(const std::string& composition) {
+  if (composition.starts_with("pressed") || composition.starts_with("bricks")) return Family::touching;
+  return composition.find("joints") == std::string::npos ? Family::rigid : Family::articulated;
+}
+
 /// Adds up the sections of the composition's archive, which `size -A` prints as "name size address".
 void measure_code(const std::filesystem::path& probe_directory, FootprintRow& row) {
   std::string name = row.composition;
@@ -39,7 +44,7 @@ void measure_code(const std::filesystem::path& probe_directory, FootprintRow& ro
 
 }  // namespace
 
-std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, bool articulated,
+std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, Family family,
                                             std::string& why_not) {
   std::vector<FootprintRow> rows;
   const ToolResult list = run_tool({(probe_directory / "godobject_probe").string()});
@@ -47,7 +52,7 @@ std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_d
   std::istringstream lines(list.ok() ? list.output : "");
   for (std::string line; std::getline(lines, line);) {
     FootprintRow row;
-    if (!parse(line, row) || (row.composition.find("joints") != std::string::npos) != articulated) continue;
+    if (!parse(line, row) || family_of(row.composition) != family) continue;
     measure_code(probe_directory, row);
     rows.push_back(row);
   }
@@ -57,7 +62,7 @@ std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_d
 std::vector<FootprintRow> study_footprint(const std::filesystem::path& probe_directory, bool quick,
                                           InstructionCounter& counter, const Progress& progress,
                                           std::string& why_not) {
-  std::vector<FootprintRow> rows = list_compositions(probe_directory, false, why_not);
+  std::vector<FootprintRow> rows = list_compositions(probe_directory, Family::rigid, why_not);
   if (quick) std::erase_if(rows, [](const FootprintRow& r) { return r.max_bodies > 1; });
   for (FootprintRow& row : rows) {
     progress("footprint: " + row.composition);

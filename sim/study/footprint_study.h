@@ -1,6 +1,7 @@
 // What a composition costs: bytes of data, bytes of code, instructions of a step.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -20,9 +21,16 @@ struct FootprintRow {
   std::optional<double> instructions_full;  // of a step with max_bodies bodies
 };
 
-/// Every composition the probe program has, with its bytes: rigid ones, or articulated ones. Empty, with the reason in
-/// `why_not`, where it is not built.
-std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, bool articulated,
+/// What a composition of the probe program is there to show: by its name.
+enum class Family : std::uint8_t {
+  rigid,
+  articulated,  // "...-joints..."
+  touching,     // "pressed...", "bricks...", with contacts and without
+};
+
+/// Every composition of a family that the probe program has, with its bytes. Empty, with the reason in `why_not`, where
+/// it is not built.
+std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, Family family,
                                             std::string& why_not);
 
 /// Every rigid composition the probe program has. Empty, with the reason in `why_not`, where it is not built;

@@ -11,19 +11,6 @@
 namespace godobject::study {
 namespace {
 
-std::ofstream script(const std::filesystem::path& directory, const std::string& figure, int width,
-                     int height) {
-  std::ofstream out(directory / (figure + ".gp"));
-  out << "# gnuplot -e \"format='png'\" " << figure << ".gp, in this folder; also svg\n"
-      << "if (!exists('format')) format = 'png'\n"
-      << "if (format eq 'png') set terminal pngcairo size " << width << ',' << height << " font 'sans,9'\n"
-      << "if (format eq 'svg') set terminal svg size " << width << ',' << height
-      << " font 'sans,9' background 'white'\n"
-      << "set output '" << figure << ".'.format\n"
-      << "set datafile separator ','\n";
-  return out;
-}
-
 bool is_free(const std::vector<ErrorRow>& rows, const std::string& scene) {
   return std::any_of(rows.begin(), rows.end(),
                      [&](const ErrorRow& r) { return r.scene == scene && r.errors.energy.has_value(); });
@@ -45,6 +32,19 @@ void error_panel(std::ofstream& out, const std::string& scene, const std::string
 }
 
 }  // namespace
+
+std::ofstream script(const std::filesystem::path& directory, const std::string& figure, int width,
+                     int height) {
+  std::ofstream out(directory / (figure + ".gp"));
+  out << "# gnuplot -e \"format='png'\" " << figure << ".gp, in this folder; also svg\n"
+      << "if (!exists('format')) format = 'png'\n"
+      << "if (format eq 'png') set terminal pngcairo size " << width << ',' << height << " font 'sans,9'\n"
+      << "if (format eq 'svg') set terminal svg size " << width << ',' << height
+      << " font 'sans,9' background 'white'\n"
+      << "set output '" << figure << ".'.format\n"
+      << "set datafile separator ','\n";
+  return out;
+}
 
 std::string draw(const std::filesystem::path& directory, const std::string& figure) {
   for (const std::string format : {"png", "svg"}) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,10 @@
 #include "sim/study/stability_study.h"
 
 namespace godobject::study {
+
+/// DIR/<figure>.gp, begun with the choice of format and size, in pixels.
+std::ofstream script(const std::filesystem::path& directory, const std::string& figure, int width,
+                     int height);
 
 /// Runs DIR/<figure>.gp twice, for DIR/<figure>.png and .svg. Empty, or what went wrong.
 std::string draw(const std::filesystem::path& directory, const std::string& figure);

@@ -3,6 +3,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "sim/study/contact_plots.h"
 #include "sim/study/plots.h"
 #include "sim/study/reference_solution.h"
 #include "sim/study/report.h"
@@ -23,7 +24,8 @@ class Study {
         can_draw_(tool_exists("gnuplot")) {
     fs::create_directories(options.out);
     if (!can_draw_) results_.notes.emplace_back("no figures: gnuplot is not installed");
-    if ((options.error || options.footprint || options.joints) && !counter_.why_not().empty())
+    const bool counts = options.error || options.footprint || options.joints || options.contacts;
+    if (counts && !counter_.why_not().empty())
       results_.notes.push_back("no instruction counts: " + counter_.why_not());
   }
 
@@ -76,6 +78,31 @@ class Study {
     write_csv(options_.out / "joint-cost.csv", results_.joint_costs);
   }
 
+  void contacts() {
+    results_.contact_errors =
+        study_contact_errors(contact_cases(options_.shared, results_.notes), options_.quick, progress_);
+    write_csv(options_.out / "contact-error.csv", results_.contact_errors.rows);
+    if (!results_.contact_errors.rows.empty()) {
+      write_contact_error_script(options_.out, results_.contact_errors.rows);
+      figure("contact-error");
+    }
+    const ContactGrid grid = contact_grid(options_.quick);
+    results_.contact_stability = study_contact_stability(grid, progress_);
+    write_csv(options_.out / "contact-stability.csv", results_.contact_stability);
+    write_contact_stability_script(options_.out, grid);
+    figure("contact-stability");
+    const fs::path& scenes = options_.scene_directory;
+    results_.piles =
+        study_imposed(scenes.empty() ? default_scene_directory() : scenes, options_.quick, progress_);
+    write_csv(options_.out / "contact-imposed.csv", results_.piles);
+    write_contact_imposed_script(options_.out);
+    figure("contact-imposed");
+    std::string why_not;
+    results_.contact_costs = study_contact_costs(probes_, options_.quick, counter_, progress_, why_not);
+    if (!why_not.empty()) results_.notes.push_back("no cost of contacts: " + why_not);
+    write_csv(options_.out / "contact-cost.csv", results_.contact_costs);
+  }
+
   StudyResults results() && { return std::move(results_); }
 
  private:
@@ -102,12 +129,15 @@ StudyResults run_study(const StudyOptions& options, const Progress& progress) {
   if (options.stability) study.stability();
   if (options.footprint) study.footprint();
   if (options.joints) study.joints();
+  if (options.contacts) study.contacts();
   StudyResults results = std::move(study).results();
   if (!options.report.empty()) write_report(options, results);
   return results;
 }
 
 fs::path default_probe_directory() { return GODOBJECT_PROBE_DIRECTORY; }
+
+fs::path default_scene_directory() { return GODOBJECT_SCENE_DIRECTORY; }
 
 std::string build_description() {
   std::istringstream flags(GODOBJECT_FLAGS);

@@ -5,6 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/study/contact_cost_study.h"
+#include "sim/study/contact_error_study.h"
+#include "sim/study/contact_imposed_study.h"
+#include "sim/study/contact_stability_study.h"
 #include "sim/study/error_study.h"
 #include "sim/study/footprint_study.h"
 #include "sim/study/joint_cost_study.h"
@@ -14,15 +18,16 @@
 namespace godobject::study {
 
 struct StudyOptions {
-  bool error = true, stability = true, footprint = true, joints = true;  // parts
-  bool quick = false;                                                    // small grids, well under a minute
+  bool error = true, stability = true, footprint = true, joints = true, contacts = true;  // parts
+  bool quick = false;            // small grids, well under a minute
   std::filesystem::path out;     // folder of the results; made if absent
   std::filesystem::path report;  // report.md to write; empty: none. Needs all parts.
   std::filesystem::path shared;  // folder with reference/, may be absent
   std::filesystem::path
       probe_directory;  // of the probe program and archives; empty: default_probe_directory()
-  std::string machine;  // for the report
-  std::string command;  // for the report
+  std::filesystem::path scene_directory;  // with lego.toml; empty: default_scene_directory()
+  std::string machine;                    // for the report
+  std::string command;                    // for the report
 };
 
 struct ExplicitLimit {
@@ -36,6 +41,10 @@ struct StudyResults {
   std::vector<FootprintRow> footprint;
   std::vector<JointRun> joint_drift, joint_stability;
   JointCosts joint_costs;
+  ContactErrors contact_errors;
+  std::vector<ContactStability> contact_stability;
+  std::vector<PileRun> piles;
+  std::vector<ContactCostRow> contact_costs;
   double s3_reference_error = 0;   // m
   std::vector<std::string> notes;  // what was left out, and why
 };
@@ -46,6 +55,9 @@ StudyResults run_study(const StudyOptions& options, const Progress& progress);
 
 /// Where the build puts the probe program and the archives.
 std::filesystem::path default_probe_directory();
+
+/// Where the source has the shipped scenes.
+std::filesystem::path default_scene_directory();
 
 /// Compiler and flags of this build.
 std::string build_description();

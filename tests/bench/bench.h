@@ -12,12 +12,12 @@
 
 #include "sim/study/case_errors.h"
 #include "sim/study/instruction_count.h"
+#include "tests/bench/contact_quality.h"
+#include "tests/bench/peer.h"
 
 namespace godobject::bench {
 
 using study::Errors;
-
-inline constexpr double h = 1e-3;  // s, in every benchmark
 
 /// Times of one step in ns.
 struct StepTimes {
@@ -51,6 +51,7 @@ struct Row {
   StepTimes times;  // the repetition with the lowest median
   std::optional<double> instructions;
   Errors errors;
+  std::optional<ContactQuality> contacts;  // of a scene with contacts, which has no reference
 };
 
 /// Runs steps 0 .. steps - 1 again and again for google benchmark, then once more step by step, and keeps the row.
@@ -65,12 +66,22 @@ void print_table();
 
 study::InstructionCounter& counter();
 
-/// Registers with the number of repetitions and the time all benchmarks have.
-void add(const std::string& name, const std::function<void(benchmark::State&)>& run);
+/// How often a benchmark is repeated.
+struct Effort {
+  int repetitions;
+  long iterations;  // of google's loop; 0: as many as take 0.1 s
+};
+inline constexpr Effort short_scene{.repetitions = 9, .iterations = 0};
+/// A run of all its steps takes seconds, and follows every loop.
+inline constexpr Effort long_scene{.repetitions = 3, .iterations = 100};
 
-/// Registers our step on every scene, and the peers this build has.
+void add(const std::string& name, const Effort& effort, const std::function<void(benchmark::State&)>& run);
+
+/// Registers our step on every scene, and the peers this build has; then both on the scenes with contacts.
 void add_ours();
 void add_peers();
+void add_our_contacts();
+void add_contact_peers();
 
 template <class Restart, class Step>
 void measure(benchmark::State& state, Row row, std::size_t steps, Restart restart, Step step) {

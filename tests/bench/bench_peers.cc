@@ -46,7 +46,7 @@ Errors errors_of(Peer& peer, const BenchScene& it, std::size_t steps) {
 template <class MakeScene>
 void add_peer(const std::string& scene, const std::string& who, MakePeer make, MakeScene make_scene) {
   const auto known = std::make_shared<std::optional<Errors>>();
-  add(scene + "/" + who, [=](benchmark::State& state) {
+  add(scene + "/" + who, short_scene, [=](benchmark::State& state) {
     const BenchScene& it = make_scene();
     const std::size_t steps = study::steps_in(it.scene.duration, h);
     const Targets targets = targets_of(it, steps);
@@ -60,7 +60,8 @@ void add_peer(const std::string& scene, const std::string& who, MakePeer make, M
          .peer = true,
          .times = {},
          .instructions = {},
-         .errors = **known},
+         .errors = **known,
+         .contacts = {}},
         steps, [&] { peer->restart(); }, [&](std::size_t n) { peer->step(n); });
   });
 }

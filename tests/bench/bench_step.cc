@@ -24,7 +24,8 @@ void step_scene(benchmark::State& state, const BenchScene& it, const std::string
        .num_bodies = it.scene.problem.bodies.size(),
        .times = {},
        .instructions = counter().per_step(composition, motion),
-       .errors = errors},
+       .errors = errors,
+       .contacts = {}},
       inputs.size(), [&] { run->restart(); }, [&](std::size_t n) { run->step(inputs[n]); });
 }
 
@@ -32,7 +33,8 @@ template <Scene S, class MakeScene>
 void add_one(const std::string& scene, const std::string& composition, const char* motion,
              MakeScene make_scene) {
   const std::string name = composition + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name;
-  add(scene + "/" + name, [=](benchmark::State& state) { step_scene<S>(state, make_scene(), name, motion); });
+  add(scene + "/" + name, short_scene,
+      [=](benchmark::State& state) { step_scene<S>(state, make_scene(), name, motion); });
 }
 
 template <std::size_t N>

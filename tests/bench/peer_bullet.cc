@@ -8,7 +8,6 @@
 
 #include <stdexcept>
 
-#include "tests/bench/bench.h"
 #include "tests/bench/peer.h"
 
 namespace godobject::bench {

@@ -1,23 +1,9 @@
 // MuJoCo 2.2: reduced coordinates, semi-implicit Euler. Its files nest bodies: a hundred links are too deep.
-#include <mujoco/mujoco.h>
-
-#include <array>
-#include <cstring>
-#include <sstream>
-#include <stdexcept>
-
-#include "tests/bench/bench.h"
 #include "tests/bench/peer.h"
+#include "tests/bench/peer_mujoco_model.h"
 
 namespace godobject::bench {
 namespace {
-
-std::string numbers(const oracle::Vector3d& a) {
-  std::ostringstream text;
-  text.precision(17);
-  text << a.x() << ' ' << a.y() << ' ' << a.z();
-  return text.str();
-}
 
 /// The chain as a model file. The links start on one line, turned alike.
 std::string model_of(const oracle::Case& problem) {
@@ -39,18 +25,6 @@ std::string model_of(const oracle::Case& problem) {
   for (std::size_t i = 0; i < problem.bodies.size(); ++i) xml << "</body>";
   xml << "</worldbody></mujoco>";
   return xml.str();
-}
-
-mjModel* load(const std::string& xml) {
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "chain.xml", static_cast<int>(xml.size()));
-  std::memcpy(files->filedata[0], xml.data(), xml.size());
-  std::array<char, 500> error{};
-  mjModel* const model = mj_loadXML("chain.xml", files.get(), error.data(), static_cast<int>(error.size()));
-  mj_deleteVFS(files.get());
-  if (model == nullptr) throw std::runtime_error(error.data());
-  return model;
 }
 
 class MujocoChain final : public Peer {

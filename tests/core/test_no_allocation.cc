@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "tests/articulated/grasper_tool.h"
+#include "tests/contacts/bricks.h"
+#include "tests/contacts/contact_scene.h"
 #include "tests/core/one_body.h"
 #include "tests/support/allocation_guard.h"
 
@@ -28,6 +30,7 @@ class NoAllocation : public ::testing::Test {
 using Scenes = ::testing::Types<OneBody<ImplicitEuler, None, None>, OneBody<TrBdf2, None, None>,
                                 OneBody<ImplicitEuler, PoseDevice, DampedSpring, LimitedFeedback>,
                                 OneBody<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>,
+                                OneBody<TrBdf2, HoldingDevice, DampedSpring, LimitedFeedback>,
                                 OneBody<TrBdf2, RelativeDevice, DampedSpring, LimitedFeedback>,
                                 OneBody<TrBdf2, AdmittanceDevice, DampedSpring, LimitedFeedback>>;
 TYPED_TEST_SUITE(NoAllocation, Scenes);
@@ -81,6 +84,54 @@ TEST(NoAllocationOfJoints, InAnyStep) {
   guard.disarm();
   EXPECT_EQ(guard.calls(), 0) << guard.report();
   EXPECT_GT(tool.x.tick, 4000u);
+}
+
+/// Two bodies with more spheres on obstacles than the list of contacts has room for.
+TEST(NoAllocationOfContacts, InAnyStep) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
+  Running<Touching<TrBdf2, 2, 8, PoseDevice, 2, 6>> run;
+  run.par.num_bodies = 2;
+  for (int k = 0; k < 8; ++k)
+    add_sphere(run.par, k < 4 ? 0 : 1, Vec3(k % 2 == 0 ? 0.02 : -0.02, k % 4 < 2 ? 0.02 : -0.02, 0), 0.01);
+  add_plane(run.par);
+  add_box(run.par, {.p = Vec3(0.05, 0, 0), .q = Quat::Identity()}, Vec3(0.02, 0.02, 0.02));
+  set_law(run.par, {.k = 1e4, .c = 10, .mu = 0.3, .k_t = 1e4, .c_t = 10});
+  for (auto& body : run.par.bodies) body.coupling = {.k = 1e4, .g = 100, .k_r = 100, .g_r = 10};
+  std::size_t num_contacts = 0, num_full = 0;
+  AllocationGuard guard;
+  for (int n = 0; n < 5000; ++n) {
+    for (auto& device : run.in.devices) disturb(device, n);
+    run.step();
+    num_contacts += run.out.contacts.num_contacts;
+    num_full += has(run.out.fault, Fault::contacts_full) ? 1 : 0;
+  }
+  guard.disarm();
+  EXPECT_EQ(guard.calls(), 0) << guard.report();
+  EXPECT_GT(run.x.tick, 4000u);
+  EXPECT_GT(num_contacts, 4000u);
+  EXPECT_GT(num_full, 100u);
+}
+
+/// Bricks in a heap that a driven one is shaken in, with more contacts than there is room for.
+TEST(NoAllocationOfTouchingBodies, InAnyStep) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
+  const auto pile = std::make_unique<Pile<TouchingBodies<TrBdf2, 6, PoseDevice, 30>>>();
+  pile->add_floor();
+  for (int i = 0; i < 6; ++i) pile->add_brick({.X_WB = at(Vec3(0.004 * i, 0, 0.005 + 0.0101 * i)), .V_WB = {}});
+  pile->hold_at(0, {}, spring(pile->par.bodies[0].body, 300, 0.05));
+  std::size_t num_contacts = 0, num_full = 0;
+  AllocationGuard guard;
+  for (int n = 0; n < 5000; ++n) {
+    disturb(pile->in.devices[0], n);
+    pile->step();
+    num_contacts += pile->out.contacts.num_contacts;
+    num_full += has(pile->out.fault, Fault::contacts_full) ? 1 : 0;
+  }
+  guard.disarm();
+  EXPECT_EQ(guard.calls(), 0) << guard.report();
+  EXPECT_GT(pile->x.tick, 4000u);
+  EXPECT_GT(num_contacts, 4000u);
+  EXPECT_GT(num_full, 10u);
 }
 
 /// A guard that notices nothing would prove nothing.

@@ -32,6 +32,30 @@ struct Tool {
   using Feedback = LimitedFeedback;
 };
 
+/// Two bodies on a hinge that touch a plane and a box.
+template <class IntegratorPart>
+struct Touching {
+  static constexpr std::size_t max_bodies = 2;
+  using Integrator = IntegratorPart;
+  using Device = PoseDevice;
+  using Coupling = DampedSpring;
+  using Joints = TreeJoints<>;
+  using Feedback = LimitedFeedback;
+  using Contacts = FixedContacts<8, 2, 10>;
+};
+
+/// Five bodies that touch each other and a plane.
+template <class IntegratorPart>
+struct TouchingEachOther {
+  static constexpr std::size_t max_bodies = 5;
+  using Integrator = IntegratorPart;
+  using Device = PoseDevice;
+  using Coupling = DampedSpring;
+  using Joints = None;
+  using Feedback = LimitedFeedback;
+  using Contacts = BodyContacts<20, 5, 30>;
+};
+
 constexpr Real h = 1e-3;
 constexpr int num_steps = 3000;
 
@@ -77,17 +101,52 @@ void add_joint(Params<S>& par, std::size_t i) {
     joint.stop.stops[0] = {.lower = -0.4, .upper = 0.3, .k = 20, .g = 0.1, .width = 0.05};
 }
 
+/// Four spheres on each body, in reach of both surfaces for a part of the motion.
+template <Scene S>
+void add_contacts(Params<S>& par) {
+  par.bodies[1].joint.kind = JointKind::hinge;
+  par.bodies[1].joint.parent = 0;
+  auto& contacts = par.contacts;
+  for (std::size_t k = 0; k < 8; ++k)
+    contacts.spheres[contacts.num_spheres++] = {
+        .body = k / 4, .p_B = Vec3(k % 2 == 0 ? 0.05 : -0.05, k % 4 < 2 ? 0.03 : -0.03, 0), .radius = 0.02};
+  contacts.surfaces[contacts.num_surfaces++] = {.shape = {.X_WS = {.p = Vec3(0, 0, -0.02), .q = Quat(0.8, 0, 0.6, 0)}}};
+  contacts.surfaces[contacts.num_surfaces++] = {
+      .shape = {.kind = ShapeKind::box, .X_WS = {.p = Vec3(0.1, 0, 0), .q = Quat(0.6, 0, 0, 0.8)},
+                .half_extents = Vec3(0.02, 0.03, 0.04)}};
+  contacts.laws[0][0] = {.k = 2e4, .c = 40, .mu = 0.4, .k_t = 1e4, .c_t = 10};
+}
+
+/// Four spheres on each body; the last carries none of the shapes and is touched at its spheres.
+template <Scene S>
+void add_touching(Params<S>& par) {
+  auto& contacts = par.contacts;
+  for (std::size_t k = 0; k < 20; ++k)
+    contacts.spheres[contacts.num_spheres++] = {
+        .body = k / 4, .p_B = Vec3(k % 2 == 0 ? 0.05 : -0.05, k % 4 < 2 ? 0.03 : -0.03, 0), .radius = 0.02};
+  contacts.surfaces[contacts.num_surfaces++] = {.shape = {.X_WS = {.p = Vec3(0, 0, -0.02), .q = Quat(0.8, 0, 0.6, 0)}}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    Surface& surface = contacts.surfaces[contacts.num_surfaces++];
+    surface.body = i;
+    if (i % 2 == 0) surface.shape = {.kind = ShapeKind::box, .half_extents = Vec3(0.07, 0.05, 0.02)};
+    else surface.shape = {.kind = ShapeKind::capsule, .radius = 0.03, .half_length = 0.04};
+  }
+  contacts.laws[0][0] = {.k = 2e4, .c = 40, .mu = 0.4, .k_t = 1e4, .c_t = 10};
+}
+
 template <Scene S>
 void set_up(Params<S>& par, State<S>& x) {
   par.h = h;
   par.num_bodies = S::max_bodies;
   par.gravity_W = Vec3(0, 0, -9.81);
+  if constexpr (bodies_touch<S>) add_touching(par);
+  else if constexpr (uses<ContactsOf<S>>) add_contacts(par);
   Mat3 I_B;
   I_B << 5e-3, 1e-3, -5e-4, 1e-3, 3e-3, 4e-4, -5e-4, 4e-4, 6e-3;
   for (std::size_t i = 0; i < S::max_bodies; ++i) {
     BodyParams<S>& body = par.bodies[i];
     body.body = rigid_body(i == 0 ? 0.2 : 0.7, I_B);
-    if constexpr (uses<typename S::Joints>) add_joint(par, i);
+    if constexpr (imposes<S>) add_joint(par, i);
     if constexpr (uses<typename S::Coupling>) body.coupling = {.k = 1500, .g = 30, .k_r = 4, .g_r = 0.2};
     if constexpr (uses<typename S::Feedback>) body.feedback.gains = {.k = 800, .g = 1, .k_r = 1, .g_r = 0.02};
     place(x, i,
@@ -105,16 +164,22 @@ void print_hash(const char* name) {
   Output<S> out;
   set_up(par, x);
   Hash outputs;
+  std::size_t num_contacts = 0;
   for (int n = 0; n < num_steps; ++n) {
     for (std::size_t i = 0; i < S::max_bodies; ++i) move(in.devices[i], n + 250 * static_cast<int>(i));
-    if constexpr (uses<typename S::Joints>) in.joints[2].q[0] = 0.5 * tangent(n);
+    if constexpr (imposes<S>) in.joints[2].q[0] = 0.5 * tangent(n);
     step(par, in, x, w, out);
-    if (any(out.fault)) std::printf("fault in step %d\n", n);
+    if (any(out.fault) && out.fault != Fault::contacts_full) std::printf("fault in step %d\n", n);
     outputs.add(out.bodies[1].X_WB);
     outputs.add(out.bodies[1].V_WB);
     if constexpr (uses<typename S::Joints>)
       for (const BodyOutput<S>& body : out.bodies) outputs.add(body.joint.F_C);
+    if constexpr (uses<ContactsOf<S>>) {
+      for (const BodyOutput<S>& body : out.bodies) outputs.add(body.contact.F_W);
+      num_contacts += out.contacts.num_contacts;
+    }
   }
+  if (uses<ContactsOf<S>> && num_contacts == 0) std::printf("fault: nothing was touched\n");
   std::printf("%-45s %016" PRIx64 " %016" PRIx64 "\n", name, state_hash(par, x), outputs.value());
 }
 
@@ -127,6 +192,8 @@ void print_hashes() {
   print_hash<Composition<Integrator, AdmittanceDevice, None, None>>("  admittance");
   print_hash<Composition<Integrator, PoseDevice, DampedSpring, LimitedFeedback, 5>>("  five bodies");
   print_hash<Tool<Integrator>>("  joints");
+  print_hash<Touching<Integrator>>("  contacts");
+  print_hash<TouchingEachOther<Integrator>>("  contacts between bodies");
 }
 
 }  // namespace

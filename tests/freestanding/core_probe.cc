@@ -14,6 +14,18 @@ struct Composition {
   using Feedback = FeedbackPart;
 };
 
+/// With contacts, and so with every kind of shape.
+template <class IntegratorPart>
+struct Touching : Composition<IntegratorPart, PoseDevice, DampedSpring, LimitedFeedback, TreeJoints<>> {
+  using Contacts = FixedContacts<8, 2, 16>;
+};
+
+/// Bodies that touch each other.
+template <class IntegratorPart>
+struct TouchingEachOther : Composition<IntegratorPart, PoseDevice, DampedSpring, LimitedFeedback> {
+  using Contacts = BodyContacts<8, 4, 16>;
+};
+
 /// Calls all that the core offers to a scene; instantiating the class emits its functions.
 template <Scene S>
 struct Probe {
@@ -62,5 +74,9 @@ template struct Probe<Composition<TrBdf2, RelativeDevice, DampedSpring, LimitedF
 template struct Probe<Composition<TrBdf2, AdmittanceDevice, None, None>>;
 template struct Probe<Composition<TrBdf2, AdmittanceDevice, DampedSpring, None>>;
 template struct Probe<Composition<TrBdf2, AdmittanceDevice, DampedSpring, LimitedFeedback>>;
+template struct Probe<Touching<ImplicitEuler>>;
+template struct Probe<Touching<TrBdf2>>;
+template struct Probe<TouchingEachOther<ImplicitEuler>>;
+template struct Probe<TouchingEachOther<TrBdf2>>;
 
 }  // namespace godobject

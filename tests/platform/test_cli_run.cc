@@ -227,6 +227,19 @@ TEST_F(CliRun, CheckPrintsConfigurationPartsBytesAndBusLoad) {
     EXPECT_THAT(result.output, HasSubstr(part));
 }
 
+TEST_F(CliRun, CheckPrintsCapacitiesAndTheTopSpeedOfContacts) {
+  const std::string scene =
+      "[scene]\nname = \"foil\"\n[[body]]\nname = \"ball\"\nmass = 0.1\ninertia = [1e-5, 1e-5, 1e-5]\n"
+      "[[body.sphere]]\nradius = 0.001\n[[obstacle]]\nname = \"foil\"\nkind = \"box\"\n"
+      "half_extents = [0.1, 0.1, 0.0005]\n[[contact]]\nmaterials = [\"default\", \"default\"]\nstiffness = 1e7\n";
+  const ProgramResult result = run_program("check " + write("foil.toml", scene));
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const char* part : {"composition 'free-contacts-1 implicit-euler'", "capacities used", "1 of 64",
+                           "top speed at which nothing passes anything: 1.5 m/s", "warning: above 1.5 m/s",
+                           "sphere of body 'ball' and obstacle 'foil'"})
+    EXPECT_THAT(result.output, HasSubstr(part));
+}
+
 TEST_F(CliRun, CheckRefusesABusThatCannotCarryItsMessages) {
   std::string scene = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
   const std::string rate = "bit_rate = 1e6";

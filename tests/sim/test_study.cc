@@ -86,7 +86,7 @@ void expect_sane_errors(const QuickRun& run) {
 void expect_figures(const QuickRun& run) {
   std::vector<std::string> figures{
       "error",       "stability-implicit-euler", "stability-tr-bdf2", "stability-explicit",
-      "joint-drift", "joint-stability"};
+      "joint-drift", "joint-stability",          "contact-stability", "contact-imposed"};
   if (!run.results.footprint.empty()) figures.emplace_back("footprint");
   for (const std::string& figure : figures) {
     EXPECT_TRUE(fs::exists(run.out(figure + ".gp"))) << figure;
@@ -103,8 +103,9 @@ void expect_report(const QuickRun& run) {
   const std::string report = text_of(run.docs("report.md"));
   for (const char* text :
        {"the test's command", "## What was asked", "## Result", "### 1.", "### 2.", "### 3.", "### 4.",
-        "## How", "| S1 | tr-bdf2 |", "| S3 | tr-bdf2 |", "| chain-5 | implicit-euler |",
-        "coupling-lissajous: its motion file was not found"})
+        "### 5.", "## How", "| S1 | tr-bdf2 |", "| S3 | tr-bdf2 |", "| chain-5 | implicit-euler |",
+        "coupling-lissajous: its motion file was not found", "press: its reference was not found",
+        "| god-object |", "| imposed |"})
     EXPECT_NE(report.find(text), std::string::npos) << text;
   EXPECT_EQ(report.find("nan"), std::string::npos);
 }
@@ -138,6 +139,19 @@ void expect_costs(const QuickRun& run) {
   EXPECT_LT(run.results.s3_reference_error, 1e-9);
 }
 
+/// Without the shared folder there are no references.
+void expect_contacts(const QuickRun& run) {
+  EXPECT_TRUE(run.results.contact_errors.rows.empty());
+  EXPECT_EQ(lines_of(run.out("contact-stability.csv")).size(), run.results.contact_stability.size() + 1);
+  for (const ContactStability& r : run.results.contact_stability) {
+    SCOPED_TRACE(r.integrator + ", k " + std::to_string(r.cell.k) + ", h " + std::to_string(r.cell.h));
+    EXPECT_FALSE(r.failed);
+    EXPECT_LT(r.gain, max_contact_gain);
+  }
+  ASSERT_EQ(run.results.piles.size(), 2u);
+  EXPECT_LT(run.results.piles[0].worst.force, run.results.piles[1].worst.force);
+}
+
 TEST(Study, QuickRunWritesTablesFiguresAndReport) {
   const QuickRun run;
   expect_sane_errors(run);
@@ -145,6 +159,7 @@ TEST(Study, QuickRunWritesTablesFiguresAndReport) {
   expect_implicit_integrators_gain_nothing(run);
   expect_joints_held(run);
   expect_costs(run);
+  expect_contacts(run);
   expect_figures(run);
   expect_report(run);
 }

@@ -37,6 +37,34 @@ TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationBits) {
   EXPECT_EQ(columns[49], "rig_fault");
 }
 
+TEST(Trace, ScenesWithContactsHaveTheirColumns) {
+  SceneConfig scene = coupled_and_free();
+  scene.bodies[1].spheres.push_back({.radius = 0.01});
+  EXPECT_EQ(trace_columns(scene), trace_columns(coupled_and_free())) << "there is nothing to touch";
+  scene.obstacles.resize(1);
+  const std::vector<std::string> columns = trace_columns(scene);
+  EXPECT_THAT(std::vector(columns.begin() + 46, columns.end()),
+              testing::ElementsAre("brick.contact.fx", "brick.contact.fy", "brick.contact.fz",
+                                   "brick.contact.tx", "brick.contact.ty", "brick.contact.tz", "penetration",
+                                   "contacts", "contact_residual", "fault", "limited", "rig_fault"));
+
+  const std::string path = testing::TempDir() + "/godobject_contact_trace.csv";
+  TraceWriter writer(path, scene);
+  std::array<TraceBody, 2> bodies{};
+  bodies[0].contact.f = Vec3(9, 9, 9);  // not of a body that can be touched
+  bodies[1].contact.f = Vec3(1, 2, 3);
+  writer.row(0, bodies, std::array<TraceDriven, 1>{}, {},
+             {.num_contacts = 5, .deepest = 1e-5, .residual = 1e-7}, {});
+  ASSERT_TRUE(writer.close());
+  const CsvResult result = read_csv(path);
+  ASSERT_TRUE(result.table.has_value()) << result.errors.front();
+  const auto at = [&](const char* column) { return result.table->at(0, result.table->find(column).value()); };
+  EXPECT_EQ(at("brick.contact.fz"), 3);
+  EXPECT_EQ(at("penetration"), 1e-5);
+  EXPECT_EQ(at("contacts"), 5);
+  EXPECT_EQ(at("contact_residual"), 1e-7);
+}
+
 TEST(Trace, NumbersReadBackBitForBit) {
   const std::string path = testing::TempDir() + "/godobject_trace.csv";
   constexpr int num_rows = 1000;  // more than one buffer
@@ -50,7 +78,8 @@ TEST(Trace, NumbersReadBackBitForBit) {
     driven[0].coupling.f = Vec3(1, 2, 3);
     driven[0].feedback.tau = Vec3(4, 5, 6);
     driven[0].X_WD.p = Vec3(7, 8, 9);
-    writer.row(1e-3 * i, bodies, driven, {}, -1e-4, {.fault = 0x80000001u, .limited = 16, .rig_fault = 32});
+    writer.row(1e-3 * i, bodies, driven, {}, {.deepest = 1e-4},
+               {.fault = 0x80000001u, .limited = 16, .rig_fault = 32});
   }
   ASSERT_TRUE(writer.close());
 
@@ -73,7 +102,7 @@ TEST(Trace, NumbersReadBackBitForBit) {
     EXPECT_EQ(at(i, "tool.coupling.fy"), 2);
     EXPECT_EQ(at(i, "tool.feedback.tz"), 6);
     EXPECT_EQ(at(i, "tool.target.z"), 9);
-    EXPECT_EQ(at(i, "penetration"), -1e-4);
+    EXPECT_EQ(at(i, "penetration"), 1e-4);
     EXPECT_EQ(at(i, "fault"), 2147483649.0);
     EXPECT_EQ(at(i, "limited"), 16);
     EXPECT_EQ(at(i, "rig_fault"), 32);
@@ -92,7 +121,7 @@ TEST(Trace, JointsHaveTheirWrenchesBehindTheTargets) {
   const std::string path = testing::TempDir() + "/godobject_trace_joints.csv";
   TraceWriter writer(path, scene);
   const std::array<Wrench, 1> joints{Wrench{.tau = Vec3(4, 5, 6), .f = Vec3(1, 2, 3)}};
-  writer.row(0, std::array<TraceBody, 2>{}, std::array<TraceDriven, 1>{}, joints, 0, {});
+  writer.row(0, std::array<TraceBody, 2>{}, std::array<TraceDriven, 1>{}, joints, {}, {});
   ASSERT_TRUE(writer.close());
   const CsvTable table = read_csv(path).table.value();
   EXPECT_EQ(table.at(0, 47), 2);

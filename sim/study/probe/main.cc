@@ -2,15 +2,16 @@
 //   godobject_probe COMPOSITION STEPS MOTION     runs, e.g. godobject_probe "haptic-1 tr-bdf2" 500 s1
 //   godobject_probe                              lists name,params,state,scratch (bytes) of every composition
 // Motions: s1, s1-full (as many bodies as fit), s3, s5 (likewise), pair-<kind of joint>, pair-free; each also as <motion>-slow,
-// a smaller and slower one on which a step has as many instructions, if they do not depend on the data.
+// a smaller and slower one on which a step has as many instructions, if they do not depend on the data. With contacts: s2,
+// s2-smooth (without friction) and s4, run until they are in full contact before the steps that were asked for.
 #include <cstdlib>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "sim/study/articulated_scene.h"
-#include "sim/study/case_run.h"
-#include "sim/study/compositions.h"
+#include "sim/study/contact_run.h"
 #include "sim/study/probe/probe_step.h"
 
 namespace godobject::study {
@@ -57,6 +58,25 @@ oracle::Case case_of(std::string motion, std::size_t max_bodies) {
   return motion == "pair-free" ? apart : oracle::Case{};
 }
 
+constexpr double pressing_stiffness = 1e4;  // N/m, of S2
+
+struct ProbeScene {
+  bench::ContactScene scene;
+  std::size_t steps_before = 0;  // steps until what is to be counted begins
+};
+
+ProbeScene scene_of(const std::string& motion, std::size_t max_bodies) {
+  if (motion == "s4") return {bench::scene_s4(max_bodies, 20), 1000};
+  if (motion.starts_with("s2")) {
+    ProbeScene s2{bench::scene_s2(pressing_stiffness), 2000};
+    if (motion == "s2-smooth") s2.scene.law.mu = 0;
+    return s2;
+  }
+  ProbeScene other;
+  other.scene.problem = case_of(motion, max_bodies);
+  return other;
+}
+
 /// A scene type with all parts the case has.
 template <Scene S>
 bool holds(const oracle::Case& problem) {
@@ -67,13 +87,14 @@ bool holds(const oracle::Case& problem) {
 
 template <Scene S>
 bool run(const std::string& motion, std::size_t steps) {
-  const oracle::Case problem = case_of(motion, S::max_bodies);
-  if (!holds<S>(problem)) return false;
-  CaseRun<S> scene(problem, 1e-3);
+  const ProbeScene probe = scene_of(motion, S::max_bodies);
+  if (!holds<S>(probe.scene.problem)) return false;
+  const auto scene = std::make_unique<CaseRun<S>>(probe.scene.problem, 1e-3);
+  set_contacts(probe.scene, scene->params());
   Fault fault = Fault::none;
-  for (const Input<S>& in : scene.inputs(steps, 1e9)) {
-    probe_step<S>(scene.params(), in, scene.state(), scene.scratch(), scene.output());
-    fault |= scene.output().fault;
+  for (const Input<S>& in : scene->inputs(probe.steps_before + steps, 1e9)) {
+    probe_step<S>(scene->params(), in, scene->state(), scene->scratch(), scene->output());
+    fault |= scene->output().fault;
   }
   return !any(fault);
 }
@@ -87,6 +108,7 @@ Probe probe(const std::string& scene) {
           .run = run<S>};
 }
 
+/// With both integrators.
 template <template <class, std::size_t> class SceneOf, std::size_t... capacities>
 void add(std::vector<Probe>& probes, const std::string& scene) {
   (probes.push_back(probe<SceneOf<ImplicitEuler, capacities>>(scene)), ...);
@@ -107,6 +129,10 @@ std::vector<Probe> all_probes() {
   add<ToolWithStops, 4>(probes, "pose-joints-stops");
   add<ToolWithImposed, 4>(probes, "pose-joints-imposed");
   add<ToolWithAll, 4>(probes, "pose-joints-stops-imposed");
+  add<Tool, 1>(probes, "pressed");
+  add<PressedTool, 1>(probes, "pressed-contacts");
+  probes.push_back(probe<Follower<ImplicitEuler, 64>>("bricks"));
+  probes.push_back(probe<Bricks<ImplicitEuler, 64>>("bricks-contacts"));
   return probes;
 }
 

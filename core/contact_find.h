@@ -1,0 +1,250 @@
+// Which spheres of bodies are near each other, near shapes on other bodies, and near the world.
+//
+// A body with shapes is touched at its shapes by the spheres of others, one without at its spheres. Bodies on joints
+// of one tree do not touch each other. Bound: that of the broad phase; for each pair of bodies with overlapping boxes
+// a query for each sphere in the other's box; for each body a query for each of its spheres and surface of the world.
+#pragma once
+
+#include "core/broad_phase.h"
+#include "core/contact_near.h"
+#include "core/sphere_pairs.h"
+#include "core/tree.h"
+
+namespace godobject {
+
+/// Half the extents of a shape that bodies carry, about the origin of its frame.
+inline Vec3 half_extents(const ShapeParams& shape) noexcept {
+  if (shape.kind == ShapeKind::sphere) return Vec3::Constant(shape.radius);
+  if (shape.kind == ShapeKind::capsule)
+    return Vec3(shape.radius, shape.radius, shape.radius + shape.half_length);
+  return shape.half_extents;
+}
+
+/// Worthless between steps.
+template <class Contacts, std::size_t N>
+struct ContactFinder {
+  static constexpr std::size_t max_spheres = std::tuple_size_v<decltype(Contacts::Params::spheres)>;
+  static constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
+  struct Owned {
+    std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
+    std::uint32_t tree = 0;  // of the bodies on joints that do not touch each other
+
+    bool has_surfaces() const noexcept { return end_surface > first_surface; }
+    bool empty() const noexcept { return first_sphere == end_sphere && !has_surfaces(); }
+  };
+  std::array<Owned, N> owned;
+  std::size_t num_fixed = 0;  // surfaces of the world
+  std::array<TreePlace, N> at;
+  std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
+  std::array<ShapeParams, max_surfaces> posed;              // surfaces in the world
+  std::array<Mat3, max_surfaces> R_WS;                      // and their attitudes
+  BroadPhaseScratch<N> broad;
+};
+
+/// The material of what a sphere touches.
+template <std::size_t max_spheres, std::size_t max_surfaces>
+MaterialId touched_material(const ContactParams<max_spheres, max_surfaces>& par,
+                            const NearContact& near) noexcept {
+  return near.touched < max_surfaces ? par.surfaces[near.touched].material
+                                     : par.spheres[near.touched - max_surfaces].material;
+}
+
+/// Who owns what, and where it all is.
+template <class Contacts, std::size_t N>
+void place_spheres(const typename Contacts::Params& par, std::size_t num_bodies,
+                   ContactFinder<Contacts, N>& w) noexcept {
+  std::uint32_t s = 0, o = 0, num_packs = 0;
+  for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o) {
+    w.posed[o] = par.surfaces[o].shape;
+    w.R_WS[o] = w.posed[o].X_WS.q.toRotationMatrix();
+  }
+  w.num_fixed = o;
+  w.broad.num_entries = 0;
+  for (std::uint32_t i = 0; i < num_bodies; ++i) {
+    const TreePlace& at = w.at[i];
+    auto& owned = w.owned[i];
+    Aabb box{.lo = Vec3::Constant(std::numeric_limits<Real>::infinity()),
+             .hi = Vec3::Constant(-std::numeric_limits<Real>::infinity())};
+    const auto cover = [&](const Vec3& c, const Vec3& half) noexcept {
+      box.lo = box.lo.cwiseMin(c - half);
+      box.hi = box.hi.cwiseMax(c + half);
+    };
+    owned.first_sphere = s;
+    owned.first_pack = num_packs;
+    for (; s < par.num_spheres && par.spheres[s].body == i; ++s) {
+      const BodySphere& sphere = par.spheres[s];
+      const Vec3 c_W = at.p_W + at.R_WB * sphere.p_B;
+      cover(c_W, Vec3::Constant((1 + contact_reach) * sphere.radius));
+      const std::size_t j = (s - owned.first_sphere) % 4;
+      SpherePack& pack = w.packs[num_packs];
+      for (std::size_t l = j; l < (j == 0 ? 4 : j + 1); ++l) {
+        set_lane(pack.p_W, l, c_W);
+        pack.r.set(l, sphere.radius);
+      }
+      if (j == 3) ++num_packs;
+    }
+    if ((s - owned.first_sphere) % 4 != 0) ++num_packs;
+    owned.end_sphere = s;
+    owned.first_surface = o;
+    for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
+      const ShapeParams& shape = par.surfaces[o].shape;
+      ShapeParams& posed = w.posed[o];
+      posed = shape;
+      posed.X_WS = {.p = at.p_W + at.R_WB * shape.X_WS.p, .q = Quat(at.R_WB) * shape.X_WS.q};
+      w.R_WS[o] = posed.X_WS.q.toRotationMatrix();
+      cover(posed.X_WS.p, (w.R_WS[o].cwiseAbs() * half_extents(shape)).eval());
+    }
+    owned.end_surface = o;
+    if (owned.empty() || !(box.lo.sum() - box.hi.sum() <= 0)) continue;
+    w.broad.boxes[i] = box;
+    w.broad.entries[w.broad.num_entries++].body = i;
+  }
+}
+
+/// A sphere near something, and where.
+struct NearSphere {
+  std::uint32_t sphere = 0, touched = 0;
+  Real radius = 0, d = 0;
+  Vec3 c_W, n_W;
+};
+
+/// A sphere of body a near body b, or the world.
+template <class Contacts, std::size_t N>
+void add_near(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t key,
+              const NearSphere& at, NearContacts<Contacts::max_contacts>& near) noexcept {
+  const auto velocity = [&](std::uint32_t body, const Vec3& p) noexcept -> Vec3 {
+    if (body >= N) return Vec3::Zero();
+    const TreePlace& place = w.at[body];
+    return place.V.v + place.V.w.cross(p - place.a_W);
+  };
+  const Vec3 p = at.c_W - at.radius * at.n_W;
+  const Real v_n = at.n_W.dot(velocity(a, p) - velocity(b, p));
+  near.add({.key = key,
+            .sphere = at.sphere,
+            .touched = at.touched,
+            .a = a,
+            .b = b,
+            .d = at.d,
+            .v_n = v_n,
+            .c_W = at.c_W,
+            .n_W = at.n_W});
+}
+
+/// Four spheres of a convex body and a box: bit j of the result, sphere j is near.
+inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
+                              const Vec3& middle_W, Pack& d, Vector3<Pack>& n_W) noexcept {
+  const auto from = [&](const Vec3& p_W) noexcept {
+    Vector3<Pack> apart, p_S;
+    for (int k = 0; k < 3; ++k) apart[k] = pack.p_W[k] - Pack(p_W[k]);
+    for (int k = 0; k < 3; ++k)
+      p_S[k] = R_WS(0, k) * apart[0] + R_WS(1, k) * apart[1] + R_WS(2, k) * apart[2];
+    return p_S;
+  };
+  const Vector3<Pack> p_S = from(box.X_WS.p);
+  Vector3<Pack> n_S;
+  Pack distance;
+  BoxShape::nearest(box.half_extents, p_S, -from(middle_W), distance, n_S);
+  for (int k = 0; k < 3; ++k) n_W[k] = R_WS(k, 0) * n_S[0] + R_WS(k, 1) * n_S[1] + R_WS(k, 2) * n_S[2];
+  d = pack.r - distance;
+  return bits(-contact_reach * pack.r < d);
+}
+
+/// Spheres of body a against the surfaces [first, end) of body b. A convex body is pushed towards its own middle,
+/// however deep its spheres are in the other.
+template <class Contacts, std::size_t N>
+void find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+                      std::uint64_t pair, std::uint32_t first, std::uint32_t end,
+                      NearContacts<Contacts::max_contacts>& near) noexcept {
+  const auto& on_a = w.owned[a];
+  for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
+    const SpherePack& pack = w.packs[k];
+    const std::uint32_t there = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
+    const std::uint32_t sought = b < N ? there & reaching(pack, w.broad.boxes[b]) : there;
+    if (sought == 0) continue;
+    for (std::uint32_t o = first; o < end; ++o) {
+      const ShapeParams& shape = w.posed[o];
+      const auto found = [&](std::uint32_t j, Real d, const Vec3& n_W) noexcept {
+        add_near(w, a, b, pair | std::uint64_t(s + j) << 15 | o,
+                 {.sphere = s + j,
+                  .touched = o,
+                  .radius = pack.r[j],
+                  .d = d,
+                  .c_W = lane(pack.p_W, j),
+                  .n_W = n_W},
+                 near);
+      };
+      if (on_a.has_surfaces() && shape.kind == ShapeKind::box) {
+        Pack d;
+        Vector3<Pack> n_W;
+        for (std::uint32_t hits = sought & near_box(shape, w.R_WS[o], pack, w.at[a].p_W, d, n_W); hits != 0;
+             hits &= hits - 1) {
+          const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+          found(j, d[j], lane(n_W, j));
+        }
+        continue;
+      }
+      for (std::uint32_t hits = sought; hits != 0; hits &= hits - 1) {
+        const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+        const Real radius = pack.r[j], reach = contact_reach * radius;
+        const SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
+        const Real d = radius - surface.distance;
+        if (!(d <= -reach)) found(j, d, surface.n);
+      }
+    }
+  }
+}
+
+/// Spheres of both bodies.
+template <class Contacts, std::size_t N>
+void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+                     std::uint64_t pair, NearContacts<Contacts::max_contacts>& near) noexcept {
+  const auto &on_a = w.owned[a], &on_b = w.owned[b];
+  const Vec3 between = w.at[a].p_W - w.at[b].p_W;
+  for (std::uint32_t s = on_a.first_sphere; s < on_a.end_sphere; ++s) {
+    const Sphere sphere_a = sphere(&w.packs[on_a.first_pack], s - on_a.first_sphere);
+    for (std::uint32_t t = on_b.first_sphere; t < on_b.end_sphere; ++t) {
+      const Sphere sphere_b = sphere(&w.packs[on_b.first_pack], t - on_b.first_sphere);
+      const Real both = sphere_a.r + sphere_b.r, reach = contact_reach * std::min(sphere_a.r, sphere_b.r);
+      const Vec3 apart = sphere_a.p_W - sphere_b.p_W;
+      const Real distance_sq = apart.squaredNorm();
+      if (distance_sq >= (both + reach) * (both + reach)) continue;
+      const Real distance = std::sqrt(distance_sq);
+      const Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
+      constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
+      add_near(w, a, b, pair | std::uint64_t(s) << 15 | t,
+               {.sphere = s,
+                .touched = spheres + t,
+                .radius = sphere_a.r,
+                .d = both - distance,
+                .c_W = sphere_a.p_W,
+                .n_W = n},
+               near);
+    }
+  }
+}
+
+/// The near contacts of all bodies, where w.at has them.
+template <class Contacts, std::size_t N>
+void find_contacts(const typename Contacts::Params& par, std::size_t num_bodies,
+                   ContactFinder<Contacts, N>& w, NearContacts<Contacts::max_contacts>& near) noexcept {
+  near.clear();
+  place_spheres(par, num_bodies, w);
+  find_overlaps(num_bodies, w.broad,
+                [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
+  for (std::uint32_t a = 0; a < num_bodies; ++a) {
+    w.broad.pairs.for_each_of(a, [&](std::uint32_t b) noexcept {
+      const auto &on_a = w.owned[a], &on_b = w.owned[b];
+      const std::uint64_t pair = std::uint64_t(a) << 48 | std::uint64_t(b) << 32;
+      if (on_b.has_surfaces()) find_on_surfaces(w, a, b, pair, on_b.first_surface, on_b.end_surface, near);
+      if (on_a.has_surfaces())
+        find_on_surfaces(w, b, a, pair | std::uint64_t(1) << 31, on_a.first_surface, on_a.end_surface, near);
+      if (!on_a.has_surfaces() && !on_b.has_surfaces()) find_on_spheres(w, a, b, pair, near);
+    });
+    if (w.num_fixed > 0)
+      find_on_surfaces(w, a, std::uint32_t{N}, std::uint64_t(a) << 48 | std::uint64_t(0xffff) << 32, 0,
+                       static_cast<std::uint32_t>(w.num_fixed), near);
+  }
+  near.put_in_order();
+}
+
+}  // namespace godobject

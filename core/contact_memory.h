@@ -1,0 +1,104 @@
+// What contacts carry over from step to step, found again by what touches what.
+#pragma once
+
+#include <algorithm>
+
+#include "core/contact.h"
+
+namespace godobject {
+
+/// Of one contact. The spheres of a scene are numbered, and so is what they touch.
+struct ContactMemory {
+  std::uint64_t key = 0;
+  Vec3 xi_W = Vec3::Zero();      // how far the contact point has been dragged since it stuck, m
+  Vec3 xi_dot_W = Vec3::Zero();  // how fast it was, m/s
+  Real e = 0;                    // depth that no motion explains, m
+  Vec3 F_W = Vec3::Zero();       // force in the last stage, N
+};
+
+inline std::uint64_t contact_key(std::size_t sphere, std::size_t touched) noexcept {
+  return (std::uint64_t(sphere) << 32) | touched;
+}
+
+/// In the order of the keys.
+template <std::size_t max_contacts>
+struct ContactMemories {
+  std::array<ContactMemory, max_contacts> list;
+  std::size_t size = 0;
+
+  void assign(const ContactMemories& other) noexcept {
+    size = other.size;
+    std::copy_n(other.list.begin(), size, list.begin());
+  }
+};
+
+/// Looks keys up that come in rising order.
+template <std::size_t max_contacts>
+class Recall {
+ public:
+  explicit Recall(const ContactMemories<max_contacts>& of) noexcept : of_(of) {}
+  /// Null: there was no such contact.
+  const ContactMemory* find(std::uint64_t key) noexcept {
+    while (at_ < of_.size && of_.list[at_].key < key) ++at_;
+    return at_ < of_.size && of_.list[at_].key == key ? &of_.list[at_] : nullptr;
+  }
+
+ private:
+  const ContactMemories<max_contacts>& of_;
+  std::size_t at_ = 0;
+};
+
+/// The same contacts bear a force.
+template <std::size_t max_contacts>
+bool touch_alike(const ContactMemories<max_contacts>& a, const ContactMemories<max_contacts>& b) noexcept {
+  const auto next_touching = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
+    while (i < m.size && !(m.list[i].F_W.squaredNorm() > 0)) ++i;
+    return i;
+  };
+  std::size_t i = next_touching(a, 0), j = next_touching(b, 0);
+  for (; i < a.size && j < b.size && a.list[i].key == b.list[j].key; i = next_touching(a, i + 1))
+    j = next_touching(b, j + 1);
+  return i == a.size && j == b.size;
+}
+
+/// Where a stage starts from: the memories of the step and those of the stage before in it, and how far in time.
+struct ContactStage {
+  Real t_0 = 0, t_1 = 0;  // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
+  Real elapsed = 0;       // s, from the start of the step to the end of the stage
+  bool goes_on =
+      false;  // after another stage of the step; otherwise that one's memories are none of this step
+};
+
+/// A contact that is let out bears at most what it would press together in this many steps: when it comes free, its
+/// bodies part at as many times push_out.
+inline constexpr Real max_pushed_steps = 10;
+
+/// e a while later, in which it would fall by `by` if the depth d followed; most: by which d may be behind.
+inline Real let_out(Real e, Real d, Real by, Real most) noexcept {
+  return std::max(std::min(e, std::max(e - by, d - most)), Real(0));
+}
+
+/// The memory with which a stage treats a contact. d_0, v_n: depth where the stage starts, and how fast it opens.
+inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, Real h, std::uint64_t key,
+                              const ContactMemory* of_step, const ContactMemory* of_stage, Real d_0,
+                              Real v_n) noexcept {
+  ContactMemory m{.key = key};
+  if (!stage.goes_on) of_stage = nullptr;
+  if (of_step != nullptr) m = *of_step;
+  m.xi_W += stage.t_0 * m.xi_dot_W;
+  if (of_stage != nullptr) m.xi_W += stage.t_1 * of_stage->xi_dot_W;
+  if (of_step != nullptr)
+    m.e = let_out(m.e, d_0, stage.elapsed * law.push_out, max_pushed_steps * h * law.push_out);
+  else if (of_stage != nullptr) m.e = of_stage->e;
+  else m.e = std::max(d_0 - 2 * h * std::max(-v_n, Real(0)), Real(0));
+  return m;
+}
+
+/// How far the contact point is dragged at the end of a stage, the friction being F_t: spring and damper of (23) move
+/// with it, and what they do not follow has slipped.
+inline Vec3 dragged(const ContactLaw& law, const Vec3& xi, const Vec3& F_t, Real h) noexcept {
+  const Real eta = h * law.k_t + law.c_t;
+  return eta > 0 ? Vec3((law.c_t * xi - h * F_t) * (1 / eta)) : Vec3(Vec3::Zero());
+}
+
+}  // namespace godobject

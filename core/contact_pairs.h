@@ -1,0 +1,121 @@
+// The bodies that touch each other or the world in a stage: which they are, in pairs, and their contacts (24).
+#pragma once
+
+#include "core/contact_find.h"
+#include "core/contact_pack.h"
+#include "core/contact_tree.h"
+
+namespace godobject {
+
+/// The contacts part of a scene whose bodies touch each other. Capacities: spheres, surfaces, contacts at a time.
+template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
+struct BodyContacts {
+  static constexpr std::size_t max_contacts = contacts_;
+  static constexpr bool between_bodies = true;
+  using Params = ContactParams<spheres_, surfaces_>;
+  using State = ContactMemories<contacts_>;
+  using Output = ContactReport;
+  using BodyOutput = ContactWrench;
+};
+
+/// A body's stage, about its centre of mass, world axes. A is split in its symmetric part and [s]x.
+struct BodyStage {
+  Block A_ww;
+  Real M = 0;
+  Column s, b_w, b_v;
+};
+
+/// Worthless between steps.
+template <class Contacts, std::size_t N>
+struct BodyContactScratch {
+  static constexpr std::size_t max_contacts = Contacts::max_contacts;
+  ContactFinder<Contacts, N> finder;
+  NearContacts<max_contacts> near;
+  std::array<ContactMemory, max_contacts> begun;  // of the near ones, where the stage starts
+  std::array<std::uint32_t, max_contacts> place;  // pack and lane of the near ones
+  std::array<ContactPack, max_contacts> packs;    // each of one pair, or one body with the world
+  std::size_t num_packs = 0;
+  ContactTree<N, max_contacts> tree;
+  std::array<BodyStage, N> stages;
+  std::array<bool, N> touches;
+  std::array<AnchorTwist, N> V, b, r, z, p, Ap, AV_0;  // of bodies: velocities, impulses; of the iteration
+  std::array<AnchorTwist, N> V_0;                      // velocities of the pass before
+  std::array<ContactMemories<max_contacts>, 2> memories;
+  std::size_t last = 0;
+  ContactStage stage;
+  std::array<Wrench, N> wrenches;
+  ContactReport report;
+};
+
+/// Number of the near contact's pair, or that of its body with the world.
+inline std::uint32_t pair_of(const NearContact& near) noexcept {
+  return static_cast<std::uint32_t>(near.key >> 32);
+}
+
+/// The pairs of the near contacts, and the tree of the stiffest.
+template <class Contacts, std::size_t N>
+void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Real h,
+                BodyContactScratch<Contacts, N>& w) noexcept {
+  w.tree.num_pairs = 0;
+  for (std::size_t i = 0; i < num_bodies; ++i) w.touches[i] = false;
+  for (std::size_t i = 0; i < w.near.size; ++i) {
+    const NearContact& near = w.near.list[i];
+    w.touches[near.a] = true;
+    if (near.b >= N) continue;
+    w.touches[near.b] = true;
+    if (i == 0 || pair_of(w.near.list[i - 1]) != pair_of(near)) {
+      TouchingPair& pair = w.tree.pairs[w.tree.num_pairs++];
+      pair.child = near.a;
+      pair.parent = near.b;
+      pair.stiffness = 0;
+    }
+    const ContactLaw& law = par.law(par.spheres[near.sphere].material, touched_material(par, near));
+    if (near.d > 0) w.tree.pairs[w.tree.num_pairs - 1].stiffness += h * law.k + law.c;
+  }
+  make_tree(w.touches, num_bodies, w.tree);
+}
+
+/// (24) of the near contacts, four of a pair to a pack.
+template <class Contacts, std::size_t N>
+void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
+                    std::size_t num_bodies, Real step, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+  Recall of_step(before), of_stage(w.memories[w.last]);
+  w.num_packs = 0;
+  for (std::size_t i = 0; i < num_bodies; ++i) w.tree.bodies[i].first_pack = w.tree.bodies[i].end_pack = 0;
+  std::size_t j = 4, pairs = 0;
+  for (std::size_t i = 0; i < w.near.size; ++i, ++j) {
+    const NearContact& near = w.near.list[i];
+    const bool on_world = near.b >= N;
+    const bool is_new = i == 0 || pair_of(w.near.list[i - 1]) != pair_of(near);
+    if (j == 4 || is_new) {
+      for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
+      j = 0;
+      w.packs[w.num_packs].u.setConstant(Pack(0));
+      ++w.num_packs;
+      if (is_new && !on_world) ++pairs;
+      auto& first = on_world ? w.tree.bodies[near.a].first_pack : w.tree.pairs[pairs - 1].first_pack;
+      auto& end = on_world ? w.tree.bodies[near.a].end_pack : w.tree.pairs[pairs - 1].end_pack;
+      if (is_new) first = static_cast<std::uint32_t>(w.num_packs - 1);
+      end = static_cast<std::uint32_t>(w.num_packs);
+    }
+    const std::uint32_t child = on_world ? near.a : w.tree.pairs[pairs - 1].child;
+    const BodySphere& sphere = par.spheres[near.sphere];
+    const ContactLaw& law = par.law(sphere.material, touched_material(par, near));
+    const Real d_0 = near.d + h * near.v_n;
+    w.begun[i] = recalled(law, w.stage, step, near.key, of_step.find(near.key), of_stage.find(near.key), d_0,
+                          near.v_n);
+    const Real side = child == near.a ? 1 : -1;
+    ContactMemory memory = w.begun[i];
+    memory.xi_W *= side;
+    const Vec3 r = near.c_W - sphere.radius * near.n_W - w.finder.at[child].p_W;
+    set_contact(law, memory, h, d_0, r, side * near.n_W, w.packs[w.num_packs - 1], j);
+    w.place[i] = static_cast<std::uint32_t>(4 * (w.num_packs - 1) + j);
+  }
+  for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
+  for (std::size_t k = 0; k < w.tree.num_pairs; ++k) {
+    TouchingPair& pair = w.tree.pairs[k];
+    pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
+  }
+}
+
+}  // namespace godobject

@@ -1,0 +1,70 @@
+// What a scene file says of contacts: spheres and shapes of bodies, obstacles, pairs of materials.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/shape_list.h"
+
+namespace godobject {
+
+inline constexpr const char* default_material = "default";
+
+/// A row of equal spheres on a body, or one.
+struct SphereConfig {
+  Vec3 p_B = Vec3::Zero();  // centre of the first, body axes about the centre of mass, m
+  double radius = 0;        // m, > 0
+  std::string material = default_material;
+  int count = 1;                // >= 1
+  Vec3 spacing = Vec3::Zero();  // from one centre to the next, body axes, m
+};
+
+/// A solid. Each kind has the dimensions it needs and no others.
+struct ShapeConfig {
+  ShapeKind kind = ShapeKind::box;
+  Pose X;  // on a body: in its axes about its centre of mass; of an obstacle: in the world
+  std::optional<Vec3> half_extents;   // box: m, > 0
+  std::optional<double> radius;       // sphere, capsule: m, > 0
+  std::optional<double> half_length;  // capsule: m, >= 0
+  std::string material = default_material;
+};
+
+/// Triangles, counter-clockwise seen from outside.
+struct MeshData {
+  std::vector<Vec3> vertices;  // m
+  std::vector<TriangleIndices> triangles;
+};
+
+/// Heights over a grid: column i, row j stands at x = i spacing, y = j spacing.
+struct HeightGrid {
+  std::vector<Real> height;  // row by row, m
+  std::uint32_t columns = 0, rows = 0;
+};
+
+/// Fixed in the world.
+struct ObstacleConfig {
+  std::string name;
+  ShapeConfig shape;
+  std::string file;               // mesh, height field, many spheres; absolute path, empty without
+  std::optional<double> scale;    // of a mesh file, m per unit
+  std::optional<double> spacing;  // of a height field's grid, m
+  // What is in the file.
+  MeshData mesh;
+  HeightGrid heights;
+  std::vector<Vec3> centres;  // of the spheres, in the axes of shape.X, m
+};
+
+/// What a sphere's contact does where these two materials meet: (22), (23).
+struct ContactConfig {
+  std::vector<std::string> materials;          // two, in any order; may be the same
+  double stiffness = 0;                        // k, N/m, > 0, of each sphere
+  double damping = 0;                          // c, N s/m, >= 0
+  double friction = 0;                         // mu, >= 0
+  std::optional<double> tangential_stiffness;  // k_t, N/m; absent: stiffness
+  std::optional<double> tangential_damping;    // c_t, N s/m; absent: damping
+  double push_out_speed = 0.05;                // m/s, > 0
+};
+
+}  // namespace godobject

@@ -1,0 +1,134 @@
+// Bodies that begin inside each other come apart, slowly.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "tests/contacts/bricks.h"
+
+namespace godobject {
+namespace {
+
+template <class I>
+using Pair = Pile<TouchingBodies<I, 2, PoseDevice, 48>>;
+
+struct Parted {
+  Real fastest = 0;  // a point of either, m/s
+  Real depth = 0;    // in the end, m
+};
+
+/// The bodies of the pair left to themselves for two seconds.
+template <class I>
+Parted let_go(Pair<I>& pair) {
+  Parted parted;
+  for (int n = 0; n < 2 / pair.par.h; ++n) {
+    pair.step();
+    if (any(pair.out.fault)) return {.fastest = std::numeric_limits<Real>::infinity()};
+    parted.fastest = std::max(parted.fastest, pair.fastest());
+  }
+  parted.depth = pair.out.contacts.deepest;
+  return parted;
+}
+
+/// Of two bricks, the second turned and shifted against the first.
+template <class I>
+Parted bricks_parted(const Vec3& shift, const Vec3& turn, const ContactLaw& law, Real h) {
+  const auto pair = std::make_unique<Pair<I>>();
+  pair->par.h = h;
+  set_law(pair->par, law);
+  const Quat q = exp_so3(Vec3(0.3, -0.2, 0.5));  // no axis of the world is special
+  pair->add_brick({.X_WB = {.p = Vec3::Zero(), .q = q}, .V_WB = {}});
+  pair->add_brick({.X_WB = {.p = q * shift, .q = q * exp_so3(turn)}, .V_WB = {}});
+  return let_go(*pair);
+}
+
+void expect_apart(const Parted& parted) {
+  EXPECT_LT(parted.fastest, 1);
+  EXPECT_LT(parted.depth, 1e-5);
+}
+
+/// Bricks in bricks have spheres whose normals oppose each other, and some pairs lock or jump apart: an open defect
+/// (docs/decisions/019), whose size is held here so that it does not grow.
+bool is_apart(const Parted& parted) { return parted.fastest < 1 && parted.depth < 1e-5; }
+constexpr int known_locked_of_40 = 19, known_locked_of_9 = 3;
+
+template <class I>
+class TouchingOverlap : public ::testing::Test {};
+using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;
+TYPED_TEST_SUITE(TouchingOverlap, BothIntegrators);
+
+constexpr std::array stiffness{1e3, 2e4, 1e6};
+constexpr std::array steps{2.5e-4, 1e-3, 5e-3};
+
+TYPED_TEST(TouchingOverlap, BallsPart) {
+  constexpr Real radius = 0.01;
+  for (const Real k : stiffness)
+    for (const Real h : steps)
+      for (const Real ratio : {1.0, 1000.0}) {
+        SCOPED_TRACE(::testing::Message() << "k " << k << ", h " << h << ", masses 1 to " << ratio);
+        const auto pair = std::make_unique<Pair<TypeParam>>();
+        pair->par.h = h;
+        set_law(pair->par, law_of(k, 0.4));
+        pair->add_ball({}, brick_mass, radius);
+        pair->add_ball({.X_WB = at(Vec3(0.6, 0, 0.8) * radius), .V_WB = {}}, ratio * brick_mass, radius);
+        expect_apart(let_go(*pair));
+        EXPECT_GT((pair->p(0) - pair->p(1)).norm(), 2 * radius - 1e-5);
+      }
+}
+
+/// Bodies of seven spheres, without shapes.
+TYPED_TEST(TouchingOverlap, ClustersOfSpheresPart) {
+  constexpr Real radius = 0.005;
+  for (const Real k : stiffness)
+    for (const Vec3& turn : {Vec3(0, 0, 0), Vec3(0.4, 0.3, -0.7)}) {
+      SCOPED_TRACE(::testing::Message() << "k " << k << ", turned " << turn.norm());
+      const auto pair = std::make_unique<Pair<TypeParam>>();
+      set_law(pair->par, law_of(k, 0.4));
+      for (std::size_t i = 0; i < 2; ++i) {
+        pair->add(solid_ball(brick_mass, 0.01), {.X_WB = at(i * Vec3(0.01, 0.001, 0), i * turn), .V_WB = {}});
+        add_sphere(pair->par, i, Vec3::Zero(), radius);
+        for (int axis = 0; axis < 3; ++axis)
+          for (const Real side : {-0.005, 0.005}) add_sphere(pair->par, i, side * Vec3::Unit(axis), radius);
+      }
+      expect_apart(let_go(*pair));
+      EXPECT_GT((pair->p(0) - pair->p(1)).norm(), 0.015);
+    }
+}
+
+TYPED_TEST(TouchingOverlap, BricksShiftedAndTurnedPart) {
+  Random random(4);
+  Real fastest = 0, deepest = 0;
+  int locked = 0;
+  for (int n = 0; n < 40; ++n) {
+    // half of the brick's size off in one direction, up to an eighth in the others
+    Vec3 shift = brick_half.cwiseProduct(
+        Vec3(random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25)));
+    shift[n % 3] = brick_half[n % 3];
+    const Vec3 turn = random.uniform(0, 1.5) * random.direction();
+    const Real k = stiffness[static_cast<std::size_t>(n / 3) % 3],
+               h = steps[static_cast<std::size_t>(n / 9) % 3];
+    SCOPED_TRACE(::testing::Message() << "case " << n << ", k " << k << ", h " << h);
+    const Parted parted = bricks_parted<TypeParam>(shift, turn, law_of(k, 0.4), h);
+    locked += is_apart(parted) ? 0 : 1;
+    fastest = std::max(fastest, parted.fastest);
+    deepest = std::max(deepest, parted.depth);
+  }
+  std::printf("%s: bricks part at %.3f m/s at most, %.1e m left, %d of 40 do not\n", TypeParam::name, fastest,
+              deepest, locked);
+  EXPECT_LE(locked, known_locked_of_40);
+}
+
+/// Spheres at opposite corners are pushed in opposite directions.
+TYPED_TEST(TouchingOverlap, AlignedBricksPart) {
+  int locked = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const Real k : stiffness) {
+      SCOPED_TRACE(::testing::Message() << "along axis " << axis << ", k " << k);
+      const Vec3 shift = brick_half[axis] * Vec3::Unit(axis);
+      locked += is_apart(bricks_parted<TypeParam>(shift, Vec3::Zero(), law_of(k, 0.4), 1e-3)) ? 0 : 1;
+    }
+  std::printf("%s: %d of 9 aligned pairs do not part\n", TypeParam::name, locked);
+  EXPECT_LE(locked, known_locked_of_9);
+}
+
+}  // namespace
+}  // namespace godobject

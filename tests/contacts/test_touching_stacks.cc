@@ -1,0 +1,118 @@
+// Piles of bricks stand: towers, walls, heavy bricks on light ones, and as deep in each other as they weigh.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "tests/contacts/bricks.h"
+
+namespace godobject {
+namespace {
+
+using Scene64 = TouchingBodies<ImplicitEuler, 64>;
+using BrickPile = Pile<Scene64>;
+
+#ifdef NDEBUG
+constexpr Real standing = 10;  // s; nothing changes any more after the second one
+#else
+constexpr Real standing = 0.5;  // builds with assertions and sanitizers take a hundred times as long
+#endif
+
+/// `masses` from the bottom up.
+std::unique_ptr<BrickPile> tower(const std::vector<Real>& masses, const ContactLaw& law = brick_law) {
+  auto pile = std::make_unique<BrickPile>();
+  pile->add_floor();
+  set_law(pile->par, law);
+  const Real height = 2 * brick_half.z();
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    pile->add_brick({.X_WB = at(Vec3(0, 0, (static_cast<Real>(i) + 0.5) * height)), .V_WB = {}}, masses[i]);
+  return pile;
+}
+
+/// By how much the top of a tower at rest is lower: on six spheres of the lowest, and twelve between two.
+Real compression(const std::vector<Real>& masses, Real k) {
+  Real load = 0, sum = 0;
+  for (std::size_t i = masses.size(); i-- > 0;) {
+    load += masses[i] * earth_gravity;
+    sum += load / (k * (i == 0 ? 6 : 12));
+  }
+  return sum;
+}
+
+/// After it has settled.
+void expect_to_stand(const char* name, BrickPile& pile) {
+  ASSERT_TRUE(pile.run(1));
+  const std::vector<Vec3> settled = pile.positions();
+  Real drift = 0, residual = 0;
+  for (int n = 0; n < 10; ++n) {
+    ASSERT_TRUE(pile.run(standing / 10));
+    drift = std::max(drift, pile.drift_since(settled));
+    residual = std::max(residual, pile.out.contacts.residual);
+  }
+  std::printf("%s: drift %.1e m in %g s, kinetic energy %.1e J, residual %.1e N\n", name, drift, standing,
+              pile.kinetic(), residual);
+  EXPECT_LT(drift, 1e-4);
+  EXPECT_LT(pile.kinetic(), 1e-9);
+}
+
+TEST(TouchingStacks, ATowerOfTwentyStands) {
+  const std::vector<Real> masses(20, brick_mass);
+  const auto pile = tower(masses);
+  const Real top = pile->p(19).z();
+  expect_to_stand("tower of 20", *pile);
+  const Real expected = compression(masses, brick_law.k);
+  EXPECT_NEAR(top - pile->p(19).z(), expected, 0.01 * expected);
+}
+
+/// Rows of eight and seven in running bond, and four on top: no end hangs over.
+TEST(TouchingStacks, AWallOf64Stands) {
+  const auto pile = std::make_unique<BrickPile>();
+  pile->add_floor();
+  const Real pitch = 2 * brick_half.x() + 5e-4, height = 2 * brick_half.z();
+  for (int row = 0; row < 9; ++row) {
+    const int columns = row == 8 ? 4 : 8 - row % 2;
+    for (int i = 0; i < columns; ++i)
+      pile->add_brick(
+          {.X_WB = at(Vec3((i - 0.5 * (columns - 1)) * pitch, 0, (row + 0.5) * height)), .V_WB = {}});
+  }
+  ASSERT_EQ(pile->par.num_bodies, 64u);
+  const std::vector<Vec3> built = pile->positions();
+  expect_to_stand("wall of 64", *pile);
+  EXPECT_LT(pile->drift_since(built), 1e-4);
+}
+
+TEST(TouchingStacks, HeavyBricksStayOnLightOnes) {
+  for (const std::size_t under : {1, 5}) {
+    std::vector<Real> masses(under, brick_mass);
+    masses.push_back(1000 * brick_mass);
+    const auto pile = tower(masses);
+    const Real top = pile->p(under).z();
+    expect_to_stand(under == 1 ? "1000 on 1" : "1000 on 1 1 1 1 1", *pile);
+    const Real expected = compression(masses, brick_law.k);
+    EXPECT_NEAR(top - pile->p(under).z(), expected, 0.01 * expected);
+    EXPECT_LT(pile->p(under).head<2>().norm(), 1e-6);
+  }
+}
+
+/// Stiff towers that begin exactly touching may end in a cycle of wrong cases of the contacts: an open defect
+/// (docs/decisions/019), whose size is held here so that it does not grow.
+constexpr int known_restless = 5;  // of 10
+TEST(TouchingStacks, StandOnAnyStiffness) {
+  int restless = 0;
+  for (const Real k : {1e4, 1e5, 1e6, 1e7, 1e8})
+    for (const Real zeta : {0.1, 1.0}) {
+      const std::vector<Real> masses(10, brick_mass);
+      const auto pile = tower(masses, law_of(k, zeta));
+      const Real top = pile->p(9).z(), expected = compression(masses, k);
+      ASSERT_TRUE(pile->run(1)) << k;
+      const bool rests =
+          std::abs(top - pile->p(9).z() - expected) <= 0.01 * expected + 1e-12 && pile->kinetic() < 1e-9;
+      EXPECT_TRUE(rests || k > 1e4) << k << ", " << zeta;
+      EXPECT_LT(pile->kinetic(), 1e-5) << k << ", " << zeta;
+      restless += rests ? 0 : 1;
+    }
+  std::printf("%d of 10 towers do not come to rest\n", restless);
+  EXPECT_LE(restless, known_restless);
+}
+
+}  // namespace
+}  // namespace godobject

@@ -1,0 +1,119 @@
+// Scenes with contacts as compiled compositions: the smallest that covers them, and what it says.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "sim/engine.h"
+#include "tests/support/contact_config.h"
+
+namespace godobject {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double m = 0.1, g = 9.81, k = 5000;
+
+/// A body on three spheres above the plane z = 0.
+SceneConfig stool() {
+  SceneConfig scene;
+  scene.name = "stool";
+  scene.gravity = Vec3(0, 0, -g);
+  scene.bodies.push_back(body_of("stool", m, 1e-4));
+  scene.bodies[0].X_WB.p.z() = 0.05;
+  for (const Vec3& foot : {Vec3(0.05, 0, -0.04), Vec3(-0.025, 0.043, -0.04), Vec3(-0.025, -0.043, -0.04)})
+    scene.bodies[0].spheres.push_back(sphere_of(0.01, foot));
+  scene.obstacles.push_back(obstacle_of("ground", ShapeKind::plane));
+  scene.contacts.push_back(default_contact(k));
+  scene.contacts[0].damping = 20;
+  scene.contacts[0].friction = 0.5;
+  return scene;
+}
+
+std::unique_ptr<Engine> engine_of(const SceneConfig& scene) {
+  std::string why_not;
+  const std::vector<BodySample> samples(scene.bodies.size());
+  std::unique_ptr<Engine> engine = make_engine(scene, samples, why_not);
+  EXPECT_TRUE(engine) << why_not;
+  return engine;
+}
+
+std::string why_none(const SceneConfig& scene) {
+  std::string why_not;
+  const std::vector<BodySample> samples(scene.bodies.size());
+  EXPECT_EQ(make_engine(scene, samples, why_not), nullptr);
+  return why_not;
+}
+
+bool has_contact_bytes(const Composition& c) {
+  return std::ranges::find(c.parts, "contacts", &PartBytes::name) != c.parts.end();
+}
+
+TEST(ContactEngine, ContactsCarryTheWeightAndAreReported) {
+  for (const char* integrator : integrator_names) {
+    SceneConfig scene = stool();
+    scene.integrator = integrator;
+    const std::unique_ptr<Engine> engine = engine_of(scene);
+    ASSERT_TRUE(engine);
+    const BodySample none;
+    StepReport report;
+    for (int i = 0; i < 2000; ++i) report = engine->step({&none, 1});
+    EXPECT_EQ(report.fault, Fault::none);
+    EXPECT_EQ(report.contacts.num_contacts, 3u);
+    EXPECT_NEAR(report.contacts.deepest, m * g / (3 * k), 2e-3 * m * g / (3 * k));
+    EXPECT_LT(report.contacts.residual, 1e-5 * m * g);
+    const BodyView view = engine->view(0);
+    EXPECT_NEAR(view.contact_W.f.z(), m * g, 1e-4 * m * g);
+    EXPECT_NEAR(view.contact_W.tau.norm(), 0, 1e-5);
+  }
+}
+
+TEST(ContactEngine, ASceneWithoutContactsHasNoneOfTheirBytes) {
+  const std::unique_ptr<Engine> with = engine_of(stool());
+  EXPECT_EQ(with->composition().contacts, ContactScope::obstacles);
+  EXPECT_TRUE(has_contact_bytes(with->composition()));
+  SceneConfig scene = stool();
+  scene.obstacles.clear();
+  const std::unique_ptr<Engine> without = engine_of(scene);
+  EXPECT_EQ(without->composition().contacts, ContactScope::none) << "its spheres have nothing to touch";
+  EXPECT_FALSE(has_contact_bytes(without->composition()));
+}
+
+TEST(ContactEngine, SaysWhichNumberIsTooLarge) {
+  SceneConfig scene = stool();
+  scene.bodies[0].spheres[0].count = 20000;
+  EXPECT_THAT(why_none(scene), AllOf(HasSubstr("20002 spheres; the largest holds"), HasSubstr("contacts"),
+                                     Not(HasSubstr("bodies;"))));
+  scene = stool();
+  scene.obstacles[0].shape.kind = ShapeKind::sphere;
+  scene.obstacles[0].shape.radius = 0.01;
+  scene.obstacles[0].centres.resize(5000, Vec3(0, 0, -1));
+  EXPECT_THAT(why_none(scene), HasSubstr("5000 surfaces of obstacles and shapes; the largest holds"));
+}
+
+TEST(ContactEngine, AnArticulatedToolTouchesObstaclesOnly) {
+  SceneConfig scene = stool();
+  scene.bodies.push_back(scene.bodies[0]);
+  scene.bodies[1].name = "upper";
+  scene.bodies[1].X_WB.p.z() = 0.15;
+  scene.joints.push_back(hinge_of("stool", "upper"));
+  scene.joints[0].X_BP.p.z() = 0.1;
+  EXPECT_EQ(engine_of(scene)->composition().contacts, ContactScope::obstacles);
+  scene.joints[0].stops.push_back(
+      {.coordinate = "hinge", .lower = -1, .upper = 1, .stiffness = 1, .width = 0.1});
+  EXPECT_TRUE(engine_of(scene)->composition().stops);
+}
+
+TEST(ContactEngine, RunsAreEqualBitForBit) {
+  const std::unique_ptr<Engine> a = engine_of(stool()), b = engine_of(stool());
+  const BodySample none;
+  for (int i = 0; i < 200; ++i) {
+    static_cast<void>(a->step({&none, 1}));
+    static_cast<void>(b->step({&none, 1}));
+    ASSERT_EQ(a->state_hash(), b->state_hash());
+  }
+}
+
+}  // namespace
+}  // namespace godobject

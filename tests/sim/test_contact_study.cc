@@ -1,0 +1,152 @@
+// The study of contacts: its measures on what is known in closed form, and what it says of the core.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/scene_toml.h"
+#include "sim/study/contact_imposed_study.h"
+#include "sim/study/study.h"
+#include "tests/support/shared_data.h"
+
+namespace godobject::study {
+namespace {
+
+void say_nothing(const std::string&) {}
+
+/// A ball of radius 1 cm that falls from a height and comes back with half its speed, twice.
+oracle::Solution ideal_bounces(double g, double height) {
+  oracle::Solution solution;
+  const auto sample = [&](double t, double z, double v) {
+    oracle::RigidState x;
+    x.p.z() = z + 0.01;
+    x.v.z() = v;
+    solution.times.push_back(t);
+    solution.states.push_back({x});
+  };
+  double t_0 = 0, v_0 = 0, z_0 = height;
+  for (int bounce = 0; bounce < 3; ++bounce) {
+    const double flight = (v_0 + std::sqrt(v_0 * v_0 + 2 * g * z_0)) / g;
+    for (double t = 1e-4; t < flight; t += 1e-4) sample(t_0 + t, z_0 + v_0 * t - g * t * t / 2, v_0 - g * t);
+    t_0 += flight;
+    sample(t_0, -1e-6, 0);
+    v_0 = (g * flight - v_0) / 2;
+    z_0 = 0;
+  }
+  return solution;
+}
+
+bench::ContactScene ball() {
+  bench::ContactScene scene;
+  scene.problem.gravity = Vec3(0, 0, -9.81);
+  scene.problem.bodies.resize(1);
+  scene.problem.bodies[0].m = 0.1;
+  scene.centres = {Vec3::Zero()};
+  scene.radius = 0.01;
+  scene.law = {.k = 5000};
+  return scene;
+}
+
+TEST(ContactCase, KnowsTheFlightsOfABall) {
+  const std::vector<Flight> found = flights(ball(), ideal_bounces(9.81, 0.04));
+  ASSERT_EQ(found.size(), 3u);
+  const double fall = std::sqrt(2 * 0.04 / 9.81);
+  EXPECT_NEAR(found[0].apex, 0.04, 1e-9);
+  EXPECT_NEAR(found[1].apex, 0.01, 1e-9);
+  EXPECT_NEAR(found[2].apex, 0.0025, 1e-9);
+  EXPECT_NEAR(found[0].landing, fall, 1e-9);
+  EXPECT_NEAR(found[1].landing, 2 * fall, 1e-9);
+  EXPECT_NEAR(restitution(found), 0.5, 1e-9);
+  std::vector<Flight> higher = found;
+  higher[1].apex *= 1.02;
+  EXPECT_NEAR(worst_flight_error(higher, found), 0.02, 1e-9);
+  higher.pop_back();
+  EXPECT_TRUE(std::isinf(worst_flight_error(higher, found)));
+}
+
+TEST(ContactCase, PenetrationAndEnergyAreThoseOfTheSprings) {
+  const bench::ContactScene scene = ball();
+  oracle::RigidState x;
+  x.p.z() = 0.008;
+  x.v.z() = -2;
+  EXPECT_NEAR(penetration(scene, x), 0.002, 1e-15);
+  EXPECT_NEAR(mechanical_energy(scene, x, 0), 0.1 * 9.81 * 0.008 + 0.2 + 0.5 * 5000 * 0.002 * 0.002, 1e-12);
+  x.p.z() = 0.02;
+  EXPECT_EQ(penetration(scene, x), 0);
+}
+
+TEST(ContactErrorStudy, MeasuresThePressAndTheRestitutionThatIsLost) {
+  const std::filesystem::path shared = test::shared_file("reference");
+  if (shared.empty()) GTEST_SKIP() << "shared/reference is not here";
+  std::vector<std::string> skipped;
+  const ContactErrors errors =
+      study_contact_errors(contact_cases(shared.parent_path(), skipped), true, say_nothing);
+  EXPECT_TRUE(skipped.empty());
+  const ContactErrorRow* const press = find(errors.rows, "press", "implicit-euler", 1e-3);
+  ASSERT_NE(press, nullptr);
+  EXPECT_LT(press->position, 1e-4);
+  EXPECT_GT(find(errors.rows, "press", "implicit-euler", 0.25e-3)->order.value(), 0.8);
+  EXPECT_GT(find(errors.rows, "press", "tr-bdf2", 0.5e-3)->order.value(), 1.7);
+  ASSERT_TRUE(errors.restitution_reference);
+  const ContactErrorRow &first = *find(errors.rows, "bounce", "implicit-euler", 1e-3),
+                        &second = *find(errors.rows, "bounce", "tr-bdf2", 0.25e-3);
+  EXPECT_LT(first.restitution.value(), *errors.restitution_reference);
+  EXPECT_NEAR(second.restitution.value(), *errors.restitution_reference, 0.02);
+  EXPECT_LT(second.flight_error.value(), 0.02);
+}
+
+TEST(ContactCase, SaysWhichReferencesAreNotThere) {
+  std::vector<std::string> skipped;
+  EXPECT_TRUE(contact_cases("/nowhere", skipped).empty());
+  EXPECT_EQ(skipped.size(), 2u);
+}
+
+TEST(ContactStability, GainsNothingAtTheCornersOfTheMap) {
+  for (const char* integrator : {"implicit-euler", "tr-bdf2"})
+    for (const double k : {1e2, 1e9})
+      for (const double damping : {0.0, 100.0}) {
+        const ContactStability r = contact_gain(integrator, {.k = k, .damping = damping, .h = 5e-3});
+        EXPECT_FALSE(r.failed) << integrator << ' ' << k << ' ' << damping;
+        EXPECT_LT(r.gain, max_contact_gain) << integrator << ' ' << k << ' ' << damping;
+      }
+}
+
+/// The paper's Figs. 5 and 6: a brick that is placed where the device is throws the others about.
+TEST(ImposedStudy, APlacedBrickDestroysWhatAGodObjectPushes) {
+  const LoadResult loaded = load_scene((default_scene_directory() / "lego.toml").string());
+  ASSERT_TRUE(loaded.scene);
+  const double duration = 1.2;
+  const PileRun pulled = run_pile(*loaded.scene, CouplingMode::god_object, "", duration),
+                placed = run_pile(*loaded.scene, CouplingMode::imposed, "", duration);
+  EXPECT_EQ(pulled.bricks, 61u);
+  EXPECT_EQ(pulled.samples.size(), 120u);
+  EXPECT_EQ(pulled.num_faults, 0u);
+  EXPECT_EQ(pulled.worst.ejected, 0u);
+  EXPECT_GT(pulled.worst.force, 0.01);
+  EXPECT_GT(placed.worst.ejected, 0u);
+  EXPECT_GT(placed.worst.force, 10 * pulled.worst.force);
+  EXPECT_GT(placed.worst.overlap, 3 * pulled.worst.overlap);
+  EXPECT_GT(placed.worst.energy, pulled.worst.energy);
+}
+
+TEST(ImposedStudy, SaysWhatItCannotRead) {
+  EXPECT_THROW(static_cast<void>(study_imposed("/nowhere", true, say_nothing)), std::runtime_error);
+}
+
+TEST(ContactCosts, ContactsCostDataAndOnlyWhereTheyAre) {
+  InstructionCounter counter({});
+  std::string why_not;
+  const std::vector<ContactCostRow> rows =
+      study_contact_costs(default_probe_directory(), true, counter, say_nothing, why_not);
+  if (rows.empty()) GTEST_SKIP() << why_not;
+  std::size_t without = 0, with = 0;
+  for (const ContactCostRow& r : rows) {
+    if (r.size.composition == "bricks-64 implicit-euler") without = r.size.state_bytes;
+    if (r.size.composition == "bricks-contacts-64 implicit-euler") with = r.size.state_bytes;
+  }
+  EXPECT_GT(without, 0u);
+  EXPECT_GT(with, without);
+}
+
+}  // namespace
+}  // namespace godobject::study
