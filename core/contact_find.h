@@ -130,27 +130,75 @@ void add_near(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_
             .n_W = at.n_W});
 }
 
-/// Four spheres of a convex body and a box: bit j of the result, sphere j is near.
+/// Four points in the frame of a shape.
+inline Vector3<Pack> in_frame(const Vec3& p_WS, const Mat3& R_WS, const Vector3<Pack>& p_W) noexcept {
+  Vector3<Pack> apart, p_S;
+  for (int k = 0; k < 3; ++k) apart[k] = p_W[k] - Pack(p_WS[k]);
+  for (int k = 0; k < 3; ++k) p_S[k] = R_WS(0, k) * apart[0] + R_WS(1, k) * apart[1] + R_WS(2, k) * apart[2];
+  return p_S;
+}
+
+/// Four spheres and a box: bit j of the result, sphere j is near.
 inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
-                              const Vec3& middle_W, Pack& d, Vector3<Pack>& n_W) noexcept {
-  const auto from = [&](const Vec3& p_W) noexcept {
-    Vector3<Pack> apart, p_S;
-    for (int k = 0; k < 3; ++k) apart[k] = pack.p_W[k] - Pack(p_W[k]);
-    for (int k = 0; k < 3; ++k)
-      p_S[k] = R_WS(0, k) * apart[0] + R_WS(1, k) * apart[1] + R_WS(2, k) * apart[2];
-    return p_S;
-  };
-  const Vector3<Pack> p_S = from(box.X_WS.p);
+                              const Vec3& way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
   Vector3<Pack> n_S;
   Pack distance;
-  BoxShape::nearest(box.half_extents, p_S, -from(middle_W), distance, n_S);
+  BoxShape::nearest(box.half_extents, in_frame(box.X_WS.p, R_WS, pack.p_W), way_out_S, distance, n_S);
   for (int k = 0; k < 3; ++k) n_W[k] = R_WS(k, 0) * n_S[0] + R_WS(k, 1) * n_S[1] + R_WS(k, 2) * n_S[2];
   d = pack.r - distance;
   return bits(-contact_reach * pack.r < d);
 }
 
-/// Spheres of body a against the surfaces [first, end) of body b. A convex body is pushed towards its own middle,
-/// however deep its spheres are in the other.
+/// A direction in the world, and how far to go.
+struct WayOut {
+  Vec3 n_W = Vec3::UnitZ();
+  Real distance = std::numeric_limits<Real>::infinity();
+};
+
+/// The shortest way by which all of these spheres leave a box through one of its faces.
+inline WayOut way_out(const ShapeParams& box, const Mat3& R_WS, const SpherePack* packs,
+                      std::uint32_t num_packs) noexcept {
+  Vec3 lo = Vec3::Constant(std::numeric_limits<Real>::infinity()), hi = -lo;
+  for (std::uint32_t k = 0; k < num_packs; ++k) {
+    const Vector3<Pack> p_S = in_frame(box.X_WS.p, R_WS, packs[k].p_W);
+    for (std::size_t j = 0; j < 4; ++j) {
+      const Vec3 p = lane(p_S, j), r = Vec3::Constant(packs[k].r[j]);
+      lo = lo.cwiseMin(p - r);
+      hi = hi.cwiseMax(p + r);
+    }
+  }
+  Eigen::Index up = 0, down = 0;
+  const Real way_up = (box.half_extents - lo).minCoeff(&up),
+             way_down = (box.half_extents + hi).minCoeff(&down);
+  if (way_up <= way_down) return {.n_W = R_WS.col(up), .distance = way_up};
+  return {.n_W = -R_WS.col(down), .distance = way_down};
+}
+
+/// The shortest way of body a out of body b: out of b's first box, or b's spheres out of a's, if that is shorter.
+template <class Contacts, std::size_t N>
+Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b) noexcept {
+  if (b < a) return -parting(w, b, a);
+  const auto out_of = [&](std::uint32_t of, std::uint32_t i) noexcept {
+    const auto &box = w.owned[of], &spheres = w.owned[i];
+    const std::uint32_t o = box.first_surface;
+    if (!box.has_surfaces() || w.posed[o].kind != ShapeKind::box) return WayOut{};
+    return way_out(w.posed[o], w.R_WS[o], &w.packs[spheres.first_pack],
+                   (spheres.end_sphere - spheres.first_sphere + 3) / 4);
+  };
+  const WayOut a_moves = out_of(b, a), b_moves = out_of(a, b);
+  return a_moves.distance <= b_moves.distance ? a_moves.n_W : Vec3(-b_moves.n_W);
+}
+
+/// The face of a box that looks most in this direction: its normal, in the box's frame.
+inline Vec3 face_along(const Mat3& R_WS, const Vec3& n_W) noexcept {
+  const Vec3 n_S = R_WS.transpose() * n_W;
+  Eigen::Index k = 0;
+  n_S.cwiseAbs().maxCoeff(&k);
+  return n_S[k] < 0 ? Vec3(-Vec3::Unit(k)) : Vec3(Vec3::Unit(k));
+}
+
+/// Spheres of body a against the surfaces [first, end) of body b. A convex body whose spheres are in a box by more than
+/// they are wide leaves it through one face, all of it.
 template <class Contacts, std::size_t N>
 void find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
                       std::uint64_t pair, std::uint32_t first, std::uint32_t end,
@@ -176,8 +224,15 @@ void find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       if (on_a.has_surfaces() && shape.kind == ShapeKind::box) {
         Pack d;
         Vector3<Pack> n_W;
-        for (std::uint32_t hits = sought & near_box(shape, w.R_WS[o], pack, w.at[a].p_W, d, n_W); hits != 0;
-             hits &= hits - 1) {
+        std::uint32_t hits = sought & near_box(shape, w.R_WS[o], pack, Vec3::UnitZ(), d, n_W);
+        if ((hits & bits(pack.r <= d)) != 0) {
+          const Vec3 out_W = b < N ? parting(w, a, b)
+                                   : way_out(shape, w.R_WS[o], &w.packs[on_a.first_pack],
+                                             (on_a.end_sphere - on_a.first_sphere + 3) / 4)
+                                         .n_W;
+          hits = sought & near_box(shape, w.R_WS[o], pack, face_along(w.R_WS[o], out_W), d, n_W);
+        }
+        for (; hits != 0; hits &= hits - 1) {
           const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
           found(j, d[j], lane(n_W, j));
         }

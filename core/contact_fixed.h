@@ -79,8 +79,8 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
     const Real v_n = near.n_W.dot(at.V.v + at.V.w.cross(r));
     const Real d_0 = near.d + h * v_n;
     ContactMemory& memory = w.begun[i];
-    memory =
-        recalled(law, w.stage, step, near.key, of_step.find(near.key), of_stage.find(near.key), d_0, v_n);
+    memory = recalled(law, w.stage, step, near.key, of_step.find(near.key), of_stage.find(near.key), near.n_W,
+                      d_0, v_n, true);
     set_contact(law, memory, h, d_0, r, near.n_W, w.packs[w.num_packs - 1], j);
   }
   for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);

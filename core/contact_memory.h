@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "core/contact.h"
 
@@ -14,6 +15,7 @@ struct ContactMemory {
   Vec3 xi_dot_W = Vec3::Zero();  // how fast it was, m/s
   Real e = 0;                    // depth that no motion explains, m
   Vec3 F_W = Vec3::Zero();       // force in the last stage, N
+  Vec3 n_W = Vec3::Zero();       // normal
 };
 
 inline std::uint64_t contact_key(std::size_t sphere, std::size_t touched) noexcept {
@@ -69,8 +71,8 @@ struct ContactStage {
       false;  // after another stage of the step; otherwise that one's memories are none of this step
 };
 
-/// A contact that is let out bears at most what it would press together in this many steps: when it comes free, its
-/// bodies part at as many times push_out.
+/// A contact between bodies that is let out bears at most what it would press together in this many steps: where bodies
+/// are locked into each other nothing winds up. The world lets out whatever presses on it.
 inline constexpr Real max_pushed_steps = 10;
 
 /// e a while later, in which it would fall by `by` if the depth d followed; most: by which d may be behind.
@@ -78,17 +80,21 @@ inline Real let_out(Real e, Real d, Real by, Real most) noexcept {
   return std::max(std::min(e, std::max(e - by, d - most)), Real(0));
 }
 
-/// The memory with which a stage treats a contact. d_0, v_n: depth where the stage starts, and how fast it opens.
+/// The memory with which a stage treats a contact of normal n. d_0, v_n: depth where the stage starts, and how fast it
+/// opens. Where the normal has turned round a corner the contact is another one.
 inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, Real h, std::uint64_t key,
-                              const ContactMemory* of_step, const ContactMemory* of_stage, Real d_0,
-                              Real v_n) noexcept {
+                              const ContactMemory* of_step, const ContactMemory* of_stage, const Vec3& n_W,
+                              Real d_0, Real v_n, bool on_world) noexcept {
   ContactMemory m{.key = key};
-  if (!stage.goes_on) of_stage = nullptr;
+  const auto is_other = [&](const ContactMemory& before) noexcept { return before.n_W.dot(n_W) < Real(0.5); };
+  if (!stage.goes_on || (of_stage != nullptr && is_other(*of_stage))) of_stage = nullptr;
+  if (of_step != nullptr && is_other(*of_step)) of_step = nullptr;
   if (of_step != nullptr) m = *of_step;
   m.xi_W += stage.t_0 * m.xi_dot_W;
   if (of_stage != nullptr) m.xi_W += stage.t_1 * of_stage->xi_dot_W;
   if (of_step != nullptr)
-    m.e = let_out(m.e, d_0, stage.elapsed * law.push_out, max_pushed_steps * h * law.push_out);
+    m.e = let_out(m.e, d_0, stage.elapsed * law.push_out,
+                  on_world ? std::numeric_limits<Real>::infinity() : max_pushed_steps * h * law.push_out);
   else if (of_stage != nullptr) m.e = of_stage->e;
   else m.e = std::max(d_0 - 2 * h * std::max(-v_n, Real(0)), Real(0));
   return m;

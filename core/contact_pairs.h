@@ -102,8 +102,8 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
     const BodySphere& sphere = par.spheres[near.sphere];
     const ContactLaw& law = par.law(sphere.material, touched_material(par, near));
     const Real d_0 = near.d + h * near.v_n;
-    w.begun[i] = recalled(law, w.stage, step, near.key, of_step.find(near.key), of_stage.find(near.key), d_0,
-                          near.v_n);
+    w.begun[i] = recalled(law, w.stage, step, near.key, of_step.find(near.key), of_stage.find(near.key),
+                          near.n_W, d_0, near.v_n, on_world);
     const Real side = child == near.a ? 1 : -1;
     ContactMemory memory = w.begun[i];
     memory.xi_W *= side;

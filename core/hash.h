@@ -82,7 +82,7 @@ class Hash {
     for (std::size_t i = 0; i < x.size; ++i) {
       const ContactMemory& m = x.list[i];
       add(m.key);
-      for (const Vec3* a : {&m.xi_W, &m.xi_dot_W, &m.F_W}) add(*a);
+      for (const Vec3* a : {&m.xi_W, &m.xi_dot_W, &m.F_W, &m.n_W}) add(*a);
       add(m.e);
     }
   }

@@ -29,26 +29,20 @@ struct BoxShape {
     return {.distance = length, .n = direction(a, length, face)};
   }
 
-  /// The same for four points. Inside, of each pair of opposite faces the one on the side of `towards`.
-  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vector3<Pack>& towards,
-                      Pack& distance, Vector3<Pack>& n) noexcept {
-    Vector3<Pack> a, face;
-    Pack depth = 0;
+  /// The same for four points. Inside, the face with this outward normal, one of the six.
+  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& way_out, Pack& distance,
+                      Vector3<Pack>& n) noexcept {
+    Vector3<Pack> a;
     for (int k = 0; k < 3; ++k) {
-      const Pack beyond = abs(p[k]) - half_extents[k];
-      a[k] = select(p[k] < 0, -max(beyond, Pack(0)), max(beyond, Pack(0)));
-      const Pack side = select(towards[k] < 0, Pack(-1), Pack(1));
-      const Pack d = side * p[k] - half_extents[k];
-      if (k == 0) depth = d;
-      const PackMask nearer = depth < d;
-      for (int l = 0; l < k; ++l) face[l] = select(nearer, Pack(0), face[l]);
-      face[k] = k == 0 ? side : select(nearer, side, Pack(0));
-      depth = max(depth, d);
+      const Pack beyond = max(abs(p[k]) - half_extents[k], Pack(0));
+      a[k] = select(p[k] < 0, -beyond, beyond);
     }
     const Pack length = sqrt(a.squaredNorm());
+    const Pack depth =
+        p[0] * way_out[0] + p[1] * way_out[1] + p[2] * way_out[2] - half_extents.dot(way_out.cwiseAbs());
     const PackMask outside = Pack(min_length) < length;
     const Pack scale = 1 / max(length, Pack(min_length));
-    for (int k = 0; k < 3; ++k) n[k] = select(outside, a[k] * scale, face[k]);
+    for (int k = 0; k < 3; ++k) n[k] = select(outside, a[k] * scale, Pack(way_out[k]));
     distance = select(outside, length, depth);
   }
 };
