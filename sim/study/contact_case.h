@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/contact_scene.h"
+#include "sim/study/contact_scene.h"
 #include "tests/oracle/solve.h"
 
 namespace godobject::study {

@@ -5,7 +5,7 @@
 #include "core/contact_fixed.h"
 #include "sim/study/case_run.h"
 #include "sim/study/compositions.h"
-#include "tests/bench/contact_scene.h"
+#include "sim/study/contact_scene.h"
 
 namespace godobject::study {
 

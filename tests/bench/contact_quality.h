@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "tests/bench/contact_scene.h"
+#include "sim/study/contact_scene.h"
 
 namespace godobject::bench {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "tests/bench/contact_scene.h"
+#include "sim/study/contact_scene.h"
 
 namespace godobject::bench {
 

@@ -1,4 +1,4 @@
-#include "tests/bench/contact_scene.h"
+#include "sim/study/contact_scene.h"
 
 #include <cmath>
 #include <memory>
