@@ -166,9 +166,6 @@ bool update_contacts(Pass next, const std::array<AnchorTwist, N>& V, Real left,
     const AnchorTwist V_rel = V[pair.child] - shifted(V[pair.parent], pair.d);
     for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) update(w.packs[p], V_rel, next, most);
   }
-  const auto largest = [](const Pack& a) noexcept {
-    return std::max(std::max(a[0], a[1]), std::max(a[2], a[3]));
-  };
   const Real miss = largest(most.miss);
   w.report.residual = std::max(left, miss);
   return miss <= touching_tolerance * largest(most.F_n);

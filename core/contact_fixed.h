@@ -110,9 +110,6 @@ template <class Contacts, std::size_t N, class Joints>
 bool update_contacts(const Tree<N, Joints>& tree, Pass next, FixedContactScratch<Contacts, N>& w) noexcept {
   ContactMiss most;
   for (std::size_t i = 0; i < w.num_packs; ++i) update(w.packs[i], tree.nodes[w.packs[i].body].V, next, most);
-  const auto largest = [](const Pack& a) noexcept {
-    return std::max(std::max(a[0], a[1]), std::max(a[2], a[3]));
-  };
   w.report.residual = largest(most.miss);
   return w.report.residual <= contact_tolerance * largest(most.F_n);
 }

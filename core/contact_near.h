@@ -1,10 +1,9 @@
 // Which spheres are near which surfaces. Bound: a query for each sphere and surface of the world.
 #pragma once
 
-#include <algorithm>
-
 #include "core/contact.h"
 #include "core/contact_memory.h"
+#include "core/deepest.h"
 
 namespace godobject {
 
@@ -18,39 +17,16 @@ struct NearContact {
   Real v_n = 0;                // how fast it opens, m/s
   Vec3 c_W = Vec3::Zero();     // centre of the sphere
   Vec3 n_W = Vec3::UnitZ();    // off the surface
+
+  static bool comes_before(const NearContact& a, const NearContact& b) noexcept { return a.key < b.key; }
+  static bool is_deeper(const NearContact& a, const NearContact& b) noexcept {
+    return a.d != b.d ? a.d > b.d : comes_before(a, b);
+  }
 };
 
-/// The list of a stage, in the order of the keys.
+/// The list of a stage.
 template <std::size_t max_contacts>
-struct NearContacts {
-  std::array<NearContact, max_contacts> list;
-  std::size_t size = 0;
-  std::size_t num_found = 0;  // more than size: the list was full, and the deepest were kept
-
-  bool full() const noexcept { return num_found > size; }
-  void clear() noexcept { size = num_found = 0; }
-  void add(const NearContact& contact) noexcept {
-    ++num_found;
-    if (size < max_contacts) list[size++] = contact;
-    else put_in_place_of_shallowest(contact);
-  }
-  /// The full list is a heap with the shallowest on top, until put_in_order().
-  void put_in_place_of_shallowest(const NearContact& contact) noexcept {
-    const auto is_deeper = [](const NearContact& a, const NearContact& b) noexcept {
-      return a.d != b.d ? a.d > b.d : a.key < b.key;
-    };
-    if (num_found == max_contacts + 1) std::make_heap(list.begin(), list.end(), is_deeper);
-    if (!is_deeper(contact, list.front())) return;
-    std::pop_heap(list.begin(), list.end(), is_deeper);
-    list.back() = contact;
-    std::push_heap(list.begin(), list.end(), is_deeper);
-  }
-  void put_in_order() noexcept {
-    if (full())
-      std::sort(list.begin(), list.end(),
-                [](const NearContact& a, const NearContact& b) noexcept { return a.key < b.key; });
-  }
-};
+using NearContacts = Deepest<NearContact, max_contacts, NearContact::is_deeper, NearContact::comes_before>;
 
 /// A sphere nearer to a surface than this many of its radii may come to bear a force within the stage.
 inline constexpr Real contact_reach = 0.25;

@@ -104,6 +104,7 @@ inline bool any(const PackMask& m) noexcept {
 inline Pack abs(const Pack& a) noexcept { return select(a < 0, -a, a); }
 inline Pack max(const Pack& a, const Pack& b) noexcept { return select(a < b, b, a); }
 inline Pack min(const Pack& a, const Pack& b) noexcept { return select(b < a, b, a); }
+inline Real largest(const Pack& a) noexcept { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 inline Pack sqrt(const Pack& a) noexcept {
   return {std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }

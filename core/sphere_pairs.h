@@ -14,6 +14,7 @@
 
 #include "core/body_spheres.h"
 #include "core/broad_phase.h"
+#include "core/deepest.h"
 
 namespace godobject {
 
@@ -38,31 +39,8 @@ inline bool is_deeper(const SpherePair& a, const SpherePair& b) noexcept {
 
 /// The pairs found. Filled by find_sphere_pairs(); in the order of comes_before().
 template <std::size_t max_pairs>
-struct SpherePairs {
-  std::array<SpherePair, max_pairs> pairs;
-  std::size_t num_pairs = 0;
-  std::size_t num_found = 0;     // > num_pairs: max_pairs is too small, and the deepest were kept
+struct SpherePairs : Deepest<SpherePair, max_pairs, is_deeper, comes_before> {
   std::size_t num_left_out = 0;  // bodies without pairs because a number of their spheres is not finite
-
-  bool full() const noexcept { return num_found > num_pairs; }
-  void clear() noexcept { num_pairs = num_found = num_left_out = 0; }
-
-  void add(const SpherePair& pair) noexcept {
-    ++num_found;
-    if (num_pairs < max_pairs) pairs[num_pairs++] = pair;
-    else put_in_place_of_shallowest(pair);
-  }
-  /// The full list is a heap with the shallowest on top, until put_in_order().
-  void put_in_place_of_shallowest(const SpherePair& pair) noexcept {
-    if (num_found == max_pairs + 1) std::make_heap(pairs.begin(), pairs.end(), is_deeper);
-    if (!is_deeper(pair, pairs.front())) return;
-    std::pop_heap(pairs.begin(), pairs.end(), is_deeper);
-    pairs.back() = pair;
-    std::push_heap(pairs.begin(), pairs.end(), is_deeper);
-  }
-  void put_in_order() noexcept {
-    if (full()) std::sort(pairs.begin(), pairs.end(), comes_before);
-  }
 };
 
 /// Bit j: sphere j of the pack reaches into the box.

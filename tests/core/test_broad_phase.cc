@@ -45,7 +45,7 @@ struct Search {
   std::vector<SpherePair> find(const Bodies& bodies, Real margin) {
     load(bodies);
     find_sphere_pairs(spheres, margin, scratch, out);
-    return {out.pairs.begin(), out.pairs.begin() + static_cast<std::ptrdiff_t>(out.num_pairs)};
+    return {out.list.begin(), out.list.begin() + static_cast<std::ptrdiff_t>(out.size)};
   }
 };
 

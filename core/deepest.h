@@ -1,0 +1,38 @@
+// A list of fixed capacity that keeps the deepest when not all can be kept, and says so.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace godobject {
+
+/// is_deeper(a, b): a is kept rather than b. comes_before: the order of the list, in which items are added. Both total.
+template <class Item, std::size_t max_items, bool (*is_deeper)(const Item&, const Item&) noexcept,
+          bool (*comes_before)(const Item&, const Item&) noexcept>
+struct Deepest {
+  std::array<Item, max_items> list;
+  std::size_t size = 0;
+  std::size_t num_found = 0;  // more than size: the list was full, and the deepest were kept
+
+  bool full() const noexcept { return num_found > size; }
+  void clear() noexcept { size = num_found = 0; }
+  void add(const Item& item) noexcept {
+    ++num_found;
+    if (size < max_items) list[size++] = item;
+    else put_in_place_of_shallowest(item);
+  }
+  /// The full list is a heap with the shallowest on top, until put_in_order().
+  void put_in_place_of_shallowest(const Item& item) noexcept {
+    if (num_found == max_items + 1) std::make_heap(list.begin(), list.end(), is_deeper);
+    if (!is_deeper(item, list.front())) return;
+    std::pop_heap(list.begin(), list.end(), is_deeper);
+    list.back() = item;
+    std::push_heap(list.begin(), list.end(), is_deeper);
+  }
+  void put_in_order() noexcept {
+    if (full()) std::sort(list.begin(), list.end(), comes_before);
+  }
+};
+
+}  // namespace godobject
