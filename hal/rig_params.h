@@ -2,6 +2,7 @@
 // they hang on. Filled at set-up (from a scene file), constant while running.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -50,18 +51,30 @@ struct Calibration {
   double home = 0;                   // rad or m
 };
 
-/// A CiA 406 absolute encoder.
+/// An absolute encoder (CiA 406).
 struct EncoderParams {
   std::string joint;         // name of the joint it measures
   std::size_t bus = 0;       // index into the scene's buses
   std::uint8_t node_id = 1;  // 1..127
   Calibration calibration{};
   double max_speed = 50;  // rad/s or m/s: a sample that implies more is not plausible
+  std::string profile{};  // how the node is set up; empty: not at all, it is as the rig expects it
 };
 
-/// A CiA 402 drive in cyclic synchronous torque mode. It also measures its joint (6064h).
+/// What a drive speaks.
+enum class DriveProtocol : std::uint8_t {
+  cia402,  // CANopen, cyclic synchronous torque
+  odrive,  // CAN Simple
+  moteus,  // CAN FD
+};
+
+/// Names of DriveProtocol in scene files, in its order.
+inline constexpr std::array drive_protocol_names{"cia402", "odrive", "moteus"};
+
+/// A motor drive commanded in torque. It also measures its joint.
 struct DriveParams {
   std::string joint;
+  DriveProtocol protocol = DriveProtocol::cia402;
   std::size_t bus = 0;
   std::uint8_t node_id = 1;
   double torque_rated_Nm = 0.1;            // 6076h; targets travel in per mille of it
@@ -72,11 +85,31 @@ struct DriveParams {
   std::uint8_t status_every_nth_sync = 1;  // transmission type of its TPDO1, 1..240
   Calibration calibration{};               // of its position 6064h, to the joint coordinate
   double max_speed = 50;                   // of the joint: a position that implies more is not plausible
+  std::string profile{};                   // as EncoderParams::profile
+};
+
+/// What a button does while it is pressed.
+enum class ButtonUse : std::uint8_t {
+  hold,    // takes hold of the nearest body and lets go of it again: acts when it goes down
+  clutch,  // of a relative device: its increments count while the button is down
+};
+
+/// Names of ButtonUse in scene files, in its order.
+inline constexpr std::array button_use_names{"hold", "clutch"};
+
+/// A digital input of a CiA 401 node: one bit of its TPDO1 {6000h:01}.
+struct ButtonParams {
+  ButtonUse use = ButtonUse::hold;
+  std::size_t bus = 0;
+  std::uint8_t node_id = 1;
+  std::uint8_t bit = 0;     // 0..7
+  bool active_low = false;  // pressed is 0
 };
 
 struct BusParams {
-  std::string name;       // "can0"
-  double bit_rate = 1e6;  // bit/s, arbitration phase
+  std::string name;          // "can0"
+  double bit_rate = 1e6;     // bit/s, arbitration phase
+  double data_bit_rate = 0;  // bit/s, data phase of CAN FD; 0: a classic bus
 };
 
 struct RigParams {
@@ -84,6 +117,7 @@ struct RigParams {
   KinematicTreeParams tree;
   std::vector<EncoderParams> encoders;
   std::vector<DriveParams> drives;
+  std::vector<ButtonParams> buttons{};
   double cycle_s = 1e-3;             // SYNC period
   double stale_after_s = 3e-3;       // a sample older than this is not valid any more
   double boot_timeout_s = 5;         // from start to every drive enabled

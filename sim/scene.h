@@ -10,6 +10,7 @@
 
 #include "core/joint.h"
 #include "hal/rig_params.h"
+#include "hal/tracker_params.h"
 #include "sim/contact_config.h"
 
 namespace godobject {
@@ -75,6 +76,7 @@ struct DeviceConfig {
   LimitConfig limits;
   std::optional<RigParams> rig;  // absent: the scene can only run with --bus direct
   PlantConfig plant;
+  std::vector<TrackerParams> trackers{};
 };
 
 struct BodyConfig {
@@ -158,6 +160,17 @@ struct WireConfig {
   double delay_s = 0;                 // added to every frame
 };
 
+/// A fault that the simulated rig plays: what it is, where, and when.
+struct FaultConfig {
+  std::string verb;                       // "drop", "unplug", ...: see docs/faults.md
+  std::string bus{};                      // name of a bus; empty: all, or the bus of the node
+  std::optional<std::uint8_t> node_id{};  // of a node on that bus; none: the bus itself
+  std::string tracker{};                  // name of a tracker instead
+  double at = 0;                          // s of the motion
+  std::optional<double> duration{};       // s; none: to the end, or one event where the verb is one
+  double value = 0;                       // the verb's own: probability, s, counts, ppm, code
+};
+
 /// Names of CouplingMode in scene files, in its order.
 inline constexpr std::array coupling_names{"god-object", "imposed"};
 
@@ -181,6 +194,7 @@ struct SceneConfig {
   std::optional<DeviceConfig> device;   // drives the bodies that have a handle
   std::optional<MotionConfig> motion;
   WireConfig wire;
+  std::vector<FaultConfig> faults{};  // in the order of time
 };
 
 /// Indices of the bodies that have a target: the coupled ones; without any, the first body where an
