@@ -1,0 +1,55 @@
+// A CAN bus of this machine: one that a thread can wait on, made from an address on the command line.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "hal/can_bus.h"
+
+namespace godobject {
+
+/// The time stamps of received frames are CLOCK_MONOTONIC, as MonotonicClock::now().
+class LinuxBus : public CanBus {
+ public:
+  /// Readable when try_receive may have something new; -1 while closed. For ppoll.
+  virtual int descriptor() const noexcept = 0;
+  /// Why open() failed or what state() other than error_active means here, and what to do about it; empty:
+  /// nothing is wrong. Allocates: not for the loop.
+  virtual std::string trouble() const = 0;
+};
+
+/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
+struct CanFilter {
+  std::uint32_t id = 0;
+  std::uint32_t mask = 0;
+  bool extended = false;
+};
+
+struct BusSettings {
+  double bit_rate = 1e6;               // bit/s; what the scene expects of the bus
+  double data_bit_rate = 0;            // bit/s, CAN FD; 0: classic
+  std::span<const CanFilter> filters;  // empty: everything
+};
+
+enum class BusKind : std::uint8_t {
+  socketcan,  // socketcan:can0
+  slcan,      // slcan:/dev/ttyACM0
+  pty,        // pty: makes a pseudo-terminal that speaks SLCAN, and says its name
+  replay,     // replay:run.log, one interface of it replay:run.log,can0
+};
+
+struct BusAddress {
+  BusKind kind = BusKind::socketcan;
+  std::string where;  // interface, path of a terminal, or of a log
+};
+
+/// None: `error` says what is wrong with `text` and what it may be.
+std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& error);
+
+/// Closed. Allocates; the bus does not later.
+std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings& settings);
+
+}  // namespace godobject
