@@ -87,20 +87,41 @@ class Search {
          "sphere of body '" + scene_.bodies[other.body].name + "'");
   }
 
+  /// Placed at its target, whatever is in the way.
+  bool imposed(std::size_t body) const {
+    return scene_.coupling == CouplingMode::imposed && sums_[body].k_c > 0;
+  }
+
+  /// Nothing stops an imposed body: obstacles let it through at any speed, and what it can push aside it must
+  /// meet in some step.
+  void take_imposed(const BodySphere& sphere, std::size_t other, double depth, const std::string& name) {
+    if (other == world || (imposed(sphere.body) && imposed(other))) return;
+    keep({.what = what(sphere, name), .travel = depth / scene_.step, .energy = infinite, .hand = infinite});
+  }
+
+  std::string what(const BodySphere& sphere, const std::string& name) const {
+    return "sphere of body '" + scene_.bodies[sphere.body].name + "' and " + name;
+  }
+
+  void keep(const SpeedBound& bound) {
+    if (!slowest_ || bound.top() < slowest_->top()) slowest_ = bound;
+  }
+
   void take(const BodySphere& sphere, MaterialId material, std::size_t other, double T,
             const std::string& name) {
     const double k = contacts_.laws[sphere.material][material].k, depth = sphere.radius + T;
     const ToolSums& tool = sums_[sphere.body];
+    if (imposed(sphere.body) || (other != world && imposed(other)))
+      return take_imposed(sphere, other, depth, name);
     double mass = tool.mass, k_c = tool.k_c;
     if (other != world) {
       mass = mass * sums_[other].mass / (mass + sums_[other].mass);
       k_c = std::max(k_c, sums_[other].k_c);
     }
-    const SpeedBound bound{.what = "sphere of body '" + scene_.bodies[sphere.body].name + "' and " + name,
-                           .travel = depth / scene_.step,
-                           .energy = depth * std::sqrt(k / mass),
-                           .hand = k_c > 0 ? depth * (1 + k / k_c) : infinite};
-    if (!slowest_ || bound.top() < slowest_->top()) slowest_ = bound;
+    keep({.what = what(sphere, name),
+          .travel = depth / scene_.step,
+          .energy = depth * std::sqrt(k / mass),
+          .hand = k_c > 0 ? depth * (1 + k / k_c) : infinite});
   }
 
   const SceneConfig& scene_;

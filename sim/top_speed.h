@@ -10,7 +10,8 @@
 //
 // m: of the whole tool, and with another tool m_1 m_2 / (m_1 + m_2); k: of one sphere, damping left out. What
 // goes on pushing is not in this: a hand that follows x_H deep is held as long as its coupling k_c balances the
-// contact at less than r + T, x_H < (r + T) (1 + k / k_c).
+// contact at less than r + T, x_H < (r + T) (1 + k / k_c). A body placed at its target by coupling = "imposed" is
+// stopped by nothing: of it only the travel counts, and only against bodies that it can push.
 #pragma once
 
 #include <optional>

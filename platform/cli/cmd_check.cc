@@ -38,7 +38,7 @@ void print_capacities(const SceneConfig& scene, const Composition& c) {
   const ContactCounts counts = contact_counts(scene);
   print("spheres", counts.spheres, c.max_spheres);
   print("surfaces", counts.surfaces, c.max_surfaces);
-  std::printf("#   %-24s %8s of %zu at a time; more are the fault contacts_full\n", "contacts", "",
+  std::printf("#   %-24s at most %zu at a time; more are the fault contacts_full\n", "contacts",
               c.max_contacts);
 }
 

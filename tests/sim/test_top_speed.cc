@@ -76,6 +76,19 @@ TEST(TopSpeed, IsThatOfTheThinnestPair) {
   EXPECT_NEAR(top_speed(scene)->travel, (r + 0.001) / 1e-3, 1e-9);
 }
 
+TEST(TopSpeed, OfAnImposedBodyIsItsTravelAgainstWhatItCanPush) {
+  SceneConfig scene = sphere_and_wall(2e4);
+  scene.bodies[0].coupling = CouplingConfig{.stiffness = 1e3};
+  scene.coupling = CouplingMode::imposed;
+  EXPECT_FALSE(top_speed(scene)) << "no wall stops it";
+  scene.bodies.push_back(body_of("brick", 0.1, 1e-5));
+  scene.bodies[1].spheres.push_back(sphere_of(0.002));
+  const SpeedBound bound = top_speed(scene).value();
+  EXPECT_THAT(bound.what, HasSubstr("'brick'"));
+  EXPECT_EQ(bound.top(), bound.travel);
+  EXPECT_NEAR(bound.travel, (0.002 + r) / 1e-3, 1e-9);
+}
+
 TEST(TopSpeed, OfTwoToolsIsThatOfTheirReducedMass) {
   SceneConfig scene = sphere_and_wall(1e4);
   scene.obstacles.clear();
