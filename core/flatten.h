@@ -1,8 +1,9 @@
 // A step and all it calls in one function: the chain of its results stays in registers (docs/decisions/010). Builds
-// with assertions and sanitizers do without; they would compile for minutes.
+// with assertions and sanitizers do without, and so do the core's own tests, which instantiate it by the dozen: they
+// would compile for minutes.
 #pragma once
 
-#ifdef NDEBUG
+#if defined(NDEBUG) && !defined(GODOBJECT_NO_FLATTEN)
 #define GODOBJECT_FLATTEN [[gnu::flatten]]
 #else
 #define GODOBJECT_FLATTEN
