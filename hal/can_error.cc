@@ -55,6 +55,7 @@ void apply(const CanErrorReport& report, BusState& state, BusCounters& counters)
   ++counters.error_frames;
   if (report.error != BusError::none) counters.last_error = report.error;
   if (report.error == BusError::restarted) ++counters.restarts;
+  if (report.error == BusError::receive_overflow) ++counters.receive_overflow;  // one at least
   if (report.state == BusState::bus_off && state != BusState::bus_off) ++counters.bus_off_events;
   if (report.counters) {
     counters.transmit_error_counter = report.counters->transmit;

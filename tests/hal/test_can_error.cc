@@ -90,6 +90,13 @@ TEST(CanError, LastErrorOutlivesAPlainChangeOfState) {
   EXPECT_EQ(counters.transmit_error_counter, 96);
 }
 
+TEST(CanError, AnOverrunInTheControllerCountsAsALostFrame) {
+  BusState state = BusState::error_active;
+  BusCounters counters;
+  apply(decode_can_error(0x004, std::array<std::uint8_t, 2>{0, 0x01}), state, counters);
+  EXPECT_EQ(counters.receive_overflow, 1u);
+}
+
 TEST(CanError, AnyBytesGiveAReport) {
   std::mt19937 random(7);
   for (int i = 0; i < 100'000; ++i) {
