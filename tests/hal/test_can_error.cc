@@ -38,6 +38,7 @@ TEST(CanError, NamesWhatTheDriversReport) {
       {"transmit overflow", 0x004, {0, 0x02}, BusError::transmit_overflow, std::nullopt},
       {"transmit time-out", 0x001, {}, BusError::transmit_timeout, std::nullopt},
       {"transceiver", 0x010, {0, 0, 0, 0, 0x04}, BusError::transceiver, std::nullopt},
+      {"slcan's overflow", 0x08C, {0, 0x01}, BusError::receive_overflow, std::nullopt},
       {"unspecified", 0x080, {}, BusError::other, std::nullopt},
       {"nothing", 0, {}, BusError::none, std::nullopt},
   };
