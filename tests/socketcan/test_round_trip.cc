@@ -6,6 +6,7 @@
 
 #include "hal/candump.h"
 #include "tests/socketcan/can_test.h"
+#include "tests/support/allocation_guard.h"
 
 namespace godobject::test {
 namespace {
@@ -125,6 +126,24 @@ TEST_F(CanPairTest, OwnFramesAreConfirmedWhereTheyPassTheFilter) {
   EXPECT_EQ(drain(*far), 2u);
   drain(filtered);
   EXPECT_EQ(filtered.counters().sent, 1u);
+}
+
+TEST_F(CanPairTest, SendingAndReceivingNeitherAllocateNorLockNorSleep) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has the heap";
+  std::string calls;
+  std::size_t received = 0;
+  {
+    AllocationGuard guard;
+    ReceivedFrame out;
+    for (std::uint32_t i = 0; i < 5000; ++i) {
+      if (i % 100 == 0) static_cast<void>(near->try_send({.id = i / 100, .size = 8}));
+      if (far->try_receive(out)) ++received;
+      static_cast<void>(near->try_receive(out));
+    }
+    calls = guard.report();
+  }
+  EXPECT_GT(received, 0u);
+  EXPECT_THAT(calls, testing::Not(testing::ContainsRegex("alloc|free|mutex|sleep|read|write"))) << calls;
 }
 
 TEST_F(CanPairTest, CandumpSeesTheSameFrames) {
