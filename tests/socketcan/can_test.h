@@ -70,7 +70,7 @@ class CanTest : public testing::Test {
     if (fd >= 0) ::close(fd);
     if (std::getenv("GODOBJECT_CAN_NEAR") == nullptr)
       GTEST_SKIP() << (fd < 0 ? "this kernel has no AF_CAN; " : "")
-                   << "run tests/vm/socketcan_tests, which runs this in a guest kernel";
+                   << "ctest -R guest.SocketCan runs this in a guest kernel";
     ASSERT_GE(fd, 0) << "no AF_CAN here";
   }
 };
