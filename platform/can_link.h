@@ -25,7 +25,7 @@ struct CanLink {
   std::uint32_t mtu = 0;  // 16: classic, 72: FD too
   std::uint32_t transmit_queue_length = 0;
   std::array<char, 16> qdisc{};  // queueing discipline, e.g. pfifo_fast
-  std::optional<CanController> controller;
+  std::optional<CanController> controller{};
 
   bool carries_fd() const noexcept { return mtu >= 72; }
 };

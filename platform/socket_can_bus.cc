@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "platform/clock.h"
+
 namespace godobject {
 
 static_assert(can_error::transmit_timeout == CAN_ERR_TX_TIMEOUT &&
@@ -97,7 +99,9 @@ bool SocketCanBus::check_link() noexcept {
     return false;
   }
   carries_fd_ = link.carries_fd();
-  state_ = link.controller ? link.controller->state : BusState::error_active;
+  // Some drivers never say that their controller has started.
+  const bool told = link.controller && link.controller->state != BusState::down;
+  state_ = told ? link.controller->state : BusState::error_active;
   return true;
 }
 
@@ -157,6 +161,7 @@ SendResult SocketCanBus::refused(int error) noexcept {
 
 void SocketCanBus::lose_interface(int error) noexcept {
   state_ = error == ENODEV || error == ENXIO ? BusState::gone : BusState::down;
+  t_lost_ = MonotonicClock{}.now();
 }
 
 bool SocketCanBus::try_receive(ReceivedFrame& out) noexcept {
@@ -193,7 +198,8 @@ bool SocketCanBus::try_receive(ReceivedFrame& out) noexcept {
 /// True when `out` holds a frame for the caller.
 bool SocketCanBus::take(const Message& message, ReceivedFrame& out) noexcept {
   if (message.dropped_in_all) count_overflow(*message.dropped_in_all);
-  if (state_ == BusState::down) state_ = BusState::error_active;
+  // The kernel tells of the loss before it hands on what had come until then.
+  if (state_ == BusState::down && message.t_ns > t_lost_) state_ = BusState::error_active;
   if ((message.frame.can_id & CAN_ERR_FLAG) != 0) {
     const std::span<const std::uint8_t> data(message.frame.data, CAN_ERR_DLC);
     apply(decode_can_error(message.frame.can_id & CAN_ERR_MASK, data), state_, counters_);

@@ -32,6 +32,7 @@ class SocketCanBus final : public LinuxBus {
   /// Counters stay.
   void close() noexcept override;
   [[nodiscard]] SendResult try_send(const CanFrame& frame) noexcept override;
+  /// Also false after 64 error frames and own frames in a row: the descriptor stays readable.
   [[nodiscard]] bool try_receive(ReceivedFrame& out) noexcept override;
   BusState state() const noexcept override { return state_; }
   BusCounters counters() const noexcept override { return counters_; }
@@ -66,6 +67,7 @@ class SocketCanBus final : public LinuxBus {
   BusState state_ = BusState::closed;
   BusCounters counters_;
   std::uint64_t queue_full_ = 0;      // try_send calls answered with full
+  Nanoseconds t_lost_ = 0;            // when the interface was found down or gone
   std::uint32_t dropped_in_all_ = 0;  // by this socket, as the kernel counts (SO_RXQ_OVFL)
   ReceiveStamp stamp_;
   // Of the last open() that failed.

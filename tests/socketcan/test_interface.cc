@@ -4,8 +4,6 @@
 namespace godobject::test {
 namespace {
 
-using testing::Test;
-
 bool mentions(const std::string& text, const std::string& what) {
   return text.find(what) != std::string::npos;
 }
@@ -42,6 +40,15 @@ TEST_F(VirtualCanTest, TheInterfaceGoesDownAndComesUpAgain) {
   EXPECT_EQ(bus.trouble(), "");
   // The other one only listens: it is up again when something comes.
   EXPECT_TRUE(becomes_true(other, [&] { return other.state() == BusState::error_active; }));
+}
+
+TEST_F(VirtualCanTest, WhatCameBeforeTheInterfaceWentDownIsStillRead) {
+  ASSERT_TRUE(bus.open());
+  ASSERT_TRUE(other.open());
+  for (std::uint32_t id = 0; id < 5; ++id) ASSERT_EQ(other.try_send({.id = id}), SendResult::queued);
+  set("down");
+  EXPECT_EQ(drain(bus), 5u);
+  EXPECT_EQ(bus.state(), BusState::down);
 }
 
 // Without a read in between: the send finds out.
