@@ -2,6 +2,7 @@
 
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <array>
@@ -160,8 +161,16 @@ SendResult SocketCanBus::refused(int error) noexcept {
 }
 
 void SocketCanBus::lose_interface(int error) noexcept {
-  state_ = error == ENODEV || error == ENXIO ? BusState::gone : BusState::down;
+  if (error == ENODEV || error == ENXIO) state_ = BusState::gone;
+  else
+    state_ = is_up() ? BusState::error_active : BusState::down;  // the news may be older than the next start
   t_lost_ = MonotonicClock{}.now();
+}
+
+bool SocketCanBus::is_up() const noexcept {
+  ifreq request{};
+  interface_.copy(request.ifr_name, sizeof request.ifr_name - 1);
+  return ioctl(fd_, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
 }
 
 bool SocketCanBus::try_receive(ReceivedFrame& out) noexcept {

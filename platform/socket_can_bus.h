@@ -50,6 +50,7 @@ class SocketCanBus final : public LinuxBus {
   SendResult send_now(const CanFrame& frame) noexcept;
   SendResult refused(int error) noexcept;
   void lose_interface(int error) noexcept;
+  bool is_up() const noexcept;
   void count_overflow(std::uint32_t dropped_in_all) noexcept;
   bool take(const Message& message, ReceivedFrame& out) noexcept;
   void seen_alive() noexcept;
