@@ -9,8 +9,6 @@
 #include <cerrno>
 #include <cstring>
 
-#include "platform/clock.h"
-
 namespace godobject {
 
 static_assert(can_error::transmit_timeout == CAN_ERR_TX_TIMEOUT &&
@@ -161,10 +159,7 @@ SendResult SocketCanBus::refused(int error) noexcept {
 }
 
 void SocketCanBus::lose_interface(int error) noexcept {
-  if (error == ENODEV || error == ENXIO) state_ = BusState::gone;
-  else
-    state_ = is_up() ? BusState::error_active : BusState::down;  // the news may be older than the next start
-  t_lost_ = MonotonicClock{}.now();
+  state_ = error == ENODEV || error == ENXIO ? BusState::gone : BusState::down;
 }
 
 bool SocketCanBus::is_up() const noexcept {
@@ -207,8 +202,8 @@ bool SocketCanBus::try_receive(ReceivedFrame& out) noexcept {
 /// True when `out` holds a frame for the caller.
 bool SocketCanBus::take(const Message& message, ReceivedFrame& out) noexcept {
   if (message.dropped_in_all) count_overflow(*message.dropped_in_all);
-  // The kernel tells of the loss before it hands on what had come until then.
-  if (state_ == BusState::down && message.t_ns > t_lost_) state_ = BusState::error_active;
+  // The kernel tells of the loss before it hands on what had come until then, so a message alone proves nothing.
+  if (state_ == BusState::down && is_up()) state_ = BusState::error_active;
   if ((message.frame.can_id & CAN_ERR_FLAG) != 0) {
     const std::span<const std::uint8_t> data(message.frame.data, CAN_ERR_DLC);
     apply(decode_can_error(message.frame.can_id & CAN_ERR_MASK, data), state_, counters_);

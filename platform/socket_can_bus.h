@@ -68,7 +68,6 @@ class SocketCanBus final : public LinuxBus {
   BusState state_ = BusState::closed;
   BusCounters counters_;
   std::uint64_t queue_full_ = 0;      // try_send calls answered with full
-  Nanoseconds t_lost_ = 0;            // when the interface was found down or gone
   std::uint32_t dropped_in_all_ = 0;  // by this socket, as the kernel counts (SO_RXQ_OVFL)
   ReceiveStamp stamp_;
   // Of the last open() that failed.
