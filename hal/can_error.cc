@@ -49,7 +49,7 @@ CanErrorReport decode_can_error(std::uint32_t error_class, std::span<const std::
   CanErrorReport report{.error = error_of(error_class, at(1), at(2), at(3)),
                         .state = state_of(error_class, at(1)),
                         .counters = std::nullopt};
-  if ((error_class & counters) != 0) report.counters = {.transmit = at(6), .receive = at(7)};
+  if ((error_class & error_counters) != 0) report.counters = {.transmit = at(6), .receive = at(7)};
   return report;
 }
 

@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// What one error frame says. `restarted` comes with the state error_active, `bus_off` as state.
+/// What one error frame says. A restart is an error with the new state error_active; bus-off is a state only.
 struct CanErrorReport {
   BusError error = BusError::none;  // the most telling one, when the frame names several
   std::optional<BusState> state;    // the controller's new state
@@ -31,7 +31,7 @@ void apply(const CanErrorReport& report, BusState& state, BusCounters& counters)
 namespace can_error {
 inline constexpr std::uint32_t transmit_timeout = 0x1, lost_arbitration = 0x2, controller = 0x4,
                                protocol = 0x8, transceiver = 0x10, no_acknowledge = 0x20, bus_off = 0x40,
-                               bus_error = 0x80, restarted = 0x100, counters = 0x200;
+                               bus_error = 0x80, restarted = 0x100, error_counters = 0x200;
 // data[1]
 inline constexpr std::uint8_t receive_overflow = 0x01, transmit_overflow = 0x02, warning = 0x0C,
                               passive = 0x30, active = 0x40;

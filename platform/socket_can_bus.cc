@@ -16,7 +16,7 @@ static_assert(can_error::transmit_timeout == CAN_ERR_TX_TIMEOUT &&
               can_error::protocol == CAN_ERR_PROT && can_error::transceiver == CAN_ERR_TRX &&
               can_error::no_acknowledge == CAN_ERR_ACK && can_error::bus_off == CAN_ERR_BUSOFF &&
               can_error::bus_error == CAN_ERR_BUSERROR && can_error::restarted == CAN_ERR_RESTARTED &&
-              can_error::counters == CAN_ERR_CNT);
+              can_error::error_counters == CAN_ERR_CNT);
 static_assert(can_error::receive_overflow == CAN_ERR_CRTL_RX_OVERFLOW &&
               can_error::transmit_overflow == CAN_ERR_CRTL_TX_OVERFLOW &&
               can_error::warning == (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING) &&
@@ -169,34 +169,36 @@ bool SocketCanBus::is_up() const noexcept {
 }
 
 bool SocketCanBus::try_receive(ReceivedFrame& out) noexcept {
-  if (fd_ < 0) return false;
   for (int i = 0; i < max_messages_per_call; ++i) {
     Message message;
-    iovec data{.iov_base = &message.frame, .iov_len = sizeof message.frame};
-    alignas(cmsghdr) std::array<char, 256> control;
-    msghdr head{};
-    head.msg_iov = &data;
-    head.msg_iovlen = 1;
-    head.msg_control = control.data();
-    head.msg_controllen = control.size();
-    const ssize_t size = recvmsg(fd_, &head, MSG_DONTWAIT);
-    if (size < 0) {
-      if (errno == EINTR) continue;
-      if (errno != EAGAIN) lose_interface(errno);
-      return false;
-    }
-    message.size = static_cast<std::size_t>(size);
-    message.own = (head.msg_flags & MSG_CONFIRM) != 0;
-    message.t_ns = stamp_.of(head);
-    for (cmsghdr* part = CMSG_FIRSTHDR(&head); part != nullptr; part = CMSG_NXTHDR(&head, part)) {
-      std::uint32_t dropped = 0;
-      if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
-      std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
-      message.dropped_in_all = dropped;
-    }
+    if (!read_message(message)) return false;
     if (take(message, out)) return true;
   }
   return false;
+}
+
+bool SocketCanBus::read_message(Message& message) noexcept {
+  if (fd_ < 0) return false;
+  iovec data{.iov_base = &message.frame, .iov_len = sizeof message.frame};
+  alignas(cmsghdr) std::array<char, 256> control;
+  msghdr head{};
+  head.msg_iov = &data;
+  head.msg_iovlen = 1;
+  head.msg_control = control.data();
+  head.msg_controllen = control.size();
+  const ssize_t size = recvmsg(fd_, &head, MSG_DONTWAIT);
+  if (size < 0) {
+    if (errno != EAGAIN && errno != EINTR) lose_interface(errno);
+    return false;
+  }
+  message.size = static_cast<std::size_t>(size);
+  message.own = (head.msg_flags & MSG_CONFIRM) != 0;
+  message.t_ns = stamp_.of(head);
+  for (cmsghdr* part = CMSG_FIRSTHDR(&head); part != nullptr; part = CMSG_NXTHDR(&head, part)) {
+    if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SO_RXQ_OVFL)
+      std::memcpy(&message.dropped_in_all.emplace(), CMSG_DATA(part), sizeof(std::uint32_t));
+  }
+  return true;
 }
 
 /// True when `out` holds a frame for the caller.

@@ -52,6 +52,7 @@ class SocketCanBus final : public LinuxBus {
   void lose_interface(int error) noexcept;
   bool is_up() const noexcept;
   void count_overflow(std::uint32_t dropped_in_all) noexcept;
+  bool read_message(Message& message) noexcept;
   bool take(const Message& message, ReceivedFrame& out) noexcept;
   void seen_alive() noexcept;
   std::string why_not_open() const;
