@@ -21,7 +21,7 @@ class LinuxBus : public CanBus {
   virtual std::string trouble() const = 0;
 };
 
-/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
+/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask). Remote frames do not pass.
 struct CanFilter {
   std::uint32_t id = 0;
   std::uint32_t mask = 0;
@@ -31,7 +31,7 @@ struct CanFilter {
 struct BusSettings {
   double bit_rate = 1e6;               // bit/s; what the scene expects of the bus
   double data_bit_rate = 0;            // bit/s, CAN FD; 0: classic
-  std::span<const CanFilter> filters;  // empty: everything
+  std::span<const CanFilter> filters{};  // empty: everything
 };
 
 enum class BusKind : std::uint8_t {
