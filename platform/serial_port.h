@@ -19,12 +19,13 @@ enum class SerialState : std::uint8_t {
   failed,   // the system refused: trouble() has its words and the remedy
 };
 
-/// What became of the request for low latency. A USB adapter otherwise keeps received bytes back, an FTDI for 16 ms.
+/// What became of the request for low latency. Without it a USB adapter keeps received bytes back: an FTDI
+/// for 16 ms.
 enum class LowLatency : std::uint8_t {
   not_asked,
-  in_effect,  // ASYNC_LOW_LATENCY was read back, and the adapter's latency timer, if it has one, is at most 1 ms
-  not_a_uart,  // a pseudo-terminal or a driver without the setting: nothing keeps bytes back that we could tell to
-  refused,  // latency_report() has the reason and the udev rule
+  in_effect,   // ASYNC_LOW_LATENCY was read back; the latency timer, where there is one, is at most 1 ms
+  not_a_uart,  // a pseudo-terminal, or a driver without the setting
+  refused,     // latency_report() has the reason and the udev rule
 };
 
 struct SerialSettings {
@@ -33,7 +34,8 @@ struct SerialSettings {
   bool low_latency = true;
 };
 
-/// Reading and writing return at once, do not allocate and do not throw; the rest is for set-up. One thread at a time.
+/// Reading and writing return at once, do not allocate and do not throw; the rest is for set-up.
+/// One thread at a time.
 class SerialPort {
  public:
   SerialPort() = default;
@@ -47,14 +49,15 @@ class SerialPort {
 
   /// Bytes that have arrived, as many as fit; 0: none now, or state() is not open any more.
   [[nodiscard]] std::size_t read(std::span<std::uint8_t> out) noexcept;
-  /// Returns how many of the first bytes were taken; fewer than all: the buffer is full, or state() has changed.
+  /// How many of the first bytes were taken; fewer than all: the buffer is full, or state() has changed.
   [[nodiscard]] std::size_t write(std::span<const std::uint8_t> bytes) noexcept;
   /// Waits, at most so long, until read() has something to say. False: it has not. Not for the loop.
   [[nodiscard]] bool wait_readable(Nanoseconds timeout) noexcept;
 
   /// After what was written has left. False: state() and trouble() as with open(). Waits: not for the loop.
   [[nodiscard]] bool set_baud(std::uint32_t baud);
-  /// Holds the line at 0 for a quarter to half a second, which resets e.g. NDI trackers. Nothing on a pseudo-terminal.
+  /// Holds the line at 0 for a quarter to half a second, which resets e.g. NDI trackers. Nothing on a
+  /// pseudo-terminal. Not for the loop.
   void send_break() noexcept;
   /// Forgets what was received and not read.
   void discard_input() noexcept;
@@ -88,8 +91,8 @@ class SerialPort {
 /// Time of one byte on a line of 8 data bits, no parity, 1 stop bit: 10 bits.
 constexpr double seconds_per_byte(std::uint32_t baud) noexcept { return 10.0 / baud; }
 
-/// The latency timer of the USB adapter behind terminal `path`, ms, as the kernel shows it below `sysfs`; none: the
-/// driver has no such timer (only FTDI's has).
+/// The latency timer of the USB adapter behind terminal `path`, ms, as the kernel shows it below `sysfs`;
+/// none: the driver has no such timer (only FTDI's has).
 std::optional<int> read_latency_timer_ms(const std::string& path, std::string_view sysfs = "/sys");
 
 }  // namespace godobject
