@@ -1,4 +1,4 @@
-// A serial port on a pseudo-terminal: raw bytes, full buffers, hang-up, and what open() says of what is not one.
+// A serial port on a pseudo-terminal: raw bytes, full buffers, hang-up, and what open() says where it fails.
 #include <gmock/gmock.h>
 
 #include <filesystem>
