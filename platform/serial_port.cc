@@ -89,6 +89,13 @@ bool SerialPort::open(const std::string& path, const SerialSettings& settings) {
   return true;
 }
 
+void SerialPort::adopt(int descriptor, std::string name) {
+  close();
+  fd_ = descriptor;
+  path_ = std::move(name);
+  state_ = SerialState::open;
+}
+
 void SerialPort::close() noexcept {
   if (fd_ >= 0) {
     if (!is_pseudo_terminal(fd_)) ioctl(fd_, TIOCNXCL);

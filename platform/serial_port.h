@@ -45,6 +45,8 @@ class SerialPort {
 
   /// Raw mode, exclusively, with empty buffers. False: state() is failed and trouble() says why.
   [[nodiscard]] bool open(const std::string& path, const SerialSettings& settings);
+  /// Takes over a terminal that is open already, as it is set: the master of a pseudo-terminal. Non-blocking.
+  void adopt(int descriptor, std::string name);
   void close() noexcept;
 
   /// Bytes that have arrived, as many as fit; 0: none now, or state() is not open any more.
