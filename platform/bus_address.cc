@@ -1,10 +1,9 @@
 // From the text of --bus to a bus.
 #include <algorithm>
 #include <array>
-#include <numeric>
-#include <vector>
 
 #include "platform/linux_bus.h"
+#include "platform/nearest_name.h"
 #include "platform/pty_bus.h"
 #include "platform/replay_bus.h"
 #include "platform/slcan_bus.h"
@@ -28,31 +27,15 @@ constexpr std::array kinds{
 
 constexpr std::size_t max_interface_length = 15;  // IFNAMSIZ - 1
 
-/// Levenshtein's: the least number of characters to be put in, left out or exchanged.
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
 std::string unknown_kind(std::string_view kind) {
-  constexpr std::size_t resemblance = 2;  // characters
+  std::array<std::string_view, kinds.size()> names{};
+  std::ranges::transform(kinds, names.begin(), &KindText::name);
   std::string text = "no kind of bus is called '" + std::string(kind) + "'";
-  const auto nearest =
-      std::ranges::min_element(kinds, {}, [&](const KindText& k) { return distance(kind, k.name); });
-  if (distance(kind, nearest->name) <= resemblance)
-    text += "; did you mean '" + std::string(nearest->name) + "'?";
+  if (const auto nearest = nearest_name(kind, names))
+    text += "; did you mean '" + std::string(*nearest) + "'?";
   text += " There are";
-  for (const KindText& k : kinds) text += (&k == kinds.data() ? " " : ", ") + std::string(k.name) + ":";
+  for (const std::string_view name : names)
+    text += (name == names.front() ? " " : ", ") + std::string(name) + ":";
   return text;
 }
 
