@@ -30,12 +30,13 @@ constexpr std::size_t max_interface_length = 15;  // IFNAMSIZ - 1
 std::string unknown_kind(std::string_view kind) {
   std::array<std::string_view, kinds.size()> names{};
   std::ranges::transform(kinds, names.begin(), &KindText::name);
-  std::string text = "no kind of bus is called '" + std::string(kind) + "'";
+  std::string text = "no kind of bus is called '";
+  text.append(kind).append("'");
   if (const auto nearest = nearest_name(kind, names))
-    text += "; did you mean '" + std::string(*nearest) + "'?";
-  text += " There are";
+    text.append("; did you mean '").append(*nearest).append("'?");
+  text.append(" There are");
   for (const std::string_view name : names)
-    text += (name == names.front() ? " " : ", ") + std::string(name) + ":";
+    text.append(name == names.front() ? " " : ", ").append(name).append(":");
   return text;
 }
 
@@ -46,21 +47,24 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
   const std::string_view name = text.substr(0, colon);
   const std::string_view where = colon == text.npos ? std::string_view() : text.substr(colon + 1);
   const auto kind = std::ranges::find(kinds, name, &KindText::name);
-  error = "'" + std::string(text) + "': ";
+  error.assign("'").append(text).append("': ");
   if (kind == kinds.end()) {
     // The commonest slip: the bare name of what there is.
     if (colon == text.npos && name.starts_with('/')) {
-      error += "say what it is: slcan:" + std::string(text) + " or replay:" + std::string(text);
+      error.append("say what it is: slcan:").append(text).append(" or replay:").append(text);
     } else if (colon == text.npos && (name.starts_with("can") || name.starts_with("vcan"))) {
-      error += "say what it is: socketcan:" + std::string(text);
+      error.append("say what it is: socketcan:").append(text);
     } else {
       error += unknown_kind(name);
     }
     return std::nullopt;
   }
   if (kind->where.empty() != where.empty()) {
-    error += where.empty() ? std::string(name) + ": is followed by " + std::string(kind->where)
-                           : "nothing follows pty: the system chooses the terminal, and its name is printed";
+    if (where.empty()) {
+      error.append(name).append(": is followed by ").append(kind->where);
+    } else {
+      error += "nothing follows pty: the system chooses the terminal, and its name is printed";
+    }
     return std::nullopt;
   }
   if (kind->kind == BusKind::socketcan && where.size() > max_interface_length) {
