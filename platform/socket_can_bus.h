@@ -39,6 +39,7 @@ class SocketCanBus final : public LinuxBus {
 
   int descriptor() const noexcept override { return fd_; }
   std::string trouble() const override;
+  std::string name() const override { return interface_; }
 
  private:
   struct Message;
