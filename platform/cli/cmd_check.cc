@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "hal/bus_load.h"
+#include "platform/cli/bus_load_text.h"
 #include "platform/cli/run_options.h"
 #include "platform/cli/verbs.h"
 #include "sim/contact_params.h"
@@ -11,8 +11,6 @@
 
 namespace godobject {
 namespace {
-
-constexpr double advised_load_percent = 50, planned_load_percent = 70;
 
 void print_composition(const Composition& c) {
   std::printf("\n# composition '%s': the smallest compiled one that covers the scene\n", c.name.c_str());
@@ -58,29 +56,6 @@ void print_top_speed(const std::string& path, const SceneConfig& scene) {
                  path.c_str(), bound->top(), bound->what.c_str(), advised_top_speed);
 }
 
-void print_bus_load(const BusLoad& load) {
-  std::printf("\n# bus %s: %.1f %% nominal, %.1f %% worst case\n", load.bus.c_str(), load.nominal_percent,
-              load.worst_percent);
-  std::printf("#   %-32s %6s %10s %8s %6s\n", "message", "id", "period ms", "bits", "worst");
-  for (const BusMessage& m : load.messages)
-    std::printf("#   %-32s  0x%03X %10g %8d %6d\n", m.name.c_str(), static_cast<unsigned>(m.cob_id),
-                1e3 * m.period_s, m.nominal_bits, m.worst_bits);
-}
-
-/// More than the bus can carry is an error of prepare().
-void advise_on_bus_load(const std::string& scene, const BusLoad& load) {
-  const char* verdict = nullptr;
-  if (load.worst_percent > full_load_percent) return;
-  if (load.worst_percent > planned_load_percent) {
-    verdict = "warning: above 70 %, messages of low priority may come a period late; use more buses";
-  } else if (load.worst_percent > advised_load_percent) {
-    verdict = "warning: above 50 %, little is left for repeated and sporadic messages";
-  }
-  if (verdict)
-    std::fprintf(stderr, "%s: bus %s: worst-case load %.1f %%: %s\n", scene.c_str(), load.bus.c_str(),
-                 load.worst_percent, verdict);
-}
-
 ExitCode check(const std::string& path) {
   RunOptions options;
   options.scene = path;
@@ -88,7 +63,7 @@ ExitCode check(const std::string& path) {
   for (const std::string& note : prepared.notes) std::fprintf(stderr, "%s\n", note.c_str());
   for (const std::string& error : prepared.errors) std::fprintf(stderr, "%s\n", error.c_str());
   if (!prepared.session) {
-    for (const BusLoad& load : prepared.bus_loads) print_bus_load(load);
+    for (const BusLoad& load : prepared.bus_loads) print_bus_load(stdout, load);
     return ExitCode::usage;
   }
 
@@ -98,8 +73,9 @@ ExitCode check(const std::string& path) {
   print_capacities(scene, prepared.session->engine().composition());
   print_top_speed(path, scene);
   for (const BusLoad& load : prepared.bus_loads) {
-    print_bus_load(load);
-    advise_on_bus_load(path, load);
+    print_bus_load(stdout, load);
+    if (const std::string advice = load_advice(load); !advice.empty())
+      std::fprintf(stderr, "%s: %s\n", path.c_str(), advice.c_str());
   }
   return ExitCode::ok;
 }

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "platform/cli/bus_load_text.h"
 #include "sim/key.h"
 #include "sim/scene_toml.h"
 
@@ -122,12 +122,7 @@ void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigP
   for (std::size_t i = 0; i < run.bus_loads.size(); ++i) {
     const BusLoad& load = run.bus_loads[i];
     if (!overloaded(load)) continue;
-    std::array<char, 32> percent{};
-    std::snprintf(percent.data(), percent.size(), "%.1f", load.worst_percent);
-    run.errors.push_back(blamed(options, options.step && !overloaded(loads_of_scene[i])) + "bus " + load.bus +
-                         ": worst-case load " + percent.data() +
-                         " %: error: the bus cannot carry its messages; raise bit_rate, raise step, or use "
-                         "more buses");
+    run.errors.push_back(blamed(options, options.step && !overloaded(loads_of_scene[i])) + load_advice(load));
   }
 }
 

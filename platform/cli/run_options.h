@@ -31,8 +31,6 @@ struct PreparedRun {
   std::vector<std::string> notes;
 };
 
-inline constexpr double full_load_percent = 100;
-
 PreparedRun prepare(const RunOptions& options);
 
 }  // namespace godobject

@@ -5,11 +5,19 @@
 namespace godobject {
 namespace {
 
+std::string line_of(const FaultText& text) {
+  return std::string(text.meaning) + ": " + std::string(text.remedy);
+}
+
+void add_run_fault(RunFault fault, std::vector<FaultReport>& faults) {
+  faults.push_back({.name = std::string(text_of(fault).name), .text = line_of(text_of(fault))});
+}
+
 void add_core_faults(const RunStatistics& statistics, std::vector<FaultReport>& faults) {
-  for (std::size_t i = 0; i < fault_names.size(); ++i)
+  for (std::size_t i = 0; i < core_fault_texts.size(); ++i)
     if (statistics.fault_cycles[i] > 0)
-      faults.push_back({.name = std::string(fault_names[i].name),
-                        .text = std::string(fault_names[i].meaning),
+      faults.push_back({.name = std::string(core_fault_texts[i].text.name),
+                        .text = line_of(core_fault_texts[i].text),
                         .cycles = statistics.fault_cycles[i]});
 }
 
@@ -28,12 +36,12 @@ void add_rig_faults(const Rig& rig, std::vector<FaultReport>& faults) {
 void add_file_faults(const RunReport& report, const std::vector<std::string>& incomplete_files,
                      std::vector<FaultReport>& faults) {
   for (const std::string& file : incomplete_files)
-    faults.push_back(
-        {.name = "file_incomplete", .text = file + " could not be written in full: is the disk full?"});
+    faults.push_back({.name = std::string(text_of(RunFault::file_incomplete).name),
+                      .text = file + " could not be written in full: is the disk full?"});
   const auto lost = [&](const std::string& file, std::uint64_t count) {
     if (!file.empty() && count > 0)
       faults.push_back(
-          {.name = "records_lost",
+          {.name = std::string(text_of(RunFault::records_lost).name),
            .text = file + " lacks " + std::to_string(count) + " records: the disk could not keep up"});
   };
   lost(report.options.trace, report.result.lost_cycles);
@@ -51,14 +59,9 @@ RunReport make_report(const RunOptions& options, const Session& session, const R
     const std::vector<BusLoad> computed = bus_load(rig_params, simulated_load(rig_params));
     for (std::size_t i = 0; i < computed.size(); ++i) report.buses.push_back({computed[i], measured[i]});
     add_rig_faults(*rig, report.faults);
-    if (!result.ready && report.faults.empty())
-      report.faults.push_back(
-          {.name = "not_ready", .text = "the device did not come up in time: see boot_timeout"});
+    if (!result.ready && report.faults.empty()) add_run_fault(RunFault::not_ready, report.faults);
   }
-  if (!session.reachable())
-    report.faults.push_back({.name = "unreachable",
-                             .text = "the motion left the workspace of the device, or met a singular "
-                                     "configuration: move the device's base, or scale the motion"});
+  if (!session.reachable()) add_run_fault(RunFault::unreachable, report.faults);
   add_core_faults(result.statistics, report.faults);
   add_file_faults(report, incomplete_files, report.faults);
   return report;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "platform/cli/fault_texts.h"
 #include "platform/histogram.h"
 #include "sim/session.h"
 
@@ -38,26 +39,13 @@ inline constexpr std::array<std::string_view, 10> limit_names{
     "force", "torque",       "force_rate",        "torque_rate",          "ramp",
     "held",  "drive_torque", "drive_torque_rate", "drive_internal_limit", "drive_command_not_sent"};
 
-struct FaultName {
-  Fault fault;
-  std::string_view name, meaning;
-};
-inline constexpr std::array<FaultName, 3> fault_names{{
-    {Fault::input_not_finite, "input_not_finite",
-     "an input was not a finite number; those steps were not taken"},
-    {Fault::input_not_unit, "input_not_unit",
-     "a target's quaternion was not of unit length; those steps were not taken"},
-    {Fault::state_not_finite, "state_not_finite",
-     "a step's result was not finite and was not taken; lower the stiffness or the step"},
-}};
-
 struct RunStatistics {
   std::uint64_t cycles = 0;
   Histogram step_ns;  // the engine's step alone
   // Of engaged cycles after the ramp: until then the body is on its way to the target, or let go.
   PoseErrorStatistics following, sensing, exact_following, encoders;
-  std::array<std::uint64_t, limit_names.size()> limit_cycles{};  // cycles with that limit
-  std::array<std::uint64_t, fault_names.size()> fault_cycles{};
+  std::array<std::uint64_t, limit_names.size()> limit_cycles{};       // cycles with that limit
+  std::array<std::uint64_t, core_fault_texts.size()> fault_cycles{};  // in the order of core_fault_texts
   RigFault rig_faults = RigFault::none;
 
   void add(const CycleRecord& record) noexcept {
@@ -75,8 +63,8 @@ struct RunStatistics {
     const CommandReport& drives = record.drives;
     const std::array bits{drives.torque_limited, drives.rate_limited, drives.drive_limited, drives.not_sent};
     for (std::size_t i = 0; i < bits.size(); ++i) limit_cycles[num_core_limits + i] += bits[i] != 0 ? 1 : 0;
-    for (std::size_t i = 0; i < fault_names.size(); ++i)
-      fault_cycles[i] += has(record.fault, fault_names[i].fault) ? 1 : 0;
+    for (std::size_t i = 0; i < core_fault_texts.size(); ++i)
+      fault_cycles[i] += has(record.fault, core_fault_texts[i].fault) ? 1 : 0;
     rig_faults = rig_faults | record.rig_faults;
   }
 };

@@ -21,7 +21,11 @@ using AddVerb = void (*)(CLI::App& app, ExitCode& code);
 void add_run(CLI::App& app, ExitCode& code);
 void add_check(CLI::App& app, ExitCode& code);
 void add_study(CLI::App& app, ExitCode& code);
+void add_bus_load(CLI::App& app, ExitCode& code);
+void add_monitor(CLI::App& app, ExitCode& code);
+void add_faults(CLI::App& app, ExitCode& code);
 
-inline constexpr std::array<AddVerb, 3> verbs{add_run, add_check, add_study};
+inline constexpr std::array<AddVerb, 6> verbs{add_run,      add_check,   add_study,
+                                              add_bus_load, add_monitor, add_faults};
 
 }  // namespace godobject

@@ -1,0 +1,58 @@
+// Every fault of the core, of a rig and of a run: name, meaning, remedy. What `godobject faults` prints, what
+// reports and traces call them by; docs/faults.md has the same names (tested).
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/fault.h"
+#include "hal/rig_fault.h"
+
+namespace godobject {
+
+struct FaultText {
+  std::string_view name, meaning, remedy;
+};
+
+struct CoreFaultText {
+  Fault fault;
+  FaultText text;
+};
+
+inline constexpr std::array<CoreFaultText, 4> core_fault_texts{{
+    {Fault::input_not_finite,
+     {"input_not_finite", "an input was not a finite number; those steps were not taken",
+      "find the source of the sample: encoders and trackers mark bad samples invalid, which is no fault"}},
+    {Fault::input_not_unit,
+     {"input_not_unit",
+      "a target's quaternion was not of unit length, or an increment more than half a turn; those steps were "
+      "not taken",
+      "normalise where the sample is made"}},
+    {Fault::state_not_finite,
+     {"state_not_finite", "a step's result was not finite and was not taken",
+      "lower the stiffness or the step"}},
+    {Fault::contacts_full,
+     {"contacts_full", "more contacts at a time than the scene has room for; the deepest were kept",
+      "fewer spheres, or a composition with room for more: godobject check prints what the scene has"}},
+}};
+
+enum class RunFault : std::size_t { not_ready, unreachable, file_incomplete, records_lost };
+
+/// In the order of RunFault.
+inline constexpr std::array<FaultText, 4> run_fault_texts{{
+    {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
+     "check power, cables and bit rates; see boot_timeout"},
+    {"unreachable", "the motion left the workspace of the device, or met a singular configuration",
+     "move the device's base, or scale the motion"},
+    {"file_incomplete", "a trace, record or report could not be written in full", "is the disk full?"},
+    {"records_lost", "a real-time run made trace rows or frames faster than the disk took them",
+     "a faster disk, a memory file system, or no --record; the run itself was not disturbed"},
+}};
+
+constexpr const FaultText& text_of(RunFault fault) noexcept {
+  return run_fault_texts[static_cast<std::size_t>(fault)];
+}
+
+}  // namespace godobject
