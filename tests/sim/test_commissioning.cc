@@ -253,8 +253,8 @@ class StubbornNode final : ObjectObserver {
       for (ReceivedFrame received; port.try_receive(received);) {
         sdo::Message request;
         if (sdo::parse_frame(received.frame, sdo::request_cob_id(5), request) != ParseResult::ok) continue;
-        if (const auto answer = server.answer(request))
-          EXPECT_EQ(port.try_send(sdo::make_frame(sdo::response_cob_id(5), *answer)), SendResult::queued);
+        const sdo::Message answer = server.answer(request).value();
+        EXPECT_EQ(port.try_send(sdo::make_frame(sdo::response_cob_id(5), answer)), SendResult::queued);
       }
       wire.advance_to(now + ms);
     }

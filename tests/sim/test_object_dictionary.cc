@@ -88,7 +88,7 @@ struct Network : ::testing::Test {
 
   SimCanWire wire{{}};
   SimCanPort host{wire}, drive_port{wire}, encoder_port{wire};
-  SimDrive drive{drive_port, {.drive = {.node_id = drive_id}}};
+  SimDrive drive{drive_port, {.drive = {.joint = "j", .node_id = drive_id}}};
   SimEncoder encoder{encoder_port, encoder_id, {.counts_per_unit = 1000, .modulus_counts = 4096}, 0};
   SimCanopenNode* nodes[2] = {&drive, &encoder};
   std::optional<sdo::Client> client;
