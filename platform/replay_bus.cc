@@ -72,11 +72,8 @@ bool ReplayBus::open() noexcept {
   timer_fd_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
   if (timer_fd_ < 0) return fail("no timer for it: " + std::generic_category().message(errno));
   state_ = BusState::error_active;
-  shift_ = 0;
-  (void)take_next();  // check_log has seen that there is one
-  shift_ = MonotonicClock().now() - next_.t_ns;
-  next_.t_ns += shift_;
-  arm();
+  shift_ = MonotonicClock().now() - begin_ns_;
+  if (take_next()) arm();
   return true;
 }
 
@@ -95,6 +92,7 @@ bool ReplayBus::check_log() {
       return fail("line " + std::to_string(line_number) + ": " + text_of(result) +
                   "; a log is written by candump -l or godobject run --record");
     if (result != CandumpResult::ok) continue;
+    if (interfaces.empty()) begin_ns_ = frame.t_ns;
     if (!interfaces.contains(name)) interfaces.emplace(name);
     has_frames = has_frames || interface_.empty() || name == interface_;
   }

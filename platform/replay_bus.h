@@ -9,8 +9,9 @@
 
 namespace godobject {
 
-/// The first frame arrives when open() is called. What is sent is taken, counted as sent, and goes nowhere.
-/// After the last frame the bus is `down` and trouble() says "end of the log".
+/// The log's first frame, of whichever interface, arrives when open() is called. What is sent is taken,
+/// counted as sent, and goes nowhere. After the last frame the bus is `down` and trouble() says "end of the
+/// log".
 class ReplayBus final : public LinuxBus {
  public:
   /// where: path of a log, and after a comma the interface of it, which may be left out where the log has
@@ -43,7 +44,8 @@ class ReplayBus final : public LinuxBus {
   std::size_t position_ = 0;  // in log_, of the next line to be parsed
   ReceivedFrame next_{};      // on CLOCK_MONOTONIC
   bool has_next_ = false;
-  Nanoseconds shift_ = 0;  // from the log's time to CLOCK_MONOTONIC
+  Nanoseconds begin_ns_ = 0;  // time of the log's first frame
+  Nanoseconds shift_ = 0;     // from the log's time to CLOCK_MONOTONIC
   int timer_fd_ = -1;
   BusState state_ = BusState::closed;
   BusCounters counters_{};

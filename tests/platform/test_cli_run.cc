@@ -35,7 +35,8 @@ class CliRun : public ProgramTest {
 };
 
 TEST_F(CliRun, EveryVerbHasHelp) {
-  for (const char* arguments : {"--help", "run --help", "check --help", "study --help"}) {
+  for (const char* arguments : {"--help", "run --help", "check --help", "study --help", "bus-load --help",
+                                "monitor --help", "faults --help"}) {
     const ProgramResult result = run_program(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments;
     EXPECT_THAT(result.output, HasSubstr("Usage: godobject"));
