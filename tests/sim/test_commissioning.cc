@@ -163,8 +163,8 @@ TEST(CommissioningErrors, RejectedValueNamesDeviceObjectAndLine) {
 TEST(CommissioningErrors, ObjectThatTheDeviceDoesNotHave) {
   Failing failing;
   const std::string place =
-      failing.change("fault_reaction_option = 0", "quick_stop_option = 6");  // 605Ah is not simulated
-  EXPECT_THAT(failing.errors(), ElementsAre(AllOf(HasSubstr("605Ah:00 <- 6 rejected: 06020000 "),
+      failing.change("about = ", "write = [{ index = 0x2000, type = \"i16\", value = 6 }]\nabout = ");
+  EXPECT_THAT(failing.errors(), ElementsAre(AllOf(HasSubstr("2000h:00 <- 6 rejected: 06020000 "),
                                                   HasSubstr("does not exist"), HasSubstr(place))));
 }
 
