@@ -1,6 +1,8 @@
 // Every key of a device profile, once.
 #pragma once
 
+#include <set>
+
 #include "hal/pdo_map.h"
 #include "sim/toml_reader.h"
 #include "sim/visit.h"
@@ -153,8 +155,12 @@ inline void read_profile(TomlReader& t, NodeProfile& p) {
   table({"heartbeat", "of the node, and of the host as the node sees it"},
         [&](auto& s) { read_heartbeat(s, p); });
   table({"drive", "of CiA 402"}, [&](auto& s) { read_drive(s, p); });
+  std::set<std::pair<PdoDirection, int>> pdos;
   t.tables(TableKey{"pdo", "a PDO as it shall be; TPDOs that are not named are switched off"}, p.pdos,
-           [&](auto& s, PdoProfile& pdo) { read_pdo(s, pdo); });
+           [&](auto& s, PdoProfile& pdo) {
+             read_pdo(s, pdo);
+             s.check(pdos.emplace(pdo.direction, pdo.number).second, "pdo", "has an earlier [[pdo]]");
+           });
   std::vector<ProfileObject> writes;
   t.tables(TableKey{"write", "an object to write, in the order of the file"}, writes,
            [&](auto& s, ProfileObject& object) {

@@ -346,6 +346,9 @@ TEST(Profile, ErrorsHaveTheirPlaceAndTheNearestName) {
               ElementsAre(HasSubstr("event_timer_ms")));
   EXPECT_THAT(errors("[[pdo]]\npdo = \"tpdo2\"\ntransmission = 250\nmap = [\"velocity\"]"),
               ElementsAre(HasSubstr("reserved")));
+  EXPECT_THAT(
+      errors("[[pdo]]\npdo = \"tpdo1\"\nmap = [\"mode\"]\n[[pdo]]\npdo = \"tpdo1\"\nmap = [\"mode\"]"),
+      ElementsAre(AllOf(HasSubstr("p.toml:5:"), HasSubstr("earlier"))));
   EXPECT_THAT(errors("[[write]]\nindex = 0x2000\ntype = \"u8\"\nvalue = 256"),
               ElementsAre(HasSubstr("does not fit into u8")));
   EXPECT_THAT(errors("[drive\n"), ElementsAre(HasSubstr("not TOML")));
@@ -360,6 +363,16 @@ TEST(Profile, ContradictionsWithTheSceneAreFoundBeforeTheBus) {
   EXPECT_THAT(errors, testing::Contains(HasSubstr("host: give it twice")));
   EXPECT_THAT(errors, testing::Contains(HasSubstr("at least twice within")));
   EXPECT_THAT(errors, testing::Contains(HasSubstr("60C2h cannot carry")));
+}
+
+TEST(Profile, MapThatTheRigWouldMisreadIsAnError) {
+  const RigParams rig = grasper();
+  RigProfiles profiles = profiles_of(rig);
+  const Changed swapped = changed("generic-402", "[\"statusword\", \"position\", \"torque\"]",
+                                  "[\"position\", \"statusword\", \"torque\"]");
+  profiles.drives[0] = swapped.profile;
+  EXPECT_THAT(validate(rig, profiles),
+              ElementsAre(AllOf(HasSubstr(swapped.place), HasSubstr("objects of 16, 32, 16 bits"))));
 }
 
 TEST(Profile, NameThatIsNotThere) {
