@@ -1,6 +1,7 @@
 #include "sim/sim_canopen_node.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace godobject {
 
@@ -8,8 +9,26 @@ using canopen::NmtCommand;
 using canopen::NmtState;
 
 void SimCanopenNode::poll(Nanoseconds now) noexcept {
-  for (ReceivedFrame received; bus_.try_receive(received);) on_frame(received.frame, now);
-  tick(now);
+  const Nanoseconds local_ns = local_time(now);
+  for (ReceivedFrame received; bus_.try_receive(received);) on_frame(received.frame, local_ns);
+  tick(local_ns);
+}
+
+void SimCanopenNode::set_clock_error(double ppm, Nanoseconds now) noexcept {
+  local_origin_ns_ = local_time(now);
+  origin_ns_ = now;
+  clock_rate_ = 1 + 1e-6 * ppm;
+}
+
+Nanoseconds SimCanopenNode::local_time(Nanoseconds now) const noexcept {
+  return local_origin_ns_ + std::llround(clock_rate_ * static_cast<double>(now - origin_ns_));
+}
+
+// Never too early: at this time local_time() has reached `local`.
+Nanoseconds SimCanopenNode::bus_time(Nanoseconds local) const noexcept {
+  if (local == never) return never;
+  const double elapsed_ns = static_cast<double>(local - local_origin_ns_) / clock_rate_;
+  return origin_ns_ + static_cast<Nanoseconds>(std::ceil(elapsed_ns)) + (clock_rate_ == 1 ? 0 : 1);
 }
 
 void SimCanopenNode::on_frame(const CanFrame& frame, Nanoseconds now) noexcept {
@@ -34,7 +53,9 @@ void SimCanopenNode::tick(Nanoseconds now) noexcept {
   on_tick(now);
 }
 
-Nanoseconds SimCanopenNode::next_timer() const noexcept { return std::min(t_heartbeat_ns_, device_timer()); }
+Nanoseconds SimCanopenNode::next_timer() const noexcept {
+  return bus_time(std::min(t_heartbeat_ns_, device_timer()));
+}
 
 void SimCanopenNode::on_nmt(NmtCommand command, Nanoseconds now) noexcept {
   switch (command) {

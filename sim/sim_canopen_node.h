@@ -27,8 +27,15 @@ class SimCanopenNode {
   void poll(Nanoseconds now) noexcept;
   void on_frame(const CanFrame& frame, Nanoseconds now) noexcept;
   void tick(Nanoseconds now) noexcept;
-  /// When tick() next has something to do; `never` if only a frame can cause it.
+  /// When poll() next has something to do; `never` if only a frame can cause it.
   Nanoseconds next_timer() const noexcept;
+
+  /// The device reports an error: EMCY with this code. What else it does is the device's.
+  virtual void trip(std::uint16_t error_code) noexcept {
+    send(canopen::make_emergency({.node = node_id_, .error_code = error_code, .error_register = 0x01}));
+  }
+  /// From now on the node's clock is this many ppm fast: its heartbeat and timers come early.
+  void set_clock_error(double ppm, Nanoseconds now) noexcept;
 
   std::uint8_t node_id() const noexcept { return node_id_; }
   canopen::NmtState nmt_state() const noexcept { return nmt_state_; }
@@ -44,6 +51,8 @@ class SimCanopenNode {
   virtual void on_tick(Nanoseconds) noexcept {}
   virtual Nanoseconds device_timer() const noexcept { return never; }
 
+  Nanoseconds local_time(Nanoseconds now) const noexcept;
+  Nanoseconds bus_time(Nanoseconds local) const noexcept;
   void on_nmt(canopen::NmtCommand command, Nanoseconds now) noexcept;
   void enter(canopen::NmtState state, Nanoseconds now) noexcept;
   void boot(Nanoseconds now) noexcept;
@@ -53,6 +62,9 @@ class SimCanopenNode {
   canopen::NmtState nmt_state_ = canopen::NmtState::boot_up;
   Nanoseconds heartbeat_period_ns_;
   Nanoseconds t_heartbeat_ns_ = never;
+  // The node's clock: it ran at the bus's time until it showed local_origin_ns_ at origin_ns_.
+  double clock_rate_ = 1;
+  Nanoseconds origin_ns_ = 0, local_origin_ns_ = 0;
 };
 
 /// Runs a wire and the nodes on it up to and including t, each node at the instant something happens to it:

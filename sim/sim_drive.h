@@ -36,7 +36,7 @@ class SimDrive final : public SimCanopenNode {
   cia402::DriveState drive_state() const noexcept { return state_; }
   std::uint16_t error_code() const noexcept { return error_code_; }
   /// Fault, no torque, and an EMCY with this code (603Fh).
-  void trip(std::uint16_t error_code) noexcept;
+  void trip(std::uint16_t error_code) noexcept override;
 
  private:
   void on_sync(Nanoseconds now) noexcept override;

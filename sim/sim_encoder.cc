@@ -1,10 +1,14 @@
 #include "sim/sim_encoder.h"
 
+#include <cmath>
+
 #include "hal/cia406.h"
 
 namespace godobject {
 
 std::uint32_t counts_at(double q, const Calibration& calibration) noexcept {
+  constexpr std::uint32_t no_value = 0x8000'0000u;
+  if (std::isnan(q)) return no_value;
   constexpr std::int64_t counts_of_32_bits = std::int64_t{1} << 32;
   const std::int64_t modulus = calibration.modulus_counts == 0
                                    ? counts_of_32_bits

@@ -7,7 +7,7 @@
 namespace godobject {
 
 /// The count a sensor shows at joint coordinate q (rad or m): the nearest one, wrapped at the modulus
-/// (2^32 when the calibration has none). The inverse of Calibration.
+/// (2^32 when the calibration has none). The inverse of Calibration. For NaN, 80000000h: no value.
 std::uint32_t counts_at(double q, const Calibration& calibration) noexcept;
 
 /// Samples its position when a SYNC arrives and sends it as TPDO1.
