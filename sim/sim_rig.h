@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hal/bus_load.h"
+#include "hal/rig_link.h"
 #include "sim/fault_injector.h"
 #include "sim/inverse_kinematics.h"
 #include "sim/motion.h"
@@ -15,12 +16,6 @@
 #include "sim/sim_plant.h"
 
 namespace godobject {
-
-/// Called for each frame completed on wire `bus`.
-struct BusObserver {
-  void (*on_frame)(void* context, std::size_t bus, const ReceivedFrame& frame) = nullptr;
-  void* context = nullptr;
-};
 
 /// What the simulated nodes send besides their answers to SYNC: a heartbeat well within the host's timeout.
 BusLoadParams simulated_load(const RigParams& rig) noexcept;
