@@ -29,6 +29,7 @@ class SimLink final : public RigLink {
   }
   void set_observer(const BusObserver& observer) noexcept override { rig_.set_observer(observer); }
 
+  SimRig& rig() noexcept { return rig_; }
   const SimRig& rig() const noexcept { return rig_; }
   /// Mean load of a bus since the start, percent.
   double load_percent(std::size_t bus) const noexcept { return rig_.load_percent(bus, t_cycle_ns_); }
