@@ -101,7 +101,10 @@ class FaultyRig {
   static constexpr Nanoseconds period_ns = 1'000'000, poll_ns = 50'000, gather_ns = 750'000;
 
   explicit FaultyRig(const SceneConfig& config = two_joints())
-      : scene(config), motion(scene), link(scene, motion, period_ns, poll_ns), rig(*scene.device->rig, link.buses()) {}
+      : scene(config),
+        motion(scene),
+        link(scene, motion, period_ns, poll_ns),
+        rig(*scene.device->rig, link.buses()) {}
 
   void cycle() {
     t_sync_ns = link.begin_cycle(motion_time);
