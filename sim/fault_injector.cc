@@ -15,12 +15,19 @@ bool acts_on(const SimFault& fault, std::size_t bus, std::uint8_t node_id) noexc
 }  // namespace
 
 void FaultInjector::add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimCanopenNode*>& nodes) {
-  buses_.push_back({.host = &host, .nodes = &nodes, .impostor = std::make_unique<Impostor>(wire)});
+  buses_.push_back({.host = &host, .nodes = &nodes, .impostor_port = std::make_unique<SimCanPort>(wire)});
 }
 
 std::size_t FaultInjector::add_node(std::size_t bus, SimCanPort& port, SimCanopenNode& node,
                                     const Calibration& calibration) {
-  nodes_.push_back({.bus = bus, .port = &port, .node = &node, .calibration = calibration});
+  auto impostor = std::make_unique<SimEncoder>(*buses_[bus].impostor_port, node.node_id(), Calibration{},
+                                               impostor_heartbeat_ns);
+  impostor->set_position(impostor_counts);
+  nodes_.push_back({.bus = bus,
+                    .port = &port,
+                    .node = &node,
+                    .impostor = std::move(impostor),
+                    .calibration = calibration});
   return nodes_.size() - 1;
 }
 
@@ -73,7 +80,7 @@ void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
   NodeEntry* const node = node_of(fault);
   switch (fault.verb) {
     case FaultVerb::reboot_node:
-      node->node->on_frame(canopen::make_nmt(canopen::NmtCommand::reset_node, fault.node_id), now);
+      node->node->power_cycle(now);
       if (!once) node->port->close();  // the boot-up message waits for the port
       break;
     case FaultVerb::emcy: node->node->trip(static_cast<std::uint16_t>(fault.value)); break;
@@ -140,23 +147,21 @@ std::optional<double> FaultInjector::level(FaultVerb verb, std::size_t bus,
 
 // One for each bus: a later one takes its place. It is operational at once, and answers SYNC.
 void FaultInjector::admit_impostor(const SimFault& fault, Nanoseconds now) noexcept {
-  const BusEntry& bus = buses_[fault.first_bus];
+  BusEntry& bus = buses_[fault.first_bus];
   dismiss_impostor(bus);
-  SimCanPort& port = bus.impostor->port;
-  if (!port.open()) return;
-  SimEncoder& impostor =
-      bus.impostor->node.emplace(port, fault.node_id, Calibration{}, impostor_heartbeat_ns);
-  impostor.set_position(impostor_counts);
-  impostor.tick(now);
-  impostor.on_frame(canopen::make_nmt(canopen::NmtCommand::start, fault.node_id), now);
-  bus.nodes->push_back(&impostor);
+  if (!bus.impostor_port->open()) return;
+  bus.impostor = node_of(fault)->impostor.get();
+  bus.impostor->power_cycle(now);
+  bus.impostor->tick(now);
+  bus.impostor->on_frame(canopen::make_nmt(canopen::NmtCommand::start, fault.node_id), now);
+  bus.nodes->push_back(bus.impostor);
 }
 
-void FaultInjector::dismiss_impostor(const BusEntry& bus) noexcept {
-  if (!bus.impostor->node) return;
-  std::erase(*bus.nodes, &*bus.impostor->node);
-  bus.impostor->node.reset();
-  bus.impostor->port.close();
+void FaultInjector::dismiss_impostor(BusEntry& bus) noexcept {
+  if (bus.impostor == nullptr) return;
+  std::erase(*bus.nodes, bus.impostor);
+  bus.impostor = nullptr;
+  bus.impostor_port->close();
 }
 
 FaultInjector::NodeEntry* FaultInjector::node_of(const SimFault& fault) noexcept {

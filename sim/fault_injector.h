@@ -46,21 +46,17 @@ class FaultInjector {
   std::uint64_t begun() const noexcept { return begun_; }
 
  private:
-  /// A second node with another's id.
-  struct Impostor {
-    explicit Impostor(SimCanWire& wire) : port(wire) {}
-    SimCanPort port;
-    std::optional<SimEncoder> node;
-  };
   struct BusEntry {
     SimCanPort* host;
     std::vector<SimCanopenNode*>* nodes;
-    std::unique_ptr<Impostor> impostor;
+    std::unique_ptr<SimCanPort> impostor_port;  // of the second nodes of an id: closed without one
+    SimEncoder* impostor = nullptr;             // that is on the bus now
   };
   struct NodeEntry {
     std::size_t bus;
     SimCanPort* port;
     SimCanopenNode* node;
+    std::unique_ptr<SimEncoder> impostor;
     Calibration calibration;
     SensorFault sensor{};
     double q = 0;  // where its joint was when last asked
@@ -73,7 +69,7 @@ class FaultInjector {
   void apply(SimCanPort& port, std::size_t bus, std::uint8_t node_id) const noexcept;
   std::optional<double> level(FaultVerb verb, std::size_t bus, std::uint8_t node_id) const noexcept;
   void admit_impostor(const SimFault& fault, Nanoseconds now) noexcept;
-  void dismiss_impostor(const BusEntry& bus) noexcept;
+  void dismiss_impostor(BusEntry& bus) noexcept;
   NodeEntry* node_of(const SimFault& fault) noexcept;
   template <class Function>
   void for_each_port(const SimFault& fault, Function&& function) noexcept;
