@@ -29,9 +29,7 @@ void Rig::supervise(Nanoseconds now) noexcept {
 
 void Rig::check_buses() noexcept {
   for (std::size_t i = 0; i < buses_.size(); ++i) {
-    const BusState state = buses_[i].bus->state();
-    const bool gone = state == BusState::closed || state == BusState::bus_off || state == BusState::down;
-    if (gone) raise(RigFault::bus_down, i);
+    if (is_cut_off(buses_[i].bus->state())) raise(RigFault::bus_down, i);
   }
 }
 

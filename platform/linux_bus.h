@@ -19,6 +19,9 @@ class LinuxBus : public CanBus {
   /// Why open() failed or what state() other than error_active means here, and what to do about it; empty:
   /// nothing is wrong. Allocates: not for the loop.
   virtual std::string trouble() const = 0;
+  /// Where other programs find it: the interface, the path of a terminal (of `pty:` once it is open), of a
+  /// log. Allocates.
+  virtual std::string name() const { return {}; }
 };
 
 /// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
@@ -28,6 +31,15 @@ struct CanFilter {
   bool extended = false;
 };
 
+/// Whether a receiver with these filters gets the frame.
+constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame) noexcept {
+  if (filters.empty()) return true;
+  for (const CanFilter& filter : filters)
+    if (filter.extended == frame.extended && (frame.id & filter.mask) == (filter.id & filter.mask))
+      return true;
+  return false;
+}
+
 struct BusSettings {
   double bit_rate = 1e6;               // bit/s; what the scene expects of the bus
   double data_bit_rate = 0;            // bit/s, CAN FD; 0: classic
@@ -36,7 +48,7 @@ struct BusSettings {
 
 enum class BusKind : std::uint8_t {
   socketcan,  // socketcan:can0
-  slcan,      // slcan:/dev/ttyACM0
+  slcan,      // slcan:/dev/ttyACM0, at another baud rate than 115200 slcan:/dev/ttyUSB0,3000000
   pty,        // pty: makes a pseudo-terminal that speaks SLCAN, and says its name
   replay,     // replay:run.log, one interface of it replay:run.log,can0
 };

@@ -9,6 +9,7 @@
 
 #include "sim/contact_keys.h"
 #include "sim/device_keys.h"
+#include "sim/fault_keys.h"
 #include "sim/hold_keys.h"
 #include "sim/joint_keys.h"
 #include "sim/scene.h"
@@ -279,6 +280,12 @@ void visit_scene(V& v, SceneConfig& s) {
                  s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, s, device_joints(s), m); });
   plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."},
               [&](auto& t) { visit_wire(t, s.wire); });
+  v.tables(
+      TableKey{"fault",
+               "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md."},
+      s.faults, [&](auto& t, FaultConfig& f) {
+        visit_fault(t, s.device && s.device->rig ? &*s.device->rig : nullptr, f);
+      });
   check_scene(v, s);
 }
 

@@ -55,23 +55,33 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
     host.set_loss_probability(scene.wire.loss_probability);
     host.set_receive_delay(static_cast<Nanoseconds>(scene.wire.delay_s * 1e9));
     host_buses_.push_back(&host);
+    faults_.add_bus(buses_[i]->wire, host, buses_[i]->nodes);
   }
   const double heartbeat_s = simulated_load(params_).heartbeat_period_s;
   for (const EncoderParams& e : params_.encoders) {
-    auto node = std::make_unique<SimEncoder>(add_port(e.bus), e.node_id, e.calibration,
+    SimCanPort& port = add_port(e.bus);
+    auto node = std::make_unique<SimEncoder>(port, e.node_id, e.calibration,
                                              heartbeat_period_ns(heartbeat_s, e.node_id));
+    const std::size_t fault_node = faults_.add_node(e.bus, port, *node, e.calibration);
     buses_[e.bus]->nodes.push_back(node.get());
-    encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint)});
+    encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint), .fault_node = fault_node});
   }
   for (const DriveParams& d : params_.drives) {
     SimDriveParams drive{.drive = d};
     drive.heartbeat_period_ns = heartbeat_period_ns(heartbeat_s, d.node_id);
-    auto node = std::make_unique<SimDrive>(add_port(d.bus), drive);
+    SimCanPort& port = add_port(d.bus);
+    auto node = std::make_unique<SimDrive>(port, drive);
+    const std::size_t fault_node = faults_.add_node(d.bus, port, *node, d.calibration);
     buses_[d.bus]->nodes.push_back(node.get());
     drives_.push_back({.node = std::move(node),
                        .joint = joint_named(d.joint),
-                       .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad});
+                       .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad,
+                       .fault_node = fault_node});
   }
+  std::vector<SimFault> faults;
+  for (const FaultConfig& config : scene.faults)
+    if (const FaultResult found = resolve(config, params_); found.fault) faults.push_back(*found.fault);
+  faults_.schedule_all(faults);
   ik_target_ = driven_by_handles(scene).front().value_or(0);
   const JointTarget start = hand_at(0);
   const bool haptic =
@@ -125,7 +135,17 @@ void SimRig::run_wires(Nanoseconds t) noexcept {
   for (const auto& bus : buses_) advance(bus->wire, bus->nodes, t);
 }
 
+std::optional<Nanoseconds> SimRig::next_event() const noexcept {
+  Nanoseconds t = SimCanopenNode::never;
+  for (const auto& bus : buses_) {
+    t = std::min(t, bus->wire.next_event().value_or(SimCanopenNode::never));
+    for (const SimCanopenNode* node : bus->nodes) t = std::min(t, node->next_timer());
+  }
+  return t == SimCanopenNode::never ? std::nullopt : std::optional(t);
+}
+
 void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
+  faults_.run(t, motion_time);
   for (const DriveAt& d : drives_)
     plant_->set_motor_torque(static_cast<std::size_t>(d.joint),
                              d.node->applied_torque_Nm() * d.joint_torque_per_motor_Nm);
@@ -135,8 +155,10 @@ void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
 }
 
 void SimRig::show_joints() noexcept {
-  for (const EncoderAt& e : encoders_) e.node->set_position(plant_->q()[e.joint]);
-  for (const DriveAt& d : drives_) d.node->set_joint(plant_->q()[d.joint], plant_->q_dot()[d.joint]);
+  for (const EncoderAt& e : encoders_)
+    e.node->set_position(faults_.shown(e.fault_node, plant_->q()[e.joint]));
+  for (const DriveAt& d : drives_)
+    d.node->set_joint(faults_.shown(d.fault_node, plant_->q()[d.joint]), plant_->q_dot()[d.joint]);
 }
 
 MotionSample SimRig::handle(std::size_t index) const noexcept {

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "hal/bus_load.h"
+#include "hal/rig_link.h"
+#include "sim/fault_injector.h"
 #include "sim/inverse_kinematics.h"
 #include "sim/motion.h"
 #include "sim/sim_drive.h"
@@ -14,12 +16,6 @@
 #include "sim/sim_plant.h"
 
 namespace godobject {
-
-/// Called for each frame completed on wire `bus`.
-struct BusObserver {
-  void (*on_frame)(void* context, std::size_t bus, const ReceivedFrame& frame) = nullptr;
-  void* context = nullptr;
-};
 
 /// What the simulated nodes send besides their answers to SYNC: a heartbeat well within the host's timeout.
 BusLoadParams simulated_load(const RigParams& rig) noexcept;
@@ -41,9 +37,22 @@ class SimRig {
 
   /// Runs the wires and the nodes up to t.
   void run_wires(Nanoseconds t) noexcept;
-  /// Moves the mechanics to t under the torque the drives apply now; the hand is where the motion is at
+  /// When run_wires() has something to do again; none when nothing is under way.
+  std::optional<Nanoseconds> next_event() const noexcept;
+  /// Begins and ends the faults that are due, and moves the mechanics to t under the torque the drives apply now; the hand is where the motion is at
   /// motion_time (s).
   void run_plant(Nanoseconds t, double motion_time) noexcept;
+
+  /// The scene's faults are scheduled in it.
+  FaultInjector& faults() noexcept { return faults_; }
+  const FaultInjector& faults() const noexcept { return faults_; }
+  /// An open port for one more node on a bus. Allocates: set-up.
+  SimCanPort& attach(std::size_t bus) { return add_port(bus); }
+  SimCanPort& host_port(std::size_t bus) noexcept { return buses_[bus]->host; }
+  /// At the motor's shaft, by the drive of this index.
+  double applied_torque_Nm(std::size_t drive) const noexcept {
+    return drives_[drive].node->applied_torque_Nm();
+  }
 
   /// Where the handle of this index really is, and how it moves: what the encoders measure.
   MotionSample handle(std::size_t index) const noexcept;
@@ -67,11 +76,13 @@ class SimRig {
   struct EncoderAt {
     std::unique_ptr<SimEncoder> node;
     Eigen::Index joint;
+    std::size_t fault_node;  // of faults_
   };
   struct DriveAt {
     std::unique_ptr<SimDrive> node;
     Eigen::Index joint;
     double joint_torque_per_motor_Nm;
+    std::size_t fault_node;
   };
 
   SimCanPort& add_port(std::size_t bus);
@@ -88,6 +99,7 @@ class SimRig {
   bool reachable_ = true;
   std::vector<std::unique_ptr<Bus>> buses_;
   std::vector<CanBus*> host_buses_;
+  FaultInjector faults_;
   std::vector<EncoderAt> encoders_;
   std::vector<DriveAt> drives_;
   std::unique_ptr<SimPlant> plant_;

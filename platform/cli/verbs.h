@@ -21,7 +21,8 @@ using AddVerb = void (*)(CLI::App& app, ExitCode& code);
 void add_run(CLI::App& app, ExitCode& code);
 void add_check(CLI::App& app, ExitCode& code);
 void add_study(CLI::App& app, ExitCode& code);
+void add_simulate(CLI::App& app, ExitCode& code);
 
-inline constexpr std::array<AddVerb, 3> verbs{add_run, add_check, add_study};
+inline constexpr std::array<AddVerb, 4> verbs{add_run, add_check, add_study, add_simulate};
 
 }  // namespace godobject
