@@ -35,6 +35,19 @@ constexpr HomingState decode_homing(std::uint16_t statusword) noexcept {
   return reached ? HomingState::not_running : HomingState::in_progress;
 }
 
+/// The bits that decode_homing reads back.
+constexpr std::uint16_t encode_homing(HomingState state) noexcept {
+  switch (state) {
+    case HomingState::in_progress: break;
+    case HomingState::not_running: return status_target_reached;
+    case HomingState::attained: return status_homing_attained;
+    case HomingState::complete: return status_homing_attained | status_target_reached;
+    case HomingState::failed_in_motion: return status_homing_error;
+    case HomingState::failed: return status_homing_error | status_target_reached;
+  }
+  return 0;
+}
+
 /// One homing, a step per cycle: statusword in, controlword out, until finished(). Before: 6098h and 6099h are
 /// written, 6060h is 6 and 6061h says so. Afterwards the drive stays enabled; set its mode back with it off.
 class Homing {

@@ -55,39 +55,35 @@ bool OdriveLink::enabled() const noexcept {
 
 // Errors are cleared first. The mode goes right before the state every time: the drive may have re-booted.
 OdriveLink::Step OdriveLink::next_step(Nanoseconds now) const noexcept {
-  if (!heard_) return nothing;
   const Step wanted = heartbeat_.error != 0 ? clear_errors : torque_mode;
   if (wanted == torque_mode && last_step_ == torque_mode) return closed_loop;
-  const bool waiting = last_step_ == clear_errors ? wanted == clear_errors : last_step_ != nothing;
-  return waiting && now - t_last_step_ns_ < retry_ns ? nothing : wanted;
+  const bool asked = last_step_ == wanted || (wanted == torque_mode && last_step_ == closed_loop);
+  return asked && now - t_last_step_ns_ < retry_ns ? waiting : wanted;
 }
 
 DriveFrame OdriveLink::command(const DriveOrder& order, Nanoseconds now) const noexcept {
-  const CanFrame idle = odrive::make_set_axis_state(node_, odrive::axis_idle);
-  const DriveFrame follow{odrive::make_input_torque(node_, static_cast<float>(order.torque_Nm)), torque};
-  switch (order.goal) {
-    case DriveGoal::off: return {idle};
-    case DriveGoal::quick_stop:
-      return heartbeat_.axis_state == odrive::axis_idle ? DriveFrame{} : DriveFrame{idle};
-    case DriveGoal::hold: return enabled() ? follow : DriveFrame{};
-    case DriveGoal::enable: break;
-  }
-  if (enabled()) return follow;
+  const DriveFrame idle{odrive::make_set_axis_state(node_, odrive::axis_idle), nothing};
+  const CanFrame torque = odrive::make_input_torque(node_, static_cast<float>(order.torque_Nm));
+  if (order.goal == DriveGoal::off) return idle;
+  if (!heard_) return {};
+  if (order.goal == DriveGoal::quick_stop)
+    return heartbeat_.axis_state == odrive::axis_idle ? DriveFrame{} : idle;
+  if (order.goal == DriveGoal::hold || enabled()) return {torque, nothing};
   switch (const Step step = next_step(now)) {
     case clear_errors: return {odrive::make_clear_errors(node_), step};
     case torque_mode: return {odrive::make_torque_mode(node_), step};
     case closed_loop: return {odrive::make_set_axis_state(node_, odrive::axis_closed_loop), step};
-    case torque:
+    case waiting:
     case nothing: break;
   }
-  return {};
+  return {torque, waiting};
 }
 
 void OdriveLink::sent(const DriveFrame& command, Nanoseconds now) noexcept {
-  const auto step = static_cast<Step>(command.step);
-  last_step_ = step == torque ? nothing : step;
+  if (command.step == waiting) return;
+  last_step_ = static_cast<Step>(command.step);
   t_last_step_ns_ = now;
-  if (step == torque_mode) torque_mode_sent_ = true;
+  if (last_step_ == torque_mode) torque_mode_sent_ = true;
 }
 
 std::vector<CyclicMessage> OdriveLink::messages(double cycle_s, double) const {

@@ -134,8 +134,8 @@ constexpr CanFrame make_torques(std::uint8_t node, const Torques& torques) noexc
 namespace godobject {
 
 /// A remote frame asks for the encoder estimates in every cycle, so that the sample has the time of the cycle:
-/// the drive's own cyclic sending (encoder_msg_rate_ms) is to be off. Input_Torque goes out in every cycle
-/// while the drive is enabled and feeds its watchdog (axis.config.enable_watchdog is to be on).
+/// the drive's own cyclic sending (encoder_msg_rate_ms) is to be off. Input_Torque goes out in every cycle, zero
+/// unless the drive is enabled, and feeds its watchdog (axis.config.enable_watchdog is to be on).
 ///
 /// Enabled is axis state 8 without an error, after this host has set torque control. Axis state and error come
 /// with the heartbeat (100 ms by default), by which the drive is supervised.
@@ -152,7 +152,7 @@ class OdriveLink final : public DriveLink {
   std::vector<CyclicMessage> messages(double cycle_s, double event_period_s) const override;
 
  private:
-  enum Step : std::uint16_t { nothing, torque, torque_mode, closed_loop, clear_errors };
+  enum Step : std::uint16_t { nothing, waiting, torque_mode, closed_loop, clear_errors };
 
   bool enabled() const noexcept;
   Step next_step(Nanoseconds now) const noexcept;

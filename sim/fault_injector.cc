@@ -14,11 +14,11 @@ bool acts_on(const SimFault& fault, std::size_t bus, std::uint8_t node_id) noexc
 
 }  // namespace
 
-void FaultInjector::add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimCanopenNode*>& nodes) {
+void FaultInjector::add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes) {
   buses_.push_back({.host = &host, .nodes = &nodes, .impostor_port = std::make_unique<SimCanPort>(wire)});
 }
 
-std::size_t FaultInjector::add_node(std::size_t bus, SimCanPort& port, SimCanopenNode& node,
+std::size_t FaultInjector::add_node(std::size_t bus, SimCanPort& port, SimNode& node,
                                     const Calibration& calibration) {
   auto impostor = std::make_unique<SimEncoder>(*buses_[bus].impostor_port, node.node_id(), Calibration{},
                                                impostor_heartbeat_ns);

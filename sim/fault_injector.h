@@ -25,9 +25,9 @@ class FaultInjector {
   // Set-up, in the rig's order of buses. What is added outlives the injector. Allocates.
 
   /// nodes: those that run on the wire; a second node of an id joins them.
-  void add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimCanopenNode*>& nodes);
+  void add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes);
   /// Index for shown().
-  std::size_t add_node(std::size_t bus, SimCanPort& port, SimCanopenNode& node,
+  std::size_t add_node(std::size_t bus, SimCanPort& port, SimNode& node,
                        const Calibration& calibration);
   void schedule_all(std::span<const SimFault> faults);
 
@@ -48,14 +48,14 @@ class FaultInjector {
  private:
   struct BusEntry {
     SimCanPort* host;
-    std::vector<SimCanopenNode*>* nodes;
+    std::vector<SimNode*>* nodes;
     std::unique_ptr<SimCanPort> impostor_port;  // of the second nodes of an id: closed without one
     SimEncoder* impostor = nullptr;             // that is on the bus now
   };
   struct NodeEntry {
     std::size_t bus;
     SimCanPort* port;
-    SimCanopenNode* node;
+    SimNode* node;
     std::unique_ptr<SimEncoder> impostor;
     Calibration calibration;
     SensorFault sensor{};

@@ -197,6 +197,9 @@ void Session::sense(double t) noexcept {
 
 void Session::sense_through_rig() noexcept {
   const DeviceSample device = exchange();
+  buttons_before_ = buttons_;
+  buttons_ = device.buttons;
+  const bool has_clutch = rig_->has_button(ButtonUse::clutch);
   for (std::size_t k = 0; k < held_.size(); ++k) {
     BodySample& sample = samples_[held_[k]];
     sample.X_WD = device.handles[k].X_WH;
@@ -206,6 +209,7 @@ void Session::sense_through_rig() noexcept {
         sim_ ? sim_->rig().handle(k) : MotionSample{.X_WD = sample.X_WD, .V_WD = sample.V_WD};
     exact_samples_[held_[k]].X_WD = handle.X_WD;
     exact_samples_[held_[k]].V_WD = handle.V_WD;
+    if (has_clutch) sample.clutch = exact_samples_[held_[k]].clutch = buttons_.clutch;
   }
   const JointTarget joints{.q = device.q, .q_dot = device.q_dot};
   impose(joints, device.valid, samples_);
@@ -215,7 +219,9 @@ void Session::sense_through_rig() noexcept {
 /// All that can be held get the device's sample; engaged for the one that is.
 void Session::grip(double t) noexcept {
   const BodySample device = samples_[driven_.front()], exact = exact_samples_[driven_.front()];
-  grip_->update(motion_.hold(t), motion_.button(t), device.X_WD.p, *engine_);
+  const bool has_button = rig_ && rig_->has_button(ButtonUse::hold);
+  grip_->update(motion_.hold(t), !has_button && motion_.button(t), device.X_WD.p, *engine_);
+  if (buttons_.hold && !buttons_before_.hold) grip_->press(device.X_WD.p, *engine_);
   for (const std::size_t body : driven_) {
     samples_[body] = device;
     exact_samples_[body] = exact;

@@ -172,6 +172,7 @@ class Session {
   std::vector<std::size_t> held_;    // with a bus: the body of each handle
   std::optional<Grip>
       grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
+  DeviceButtons buttons_, buttons_before_;  // of the device; pressed in this step and in the one before
   std::vector<ImposedJoint> imposed_;
   std::vector<BodySample> samples_;        // one per body, as the core gets them
   std::vector<BodySample> exact_samples_;  // the same with the handle as it really is

@@ -277,15 +277,4 @@ void SimCanopenNode::on_written(ObjectAddress address, std::int64_t value) noexc
   on_object_written(address, value);
 }
 
-void advance(SimCanWire& wire, std::span<SimCanopenNode* const> nodes, Nanoseconds t_ns) noexcept {
-  for (;;) {
-    for (SimCanopenNode* node : nodes) node->poll(wire.now());
-    Nanoseconds t_next_ns = wire.next_event().value_or(SimCanopenNode::never);
-    for (const SimCanopenNode* node : nodes) t_next_ns = std::min(t_next_ns, node->next_timer());
-    if (t_next_ns > t_ns) break;
-    wire.advance_to(t_next_ns);
-  }
-  wire.advance_to(t_ns);
-}
-
 }  // namespace godobject

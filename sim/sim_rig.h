@@ -11,7 +11,7 @@
 #include "sim/fault_injector.h"
 #include "sim/inverse_kinematics.h"
 #include "sim/motion.h"
-#include "sim/sim_drive.h"
+#include "sim/sim_button.h"
 #include "sim/sim_encoder.h"
 #include "sim/sim_plant.h"
 
@@ -51,7 +51,7 @@ class SimRig {
   SimCanPort& host_port(std::size_t bus) noexcept { return buses_[bus]->host; }
   /// At the motor's shaft, by the drive of this index.
   double applied_torque_Nm(std::size_t drive) const noexcept {
-    return drives_[drive].node->applied_torque_Nm();
+    return drives_[drive].motor->applied_torque_Nm();
   }
 
   /// Where the handle of this index really is, and how it moves: what the encoders measure.
@@ -69,7 +69,7 @@ class SimRig {
     SimCanWire wire;
     SimCanPort host;
     std::vector<std::unique_ptr<SimCanPort>> ports;
-    std::vector<SimCanopenNode*> nodes;
+    std::vector<SimNode*> nodes;
     SimRig* rig = nullptr;
     std::size_t index = 0;
   };
@@ -79,13 +79,23 @@ class SimRig {
     std::size_t fault_node;  // of faults_
   };
   struct DriveAt {
-    std::unique_ptr<SimDrive> node;
+    std::unique_ptr<SimNode> node;
+    SimMotor* motor;  // the same object
     Eigen::Index joint;
     double joint_torque_per_motor_Nm;
     std::size_t fault_node;
   };
 
+  /// An input node with the bits of all buttons on it.
+  struct ButtonsAt {
+    std::unique_ptr<SimButtonNode> node;
+    std::size_t bus;
+  };
+
   SimCanPort& add_port(std::size_t bus);
+  void add_drive(const DriveParams& params, double heartbeat_s);
+  void add_button(const ButtonParams& params, double heartbeat_s);
+  void press_buttons(double motion_time) noexcept;
   Eigen::Index joint_named(const std::string& name) const;
   JointTarget hand_at(double motion_time) noexcept;
   JointTarget invert(const MotionSample& target) noexcept;
@@ -102,6 +112,7 @@ class SimRig {
   FaultInjector faults_;
   std::vector<EncoderAt> encoders_;
   std::vector<DriveAt> drives_;
+  std::vector<ButtonsAt> buttons_;
   std::unique_ptr<SimPlant> plant_;
   BusObserver observer_;
 };

@@ -83,10 +83,10 @@ TEST_F(OdriveLinkTest, ModeThenStateThenTorque) {
   EXPECT_EQ(command(DriveGoal::enable), 0u);  // it has not been heard
   EXPECT_TRUE(heartbeat(odrive::axis_idle).alive);
   EXPECT_EQ(telemetry.state, MotorState::off);
-  EXPECT_EQ(command(DriveGoal::hold), 0u);
+  EXPECT_EQ(command(DriveGoal::hold), 0x0AEu);  // feeds the watchdog
   EXPECT_EQ(command(DriveGoal::enable), 0x0ABu);
   EXPECT_EQ(command(DriveGoal::enable), 0x0A7u);
-  for (int k = 0; k < 100; ++k) EXPECT_EQ(command(DriveGoal::enable), 0u);
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(command(DriveGoal::enable), 0x0AEu);
   heartbeat(odrive::axis_closed_loop);
   EXPECT_EQ(telemetry.state, MotorState::enabled);
   EXPECT_EQ(command(DriveGoal::enable), 0x0AEu);
@@ -105,7 +105,6 @@ TEST_F(OdriveLinkTest, AsksAgainWhenTheDriveDidNotListen) {
 TEST_F(OdriveLinkTest, ClosedLoopOfAnotherHostIsNotTrustedUntilTheModeIsSet) {
   heartbeat(odrive::axis_closed_loop);
   EXPECT_EQ(telemetry.state, MotorState::off);
-  EXPECT_EQ(command(DriveGoal::hold, 0.1), 0u);
   EXPECT_EQ(command(DriveGoal::enable), 0x0ABu);
   heartbeat(odrive::axis_closed_loop);
   EXPECT_EQ(telemetry.state, MotorState::enabled);
@@ -115,9 +114,8 @@ TEST_F(OdriveLinkTest, ErrorsAreClearedFirst) {
   heartbeat(odrive::axis_idle, odrive::error_watchdog);
   EXPECT_EQ(telemetry.state, MotorState::fault);
   EXPECT_EQ(telemetry.error_code, odrive::error_watchdog);
-  EXPECT_EQ(command(DriveGoal::hold), 0u);
   EXPECT_EQ(command(DriveGoal::enable), 0x0B8u);
-  EXPECT_EQ(command(DriveGoal::enable), 0u);
+  EXPECT_EQ(command(DriveGoal::enable), 0x0AEu);
   heartbeat(odrive::axis_idle);
   EXPECT_EQ(command(DriveGoal::enable), 0x0ABu);
 }
