@@ -23,6 +23,9 @@ class LinuxBus : public CanBus {
   /// try_receive: those received, and own ones once they are seen complete. False: this bus does not see its
   /// own frames, and shows nothing.
   [[nodiscard]] virtual bool observe(const FrameObserver&) noexcept { return false; }
+  /// Where other programs find it: the interface, the path of a terminal (of `pty:` once it is open), of a
+  /// log. Allocates.
+  virtual std::string name() const { return {}; }
 };
 
 /// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
@@ -32,6 +35,15 @@ struct CanFilter {
   bool extended = false;
 };
 
+/// Whether a receiver with these filters gets the frame.
+constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame) noexcept {
+  if (filters.empty()) return true;
+  for (const CanFilter& filter : filters)
+    if (filter.extended == frame.extended && (frame.id & filter.mask) == (filter.id & filter.mask))
+      return true;
+  return false;
+}
+
 struct BusSettings {
   double bit_rate = 1e6;               // bit/s; what the scene expects of the bus
   double data_bit_rate = 0;            // bit/s, CAN FD; 0: classic
@@ -40,7 +52,7 @@ struct BusSettings {
 
 enum class BusKind : std::uint8_t {
   socketcan,  // socketcan:can0
-  slcan,      // slcan:/dev/ttyACM0
+  slcan,      // slcan:/dev/ttyACM0, at another baud rate than 115200 slcan:/dev/ttyUSB0,3000000
   pty,        // pty: makes a pseudo-terminal that speaks SLCAN, and says its name
   replay,     // replay:run.log, one interface of it replay:run.log,can0
 };

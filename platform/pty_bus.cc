@@ -1,0 +1,162 @@
+#include "platform/pty_bus.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <system_error>
+
+namespace godobject {
+
+PtyBus::PtyBus(const BusSettings& settings)
+    : bit_rate_(settings.bit_rate), filters_(settings.filters.begin(), settings.filters.end()) {}
+
+bool PtyBus::fail(const char* what) noexcept {
+  why_ = std::string("no pseudo-terminal: ") + what + ": " + std::generic_category().message(errno);
+  if (slave_fd_ >= 0) ::close(slave_fd_);
+  slave_fd_ = -1;
+  line_.port().close();
+  return false;
+}
+
+bool PtyBus::open() noexcept {
+  close();
+  const int master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (master < 0) return fail("posix_openpt");
+  std::array<char, 64> slave{};
+  const bool has_name =
+      grantpt(master) == 0 && unlockpt(master) == 0 && ptsname_r(master, slave.data(), slave.size()) == 0;
+  line_.port().adopt(master, slave.data());
+  if (!has_name) return fail("its other end cannot be made ready");
+  slave_fd_ = ::open(slave.data(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (slave_fd_ < 0) return fail(slave.data());
+  termios raw{};
+  cfmakeraw(&raw);
+  if (tcsetattr(slave_fd_, TCSANOW, &raw) != 0) return fail("tcsetattr");
+  line_.clear();
+  counters_ = {};
+  return true;
+}
+
+void PtyBus::close() noexcept {
+  line_.port().close();
+  if (slave_fd_ >= 0) ::close(slave_fd_);
+  slave_fd_ = -1;
+  channel_ = Channel::closed;
+  asked_bit_rate_ = 0;
+  why_.clear();
+}
+
+SendResult PtyBus::try_send(const CanFrame& frame) noexcept {
+  std::array<char, slcan::max_line> text{};
+  const std::size_t size = slcan::format_frame(frame, text);
+  SendResult result = SendResult::queued;
+  if (size == 0) {
+    result = SendResult::invalid;
+  } else if (is_cut_off(state())) {
+    result = SendResult::down;
+  } else if (!line_.put({text.data(), size})) {
+    result = SendResult::full;
+  }
+  ++(result == SendResult::queued ? counters_.sent : counters_.send_refused);
+  return result;
+}
+
+bool PtyBus::try_receive(ReceivedFrame& out) noexcept {
+  line_.flush();
+  std::string_view line;
+  while (line_.next(line))
+    if (handle(line, out)) return true;
+  return false;
+}
+
+/// True: `out` is a frame for the receiver.
+bool PtyBus::handle(std::string_view line, ReceivedFrame& out) noexcept {
+  if (line.empty()) return false;  // hosts send empty lines to end whatever stood before
+  slcan::Request request;
+  if (slcan::parse_request(line, request) != ParseResult::ok) {
+    answer(slcan::refused_reply);
+    return false;
+  }
+  const bool is_open = channel_ != Channel::closed;
+  switch (request.kind) {
+    case slcan::RequestKind::send: return receive(request.frame, out);
+    case slcan::RequestKind::set_bit_rate:
+      if (!is_open) asked_bit_rate_ = slcan::bit_rates[request.value];
+      answer(is_open ? slcan::refused_reply : slcan::ok_reply);
+      break;
+    case slcan::RequestKind::open: open_channel(Channel::open); break;
+    case slcan::RequestKind::listen: open_channel(Channel::listening); break;
+    case slcan::RequestKind::close: close_channel(); break;
+    case slcan::RequestKind::flags: answer(is_open ? "F00\r" : slcan::refused_reply); break;
+    case slcan::RequestKind::version: answer("V1013\r"); break;
+    case slcan::RequestKind::serial_number: answer("NGODO\r"); break;
+    case slcan::RequestKind::timestamps:
+      answer(request.value == 0 ? slcan::ok_reply : slcan::refused_reply);
+      break;
+  }
+  return false;
+}
+
+bool PtyBus::receive(const CanFrame& frame, ReceivedFrame& out) noexcept {
+  if (channel_ != Channel::open) {
+    answer(slcan::refused_reply);
+    return false;
+  }
+  answer(frame.extended ? slcan::taken_extended_reply : slcan::taken_reply);
+  if (!passes(filters_, frame)) return false;
+  out = {.frame = frame, .t_ns = line_.read_at()};
+  ++counters_.received;
+  return true;
+}
+
+void PtyBus::answer(std::string_view text) noexcept {
+  if (!line_.put(text)) ++counters_.send_dropped;
+}
+
+/// An adapter refuses O while the channel is open; hosts send it twice and do not mind.
+void PtyBus::open_channel(Channel channel) noexcept {
+  const bool was_closed = channel_ == Channel::closed;
+  if (was_closed) channel_ = channel;
+  answer(was_closed ? slcan::ok_reply : slcan::refused_reply);
+}
+
+/// What a host that died left unread is not for the next one.
+void PtyBus::close_channel() noexcept {
+  channel_ = Channel::closed;
+  line_.discard_output();
+  tcflush(slave_fd_, TCIFLUSH);
+  answer(slcan::ok_reply);
+}
+
+BusState PtyBus::state() const noexcept {
+  switch (line_.port().state()) {
+    case SerialState::closed: return BusState::closed;
+    case SerialState::open: break;
+    case SerialState::hung_up: return BusState::gone;
+    case SerialState::failed: return BusState::down;
+  }
+  return channel_ == Channel::closed ? BusState::down : BusState::error_active;
+}
+
+std::string PtyBus::trouble() const {
+  if (!why_.empty()) return why_;
+  if (line_.port().state() != SerialState::open) return line_.port().trouble();
+  if (channel_ == Channel::closed)
+    return name() + ": waits for the other end to open it, e.g. godobject monitor --bus slcan:" + name();
+  if (asked_bit_rate_ > 0 && std::abs(asked_bit_rate_ - bit_rate_) > 0.5)
+    return name() + ": the other end expects " + std::to_string(std::lround(asked_bit_rate_)) +
+           " bit/s, this bus has " + std::to_string(std::lround(bit_rate_)) + ": a real bus would not work";
+  return "";
+}
+
+std::string PtyBus::name() const {
+  return line_.port().state() == SerialState::closed ? std::string() : line_.port().path();
+}
+
+}  // namespace godobject
