@@ -10,12 +10,6 @@ namespace {
 /// The last frames are no more than a few cycles': a command to each drive, a message to each node.
 constexpr std::int64_t closing_periods = 10;
 
-/// A bus that neither takes nor brings frames.
-bool is_cut_off(const CanBus& bus) noexcept {
-  const BusState state = bus.state();
-  return state == BusState::closed || state >= BusState::bus_off;
-}
-
 }  // namespace
 
 void Session::start(double limit_s) noexcept {
@@ -130,7 +124,7 @@ void Session::take_in() noexcept {
 bool Session::commands_torque() const noexcept {
   const std::vector<DriveParams>& drives = scene_.device->rig->drives;
   for (std::size_t i = 0; i < rig_->num_drives(); ++i)
-    if (rig_->commanded_torque_Nm(i) != 0 && !is_cut_off(*link_->buses()[drives[i].bus])) return true;
+    if (rig_->commanded_torque_Nm(i) != 0 && !is_cut_off(link_->buses()[drives[i].bus]->state())) return true;
   return false;
 }
 

@@ -111,12 +111,6 @@ struct WireCounters {
   Nanoseconds busy_ns = 0;  // frames, error frames and intermissions that have ended
 };
 
-/// Called at the end of each completed frame, once, whoever sent it.
-struct FrameObserver {
-  void (*on_frame)(void* context, const ReceivedFrame& frame) = nullptr;
-  void* context = nullptr;
-};
-
 /// The wire. What it models, and what it simplifies:
 /// - When the wire is idle the head of every node's queue takes part in arbitration, bit for bit as in
 ///   ISO 11898-1: lower identifier first, data before remote, standard before extended with the same 11 bits.

@@ -3,34 +3,21 @@
 
 #include <gtest/gtest.h>
 
-#include <ostream>
 #include <string>
 
 #include "tests/support/allocation_guard.h"
+#include "tests/support/fault_reactions.h"
 #include "tests/support/faulty_rig.h"
 
 namespace godobject {
 namespace {
 
-/// From the fault of a drive that hears nothing any more to its own watchdog, with a cycle on either side.
-constexpr int cycles_of_watchdog = 22;
-/// stale_after is three cycles.
-constexpr int cycles_of_silence = 5;
+class EveryReaction : public testing::TestWithParam<test::FaultReaction> {};
 
-struct Reaction {
-  const char* words;
-  RigFault expected;  // one of its bits at least; none: no fault may come up
-  int within = 0;     // cycles
-};
-
-std::ostream& operator<<(std::ostream& out, const Reaction& reaction) { return out << reaction.words; }
-
-class FaultReaction : public testing::TestWithParam<Reaction> {};
-
-TEST_P(FaultReaction, IsTheDocumentedOne) {
+TEST_P(EveryReaction, IsTheDocumentedOne) {
   test::FaultyRig device;
   ASSERT_TRUE(device.boot());
-  const Reaction& reaction = GetParam();
+  const test::FaultReaction& reaction = GetParam();
   device.play(reaction.words);
   if (reaction.expected == RigFault::none) {
     EXPECT_FALSE(device.cycles_to_fault(300)) << device.rig.fault_text();
@@ -39,7 +26,7 @@ TEST_P(FaultReaction, IsTheDocumentedOne) {
   }
   ASSERT_TRUE(device.cycles_to_fault(reaction.within));
   EXPECT_TRUE(any(device.rig.faults() & reaction.expected)) << device.rig.fault_text();
-  EXPECT_TRUE(device.cycles_to_zero(cycles_of_watchdog));
+  EXPECT_TRUE(device.cycles_to_zero(test::cycles_of_watchdog));
   device.cycles(30);
   EXPECT_EQ(device.motor_torque(), 0);
 
@@ -52,37 +39,7 @@ TEST_P(FaultReaction, IsTheDocumentedOne) {
   EXPECT_TRUE(device.boot()) << device.rig.fault_text();
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, FaultReaction,
-    testing::Values(
-        Reaction{"drop bus=can0 node=1 value=0.1", RigFault::none},
-        Reaction{"drop bus=can0 node=1", RigFault::sample_stale, cycles_of_silence},
-        Reaction{"drop bus=can1 node=1", RigFault::drive_silent, cycles_of_silence},
-        Reaction{"drop", RigFault::sample_stale | RigFault::drive_silent, cycles_of_silence},
-        Reaction{"duplicate", RigFault::none}, Reaction{"delay bus=can0 value=3e-4", RigFault::none},
-        Reaction{"delay bus=can0 value=0.01", RigFault::sample_stale, cycles_of_silence},
-        Reaction{"corrupt value=0.1", RigFault::none},
-        Reaction{"corrupt bus=can0 node=1 value=1", RigFault::sample_stale, cycles_of_silence},
-        Reaction{"stuck bus=can0 node=1", RigFault::none}, Reaction{"spike bus=can0 node=1", RigFault::none},
-        Reaction{"spike bus=can0 node=1 duration=1", RigFault::sample_implausible, cycles_of_silence},
-        Reaction{"wrap bus=can0 node=1", RigFault::sample_implausible, cycles_of_silence},
-        Reaction{"nan bus=can0 node=1", RigFault::sample_implausible, cycles_of_silence},
-        Reaction{"reboot-node bus=can0 node=1", RigFault::node_restarted, cycles_of_silence},
-        Reaction{"reboot-node bus=can1 node=1 duration=0.1", RigFault::drive_silent, cycles_of_silence},
-        Reaction{"emcy bus=can0 node=1 value=20480", RigFault::emergency, 2},
-        Reaction{"emcy bus=can1 node=1", RigFault::emergency | RigFault::drive_not_enabled, 2},
-        Reaction{"bus-off bus=can0", RigFault::bus_down, 2},
-        Reaction{"bus-off bus=can1 node=1", RigFault::drive_silent, cycles_of_silence},
-        Reaction{"restart", RigFault::none},
-        Reaction{"unplug bus=can0 node=1", RigFault::sample_stale, cycles_of_silence},
-        Reaction{"unplug", RigFault::sample_stale | RigFault::drive_silent | RigFault::send_refused,
-                 cycles_of_silence},
-        Reaction{"id-collision bus=can0 node=1", RigFault::node_restarted | RigFault::sample_stale,
-                 cycles_of_silence},
-        Reaction{"id-collision bus=can1 node=1", RigFault::node_restarted | RigFault::drive_silent,
-                 cycles_of_silence},
-        Reaction{"clock-drift bus=can0 node=1", RigFault::none},
-        Reaction{"clock-drift bus=can1 node=1 value=-9e5", RigFault::heartbeat_lost, 1200}));
+INSTANTIATE_TEST_SUITE_P(All, EveryReaction, testing::ValuesIn(test::fault_reactions));
 
 TEST(FaultInjector, SpikeWithoutDurationIsOneSample) {
   test::FaultyRig device;
