@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "hal/cia402.h"
+#include "hal/cia402_homing.h"
 
 namespace godobject {
 
@@ -30,6 +30,13 @@ void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, Sim
   objects.add_mappable(position_object, ObjectType::i32, ro);
   objects.add_mappable(velocity_object, ObjectType::i32, ro);
   objects.add_mappable(torque_object, ObjectType::i16, ro);
+  objects.add_mappable(target_position_object, ObjectType::i32);
+  objects.add_mappable(target_velocity_object, ObjectType::i32);
+  objects.add(home_offset_object, ObjectType::i32, rw);
+  objects.add(homing_method_object, ObjectType::i8, rw, cia402::homing_at_current_position);
+  objects.add({0x6099, 0}, ObjectType::u8, ro, 2);  // speeds of homing: to the switch, to the index
+  objects.add({0x6099, 1}, ObjectType::u32, rw);
+  objects.add({0x6099, 2}, ObjectType::u32, rw);
 
   const std::int64_t torque_rated = std::llround(params.torque_rated_Nm / torque_rated_unit_Nm);
   objects.add({0x6076, 0}, ObjectType::u32, ro, torque_rated);
@@ -38,6 +45,9 @@ void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, Sim
   Object& abort_connection = objects.add(abort_connection_option, ObjectType::i16, rw, ours ? 1 : 0);
   abort_connection.low = static_cast<std::int64_t>(AbortConnection::no_action);
   abort_connection.high = static_cast<std::int64_t>(AbortConnection::quick_stop);
+  Object& quick_stop = objects.add(quick_stop_option_object, ObjectType::i16, rw, 2);
+  quick_stop.low = static_cast<std::int64_t>(cia402::QuickStopOption::disable);
+  quick_stop.high = static_cast<std::int64_t>(cia402::QuickStopOption::current_limit_and_stay);
   Object& fault_reaction = objects.add({0x605E, 0}, ObjectType::i16, rw, ours ? 0 : 2);
   fault_reaction.low = 0;  // disable, 1 and 2 ramps: here the torque is gone at once in all of them
   fault_reaction.high = 2;
@@ -59,6 +69,14 @@ std::vector<SimPdoDefault> drive_pdos(SimDefaults defaults, std::uint8_t status_
          .transmission = 1,
          .timer_ms = deadline_ms,
          .map = {controlword_object, target_torque_object}},
+        {.direction = receive,
+         .number = 2,
+         .transmission = 1,
+         .map = {controlword_object, target_position_object}},
+        {.direction = receive,
+         .number = 3,
+         .transmission = 1,
+         .map = {controlword_object, target_velocity_object}},
         {.direction = transmit,
          .number = 1,
          .transmission = status_every_nth_sync,

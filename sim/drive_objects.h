@@ -14,7 +14,9 @@ inline constexpr double torque_rated_unit_Nm = 1e-3;
 inline constexpr canopen::ObjectAddress error_code_object{0x603F, 0}, controlword_object{0x6040, 0},
     statusword_object{0x6041, 0}, abort_connection_option{0x6007, 0}, mode_object{0x6060, 0},
     mode_display_object{0x6061, 0}, position_object{0x6064, 0}, velocity_object{0x606C, 0},
-    target_torque_object{0x6071, 0}, torque_object{0x6077, 0}, supported_modes_object{0x6502, 0};
+    target_torque_object{0x6071, 0}, torque_object{0x6077, 0}, supported_modes_object{0x6502, 0},
+    target_position_object{0x607A, 0}, home_offset_object{0x607C, 0}, homing_method_object{0x6098, 0},
+    target_velocity_object{0x60FF, 0}, quick_stop_option_object{0x605A, 0};
 
 /// What simulated drives say of themselves in 1018h. The vendor is none that CiA has given away.
 inline constexpr lss::Identity sim_drive_identity{

@@ -1,6 +1,7 @@
 #include "sim/sim_canopen_node.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace godobject {
 
@@ -53,8 +54,26 @@ const SimPdo* SimCanopenNode::find_pdo(PdoDirection direction, int number) const
 // Frames.
 
 void SimCanopenNode::poll(Nanoseconds now) noexcept {
-  for (ReceivedFrame received; bus_.try_receive(received);) on_frame(received.frame, now);
-  tick(now);
+  const Nanoseconds local_ns = local_time(now);
+  for (ReceivedFrame received; bus_.try_receive(received);) on_frame(received.frame, local_ns);
+  tick(local_ns);
+}
+
+void SimCanopenNode::set_clock_error(double ppm, Nanoseconds now) noexcept {
+  local_origin_ns_ = local_time(now);
+  origin_ns_ = now;
+  clock_rate_ = 1 + 1e-6 * ppm;
+}
+
+Nanoseconds SimCanopenNode::local_time(Nanoseconds now) const noexcept {
+  return local_origin_ns_ + std::llround(clock_rate_ * static_cast<double>(now - origin_ns_));
+}
+
+// Never too early: at this time local_time() has reached `local`.
+Nanoseconds SimCanopenNode::bus_time(Nanoseconds local) const noexcept {
+  if (local == never) return never;
+  const double elapsed_ns = static_cast<double>(local - local_origin_ns_) / clock_rate_;
+  return origin_ns_ + static_cast<Nanoseconds>(std::ceil(elapsed_ns)) + (clock_rate_ == 1 ? 0 : 1);
 }
 
 void SimCanopenNode::on_frame(const CanFrame& frame, Nanoseconds now) noexcept {
@@ -182,7 +201,7 @@ void SimCanopenNode::tick(Nanoseconds now) noexcept {
 Nanoseconds SimCanopenNode::next_timer() const noexcept {
   Nanoseconds t_ns = std::min({t_heartbeat_ns_, t_host_lost_ns_, device_timer()});
   for (const SimPdo& pdo : pdos_) t_ns = std::min(t_ns, pdo.t_timer_ns);
-  return t_ns;
+  return bus_time(t_ns);
 }
 
 // Network management.
@@ -256,17 +275,6 @@ void SimCanopenNode::on_written(ObjectAddress address, std::int64_t value) noexc
   }
   if (address.index == 0x1016) t_host_lost_ns_ = never;  // begins with the next heartbeat
   on_object_written(address, value);
-}
-
-void advance(SimCanWire& wire, std::span<SimCanopenNode* const> nodes, Nanoseconds t_ns) noexcept {
-  for (;;) {
-    for (SimCanopenNode* node : nodes) node->poll(wire.now());
-    Nanoseconds t_next_ns = wire.next_event().value_or(SimCanopenNode::never);
-    for (const SimCanopenNode* node : nodes) t_next_ns = std::min(t_next_ns, node->next_timer());
-    if (t_next_ns > t_ns) break;
-    wire.advance_to(t_next_ns);
-  }
-  wire.advance_to(t_ns);
 }
 
 }  // namespace godobject

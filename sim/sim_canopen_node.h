@@ -3,13 +3,11 @@
 #pragma once
 
 #include <deque>
-#include <limits>
-#include <span>
 
 #include "hal/canopen.h"
 #include "sim/sdo_server.h"
-#include "sim/sim_can_bus.h"
 #include "sim/sim_lss.h"
+#include "sim/sim_node.h"
 #include "sim/sim_pdo.h"
 
 namespace godobject {
@@ -24,27 +22,28 @@ enum class SimDefaults : std::uint8_t {
 /// SDO is answered in all NMT states but stopped, PDOs are exchanged in operational only. What is written to
 /// the object dictionary is in effect at once, what CiA 301 says of resets undoes it. A message that the bus
 /// refuses is not repeated, the bus counts it; only the boot-up message waits for a bus that takes it.
-class SimCanopenNode : private ObjectObserver {
+class SimCanopenNode : public SimNode, private ObjectObserver {
  public:
-  static constexpr Nanoseconds never = std::numeric_limits<Nanoseconds>::max();
-
   /// bus: must outlive the node and be opened by the caller. heartbeat_period_ns 0: no heartbeat. Allocates,
   /// and so do add_pdo and what adds objects; nothing later does.
   SimCanopenNode(CanBus& bus, std::uint8_t node_id, Nanoseconds heartbeat_period_ns);
-  virtual ~SimCanopenNode() = default;
   SimCanopenNode(const SimCanopenNode&) = delete;
   SimCanopenNode& operator=(const SimCanopenNode&) = delete;
 
-  /// Reads what has arrived and runs the timers that are due.
-  void poll(Nanoseconds now) noexcept;
+  void poll(Nanoseconds now) noexcept override;
   void on_frame(const CanFrame& frame, Nanoseconds now) noexcept;
   void tick(Nanoseconds now) noexcept;
-  /// When tick() next has something to do; `never` if only a frame can cause it.
-  Nanoseconds next_timer() const noexcept;
+  Nanoseconds next_timer() const noexcept override;
   /// Off and on again: everything is as after power-up, but the LSS settings that were stored.
-  void power_cycle(Nanoseconds now) noexcept;
+  void power_cycle(Nanoseconds now) noexcept override;
 
-  std::uint8_t node_id() const noexcept { return node_id_; }
+  /// The device reports an error: EMCY with this code. What else it does is the device's.
+  void trip(std::uint16_t error_code) noexcept override {
+    send(canopen::make_emergency({.node = node_id_, .error_code = error_code, .error_register = 0x01}));
+  }
+  void set_clock_error(double ppm, Nanoseconds now) noexcept override;
+
+  std::uint8_t node_id() const noexcept override { return node_id_; }
   canopen::NmtState nmt_state() const noexcept { return nmt_state_; }
   ObjectDictionary& objects() noexcept { return objects_; }
   const ObjectDictionary& objects() const noexcept { return objects_; }
@@ -81,6 +80,8 @@ class SimCanopenNode : private ObjectObserver {
   void on_written(canopen::ObjectAddress address, std::int64_t value) noexcept final;
   void before_read() noexcept final { sample(); }
 
+  Nanoseconds local_time(Nanoseconds now) const noexcept;
+  Nanoseconds bus_time(Nanoseconds local) const noexcept;
   void on_nmt(canopen::NmtCommand command, Nanoseconds now) noexcept;
   void enter(canopen::NmtState state, Nanoseconds now) noexcept;
   void boot(Nanoseconds now) noexcept;
@@ -105,10 +106,9 @@ class SimCanopenNode : private ObjectObserver {
   Nanoseconds t_heartbeat_ns_ = never;
   Nanoseconds t_host_lost_ns_ = never;  // once the host has been heard (CiA 301 7.2.8.2.2.2)
   Nanoseconds now_ns_ = 0;              // of the frame or tick at hand
+  // The node's clock: it ran at the bus's time until it showed local_origin_ns_ at origin_ns_.
+  double clock_rate_ = 1;
+  Nanoseconds origin_ns_ = 0, local_origin_ns_ = 0;
 };
-
-/// Runs a wire and the nodes on it up to and including t, each node at the instant something happens to it:
-/// answers to a SYNC compete for the wire as they would in reality. The wire must not be past t.
-void advance(SimCanWire& wire, std::span<SimCanopenNode* const> nodes, Nanoseconds t_ns) noexcept;
 
 }  // namespace godobject

@@ -1,12 +1,14 @@
 #include "sim/sim_encoder.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace godobject {
 
 using canopen::ObjectType;
 
 std::uint32_t counts_at(double q, const Calibration& calibration) noexcept {
+  if (std::isnan(q)) return no_value_counts;
   constexpr std::int64_t counts_of_32_bits = std::int64_t{1} << 32;
   const std::int64_t modulus = calibration.modulus_counts == 0
                                    ? counts_of_32_bits
@@ -57,7 +59,8 @@ std::int64_t SimEncoder::range_counts() const noexcept {
 
 void SimEncoder::sample() noexcept {
   const std::int64_t counts = counts_at(q_, calibration_) + offset_->value;
-  position_->value = (counts % range_counts() + range_counts()) % range_counts();
+  if (std::isnan(q_)) position_->value = no_value_counts;
+  else position_->value = (counts % range_counts() + range_counts()) % range_counts();
   speed_->value = saturate_to<std::int16_t>(calibration_.sign * q_dot_ * calibration_.counts_per_unit);
 }
 

@@ -6,8 +6,11 @@
 
 namespace godobject {
 
+/// What a sensor sends that has no value to send.
+inline constexpr std::uint32_t no_value_counts = 0x8000'0000u;
+
 /// The count a sensor shows at joint coordinate q (rad or m): the nearest one, wrapped at the modulus
-/// (2^32 when the calibration has none). The inverse of Calibration.
+/// (2^32 when the calibration has none). The inverse of Calibration. For NaN: no_value_counts.
 std::uint32_t counts_at(double q, const Calibration& calibration) noexcept;
 
 /// Samples its position when a SYNC arrives and sends it as TPDO1. Out of the factory TPDO1 waits for an event

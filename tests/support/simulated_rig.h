@@ -129,7 +129,7 @@ class SimulatedRig {
   std::vector<SimCanPort*> encoder_ports, drive_ports;
   std::vector<std::unique_ptr<SimEncoder>> encoders;
   std::vector<std::unique_ptr<SimDrive>> drives;
-  std::vector<std::vector<SimCanopenNode*>> nodes;  // by bus
+  std::vector<std::vector<SimNode*>> nodes;  // by bus
   std::unique_ptr<Rig> rig;
 
   std::function<JointVector(double t)> q_ref = [this](double) { return zero(); };
