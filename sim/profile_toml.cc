@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <set>
 
-#include "hal/commissioning_steps.h"
+#include "hal/profile_validate.h"
 #include "sim/profile_keys.h"
 
 namespace godobject {
