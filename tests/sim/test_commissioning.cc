@@ -12,6 +12,7 @@
 #include "sim/diagnostics.h"
 #include "sim/profile_toml.h"
 #include "sim/scene_toml.h"
+#include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_rig.h"
 
 namespace godobject {
@@ -99,6 +100,23 @@ TEST(Commissioning, FactoryNodesBootAndArmAfterIt) {
   sim.cycles(500);
   EXPECT_EQ(sim.rig->state(), RigState::armed) << sim.rig->fault_text();
   EXPECT_TRUE(sim.sample.valid);
+}
+
+TEST(Commissioning, PollAllocatesNothing) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "the sanitizer owns the allocator";
+  const RigParams params = grasper();
+  SimulatedRig sim(params, false, {}, SimDefaults::factory);
+  Commissioning commissioning(params, profiles_of(params), sim.hosts);
+  long calls = 0;
+  for (int i = 0; i < 3000 && !commissioning.done(); ++i) {
+    AllocationGuard guard;
+    commissioning.poll(sim.now);
+    calls += guard.calls();
+    guard.disarm();
+    sim.idle(ms);
+  }
+  EXPECT_TRUE(commissioning.done() && !commissioning.failed());
+  EXPECT_EQ(calls, 0);
 }
 
 // 1016h and 6007h: the drives stop by themselves.

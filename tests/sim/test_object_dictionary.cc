@@ -138,6 +138,27 @@ TEST_F(Network, BlockTransferIsUnknown) {
   EXPECT_EQ(sdo::abort_code_of(answer), AbortCode::unknown_command);
 }
 
+// Any requests in any order: nothing is read or written out of bounds (the sanitizers watch), and the node lives on.
+TEST_F(Network, SurvivesAnyRequest) {
+  std::uint32_t random = 1;
+  const auto next = [&random] { return (random = random * 1664525u + 1013904223u) >> 16; };
+  for (int i = 0; i < 50000; ++i) {
+    CanFrame frame{.id = i % 8 == 0 ? lss::request_cob_id : sdo::request_cob_id(drive_id), .size = 8};
+    for (std::uint8_t& byte : std::span(frame.data).first(8)) byte = static_cast<std::uint8_t>(next());
+    if (i % 2 == 0) {  // objects that are there
+      frame.data[2] = static_cast<std::uint8_t>(i % 4 == 0 ? 0x10 : 0x1A);
+      frame.data[1] = static_cast<std::uint8_t>(next() % 32);
+      frame.data[3] = static_cast<std::uint8_t>(next() % 9);
+    }
+    drive.on_frame(frame, wire.now());
+  }
+  run_for(ms);
+  send(canopen::make_nmt(NmtCommand::reset_node, 0));
+  run_for(5 * ms);
+  EXPECT_EQ(drive.nmt_state(), canopen::NmtState::pre_operational);
+  EXPECT_EQ(read(drive.node_id(), {0x1000, 0}) & 0xFFFF, 402);
+}
+
 TEST_F(Network, StoppedNodeDoesNotAnswer) {
   send(canopen::make_nmt(NmtCommand::stop, drive_id));
   run_for(ms);
