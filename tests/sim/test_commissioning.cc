@@ -119,6 +119,24 @@ TEST(Commissioning, PollAllocatesNothing) {
   EXPECT_EQ(calls, 0);
 }
 
+// A node may start by itself after its boot-up, and then refuse what follows.
+TEST(Commissioning, NodeIsHaltedBeforeTheFirstRequest) {
+  const RigParams params = grasper();
+  SimulatedRig sim(params, false, {}, SimDefaults::factory);
+  std::vector<std::uint32_t> order;  // boot-up of node 1, pre-operational to it, first SDO request to it
+  sim.wires[0].set_observer({[](void* context, const ReceivedFrame& received) {
+                               const CanFrame& f = received.frame;
+                               const bool halt = f.id == 0 && f.data[0] == 0x80 && f.data[1] == 1;
+                               auto& seen = *static_cast<std::vector<std::uint32_t>*>(context);
+                               if (halt || f.id == 0x601 || f.id == 0x701) seen.push_back(f.id);
+                             },
+                             &order});
+  Commissioning commissioning(params, profiles_of(params), sim.hosts);
+  run(commissioning, sim);
+  ASSERT_GE(order.size(), 3u);
+  EXPECT_EQ(std::vector(order.begin(), order.begin() + 3), (std::vector<std::uint32_t>{0x701, 0, 0x601}));
+}
+
 // 1016h and 6007h: the drives stop by themselves.
 TEST(Commissioning, DrivesStopWhenTheHostVanishes) {
   RigParams params = grasper();
