@@ -28,6 +28,8 @@ class EncoderOnPty {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
     });
+    // The node boots when its bus first takes a frame; what comes before that it does not hear.
+    static_cast<void>(run("sdo", "--node 5 --timeout 0.1 read 1000"));
   }
   ~EncoderOnPty() {
     stop_ = true;
