@@ -1,4 +1,4 @@
-// The SDO server of a simulated node (CiA 301 7.2.4.3): expedited and segmented, one client, no block transfer.
+// The SDO server of a simulated node (CiA 301 7.2.4.3): expedited and segmented, one client, no blocks.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// A PDO of a simulated node: its communication and mapping records in the object dictionary, with the rules of
-// CiA 301 7.5.2 on changing them, and the frames they make.
+// A PDO of a simulated node: its communication and mapping records in the object dictionary, with the rules
+// of CiA 301 7.5.2 on changing them, and the frames they make.
 #pragma once
 
 #include <vector>

@@ -96,17 +96,16 @@ ExitCode set_node_id(const LssOptions& options) {
 ExitCode set_bit_rate(const LssOptions& options) {
   const std::optional<std::uint8_t> index = lss::bit_timing_index(options.new_bit_rate);
   if (!index) {
-    std::fprintf(
-        stderr,
-        "bit rate %g: CiA 305 has 1000000, 800000, 500000, 250000, 125000, 50000, 20000 and 10000 bit/s\n",
-        options.new_bit_rate);
+    std::fprintf(stderr,
+                 "bit rate %g: CiA 305 has 1000000, 800000, 500000, 250000, 125000, 50000, 20000, 10000\n",
+                 options.new_bit_rate);
     return ExitCode::usage;
   }
   LssCall call(options);
   if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
   bool ok = call.select() && call.set_bit_timing(*index);
   if (options.activate_ms) {
-    // From here on this side's rate is the wrong one: the node cannot be told to leave the configuration mode.
+    // From here on this side has the wrong rate: the node cannot be told to leave the configuration mode.
     ok = ok && call.store() && call.activate(*options.activate_ms);
     return say(ok, "stored and activated: set the interface to the new bit rate, and reset the node");
   }

@@ -17,31 +17,6 @@ struct SdoOptions {
   std::string object, value, type;
 };
 
-std::string failure_text(const sdo::Client& client, const DialogueOptions& options) {
-  char code[16];
-  std::snprintf(code, sizeof code, "%08X ", static_cast<unsigned>(client.abort_code()));
-  switch (client.state()) {
-    case sdo::TransferState::aborted:
-      return "rejected by the node: " + std::string(code) + sdo::text_of(client.abort_code());
-    case sdo::TransferState::timed_out:
-      return "no answer within " + CLI::detail::to_string(options.timeout) +
-             " s: is the node powered and not stopped, is this its node-ID, has the bus this bit rate and "
-             "both "
-             "terminations?";
-    case sdo::TransferState::not_sent:
-      return "the bus did not take the request: is another node on it that acknowledges, at this bit rate?";
-    case sdo::TransferState::bad_answer:
-      return "the node answers against the protocol: " + std::string(code) +
-             sdo::text_of(client.abort_code());
-    case sdo::TransferState::too_large:
-      return "the object has more than " + std::to_string(sdo::Client::capacity) + " bytes";
-    case sdo::TransferState::idle:
-    case sdo::TransferState::busy:
-    case sdo::TransferState::done: break;
-  }
-  return "";
-}
-
 ExitCode transfer(const SdoOptions& options, sdo::Client& client, const std::string& what) {
   BusDialogue bus;
   const ExitCode opened = bus.open(options.dialogue, sdo::response_cob_id(client.node()));
@@ -49,8 +24,8 @@ ExitCode transfer(const SdoOptions& options, sdo::Client& client, const std::str
   bus.run([&] { return client.busy(); }, [&](const CanFrame& frame) { client.on_frame(frame); },
           [&](Nanoseconds now, CanBus& to) { client.poll(now, to); });
   if (client.state() == sdo::TransferState::done) return ExitCode::ok;
-  std::fprintf(stderr, "node %d, %s: %s%s\n", options.node, what.c_str(),
-               failure_text(client, options.dialogue).c_str(), bus.trouble().c_str());
+  std::fprintf(stderr, "node %d, %s: %s%s\n", options.node, what.c_str(), client.failure_text().c_str(),
+               bus.trouble().c_str());
   return ExitCode::fault;
 }
 

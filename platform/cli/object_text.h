@@ -22,8 +22,8 @@ std::vector<std::string> value_type_names();
 std::optional<std::vector<std::uint8_t>> parse_value(std::string_view text, const std::string& type,
                                                      std::string& error);
 
-/// The bytes as a value of this type; without one (empty) as every type they may be. `error` says why the bytes
-/// cannot be of the type.
+/// The bytes as a value of this type; without one (empty) as every type they may be. `error` says why the
+/// bytes cannot be of the type.
 std::optional<std::string> format_value(std::span<const std::uint8_t> bytes, const std::string& type,
                                         std::string& error);
 
