@@ -43,4 +43,10 @@ struct ReceivedFrame {
   Nanoseconds t_ns = 0;  // end of the frame on the wire, in the bus's clock
 };
 
+/// Called for each frame completed on a wire, once, whoever sent it.
+struct FrameObserver {
+  void (*on_frame)(void* context, const ReceivedFrame& frame) = nullptr;
+  void* context = nullptr;
+};
+
 }  // namespace godobject

@@ -61,6 +61,12 @@ constexpr bool is_canopen(const CanFrame& frame) noexcept {
   return !frame.extended && !frame.remote && !frame.fd;
 }
 
+/// Node of a frame in the predefined connection set, whose node id is the low seven bits of the COB-ID; 0: of
+/// none.
+constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
+  return is_canopen(frame) ? static_cast<std::uint8_t>(frame.id & max_node_id) : std::uint8_t{0};
+}
+
 /// Whether a frame is the message `cob_id` of exactly `size` bytes.
 [[nodiscard]] constexpr ParseResult check_message(const CanFrame& frame, std::uint32_t cob_id,
                                                   std::size_t size) noexcept {

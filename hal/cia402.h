@@ -36,7 +36,7 @@ inline constexpr std::uint16_t status_remote = 1u << 9;
 inline constexpr std::uint16_t status_internal_limit = 1u << 11;
 inline constexpr std::uint16_t status_follows_command = 1u << 12;  // in the cyclic synchronous modes
 
-inline constexpr std::int8_t mode_cyclic_synchronous_torque = 10;  // 6060h, 6061h
+inline constexpr std::int8_t mode_cyclic_synchronous_torque = 10;  // 6060h, 6061h; others: cia402_modes.h
 
 constexpr DriveState decode_state(std::uint16_t statusword) noexcept {
   switch (statusword & 0x4Fu) {
@@ -72,8 +72,13 @@ constexpr std::uint16_t encode_state(DriveState state) noexcept {
   return 0x00;
 }
 
-/// The controlword that leads one state closer to Operation Enabled. In Fault, and only if `reset_fault`,
-/// the reset bit alternates with 0 from call to call, since the drive acts on its rising edge.
+/// In Fault: a rising edge of bit 7. From call to call the bit alternates with 0, since the drive acts on the
+/// edge; call it once a cycle until the state is another one.
+constexpr std::uint16_t fault_reset_controlword(std::uint16_t last_controlword) noexcept {
+  return (last_controlword & fault_reset_bit) == 0 ? fault_reset_bit : disable_voltage;
+}
+
+/// The controlword that leads one state closer to Operation Enabled; out of Fault only if `reset_fault`.
 constexpr std::uint16_t next_controlword(DriveState state, std::uint16_t last_controlword,
                                          bool reset_fault) noexcept {
   switch (state) {
@@ -81,8 +86,7 @@ constexpr std::uint16_t next_controlword(DriveState state, std::uint16_t last_co
     case DriveState::ready_to_switch_on: return switch_on;
     case DriveState::switched_on:
     case DriveState::operation_enabled: return enable_operation;
-    case DriveState::fault:
-      return reset_fault && (last_controlword & fault_reset_bit) == 0 ? fault_reset_bit : disable_voltage;
+    case DriveState::fault: return reset_fault ? fault_reset_controlword(last_controlword) : disable_voltage;
     case DriveState::quick_stop_active:  // out of it by way of switch_on_disabled
     case DriveState::not_ready_to_switch_on:
     case DriveState::fault_reaction_active:

@@ -1,6 +1,7 @@
 // Integers to and from the little-endian bytes of a message, and numbers to integers without overflow.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -37,6 +38,9 @@ class ByteWriter {
     return *this;
   }
 
+  /// IEEE 754, 32 bits.
+  constexpr ByteWriter& put(float value) noexcept { return put(std::bit_cast<std::uint32_t>(value)); }
+
   constexpr bool ok() const noexcept { return ok_; }
   constexpr std::size_t size() const noexcept { return size_; }
 
@@ -63,7 +67,16 @@ class ByteReader {
     return *this;
   }
 
+  /// IEEE 754, 32 bits; may be infinite or not a number.
+  constexpr ByteReader& get(float& value) noexcept {
+    std::uint32_t bits = 0;
+    if (get(bits).ok()) value = std::bit_cast<float>(bits);
+    return *this;
+  }
+
   constexpr bool ok() const noexcept { return ok_; }
+  /// Bytes that have not been read.
+  constexpr std::size_t left() const noexcept { return bytes_.size() - position_; }
 
  private:
   std::span<const std::uint8_t> bytes_;

@@ -58,6 +58,9 @@ class NodeCommissioning {
         if (late) fail(NodeFailure::no_boot_up);
         break;
       case Phase::setting_up:
+        // Some nodes start by themselves (1F80h), and then refuse a re-map.
+        if (!halted_) halted_ = bus.try_send(halt()) == SendResult::queued;
+        if (!halted_ && !late) break;
         sequence_.poll(now, bus);
         if (sequence_.failed()) fail(NodeFailure::sequence);
         else if (sequence_.done()) phase_ = Phase::done;
@@ -89,6 +92,10 @@ class NodeCommissioning {
   }
 
  private:
+  CanFrame halt() const noexcept {
+    return canopen::make_nmt(canopen::NmtCommand::enter_pre_operational, node_id_);
+  }
+
   void fail(NodeFailure failure) noexcept {
     failure_ = failure;
     phase_ = Phase::failed;
@@ -109,6 +116,7 @@ class NodeCommissioning {
   Phase phase_ = Phase::resetting;
   NodeFailure failure_ = NodeFailure::none;
   bool started_ = false;
+  bool halted_ = false;  // has been told to be pre-operational
   Nanoseconds deadline_ns_ = 0;
 };
 

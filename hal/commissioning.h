@@ -1,7 +1,7 @@
 // Sets up the nodes of a rig that have a profile, before the loop runs. Per node (CiA 301, CiA 402):
-//   reset communication, wait for boot-up; identity 1000h, 1018h; heartbeat producer 1017h and consumer 1016h;
-//   options and the profile's own writes; PDO mapping with read-back; 60C2h; 6076h against the scene;
-//   6060h, wait for 6061h.
+//   reset communication, wait for boot-up, pre-operational; identity 1000h, 1018h; heartbeat producer 1017h,
+//   consumer 1016h; options and the profile's own writes; PDO mapping with read-back; 60C2h; 6076h against
+//   the scene; 6060h, wait for 6061h.
 // All nodes at once, one outstanding SDO request each. The node is left pre-operational: NMT start and the
 // CiA 402 state machine are the Rig's. It does not belong on the real-time thread: SDO takes what bus time
 // the rig's cycle leaves, and the errors are strings.

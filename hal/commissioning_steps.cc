@@ -126,38 +126,4 @@ std::optional<InterpolationTime> interpolation_time(double cycle_s) noexcept {
   return std::nullopt;
 }
 
-namespace {
-
-void validate_node(const NodeProfile& profile, const RigParams& rig, std::vector<std::string>& errors) {
-  const auto error = [&](unsigned line, const std::string& what) {
-    errors.push_back(profile.file + ":" + std::to_string(line) + ": " + what);
-  };
-  if (profile.heartbeat_ms &&
-      (profile.heartbeat_ms->value == 0 || 2e-3 * profile.heartbeat_ms->value > rig.heartbeat_timeout_s))
-    error(profile.heartbeat_ms->line,
-          "the node's heartbeat must come at least twice within the scene's heartbeat_timeout, and not be 0");
-  if (profile.host_timeout_ms && 1e-3 * profile.host_timeout_ms->value < 2 * rig.heartbeat_period_s)
-    error(
-        profile.host_timeout_ms->line,
-        "the node would stop between two heartbeats of the host: give it twice the scene's heartbeat_period "
-        "or more");
-  if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(rig.cycle_s))
-    error(profile.interpolation_time->line,
-          "60C2h cannot carry the scene's step: it takes 1 to 255 times a power of ten, from 1 us");
-}
-
-}  // namespace
-
-std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles) {
-  std::vector<std::string> errors;
-  for (const auto* list : {&profiles.encoders, &profiles.drives})
-    for (const std::optional<NodeProfile>& profile : *list)
-      if (profile) validate_node(*profile, rig, errors);
-  // Nodes that share a profile share its errors.
-  std::vector<std::string> each;
-  for (std::string& error : errors)
-    if (std::ranges::find(each, error) == each.end()) each.push_back(std::move(error));
-  return each;
-}
-
 }  // namespace godobject

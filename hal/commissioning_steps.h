@@ -30,8 +30,4 @@ struct InterpolationTime {
 /// None where no 1..255 times a power of ten from 1 us to 1 s is the period.
 std::optional<InterpolationTime> interpolation_time(double cycle_s) noexcept;
 
-/// Where profiles and rig contradict each other: heartbeats, the period, PDOs. One line each with the place in
-/// the profile; empty: none.
-std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles);
-
 }  // namespace godobject

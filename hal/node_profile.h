@@ -66,7 +66,8 @@ struct NodeProfile {
   std::optional<FromLine<std::int8_t>> mode{};             // 6060h, then waits for 6061h
 };
 
-/// Profiles of the nodes of a rig, in the order of RigParams::encoders and ::drives. None: the node is left alone.
+/// Profiles of the nodes of a rig, in the order of RigParams::encoders and ::drives. None: the node is left
+/// alone.
 struct RigProfiles {
   std::vector<std::optional<NodeProfile>> encoders, drives;
 };

@@ -13,12 +13,23 @@ constexpr int max_refused_in_a_row = 3;
 
 Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds); }
 
+std::string device_text(const RigParams& params, const RigNode& node) {
+  switch (node.kind) {
+    case NodeKind::encoder: return "encoder of " + params.encoders[node.device].joint;
+    case NodeKind::drive: return "drive of " + params.drives[node.device].joint;
+    case NodeKind::button: break;
+  }
+  return "button";
+}
+
 }  // namespace
 
 Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), tree_(params.tree) {
   assert(validate(params).empty() && buses.size() == params.buses.size());
   for (std::size_t i = 0; i < buses.size(); ++i) {
-    buses_.push_back({.bus = buses[i], .syncs = SyncAttribution(params.buses[i])});
+    buses_.push_back({.bus = buses[i],
+                      .protocol = bus_protocol(protocol_of_bus(params, i)),
+                      .syncs = SyncAttribution(params.buses[i])});
   }
   const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
   for (const EncoderParams& encoder : params.encoders) {
@@ -33,6 +44,7 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
                        .joint = joint_named(drive.joint),
                        .every_nth_sync = drive.status_every_nth_sync});
   }
+  add_buttons();
   // an encoder on the joint goes before the drive's own position
   for (DriveOnBus& drive : drives_) sensors_[static_cast<std::size_t>(drive.joint)] = &drive.drive.position();
   for (std::size_t i = 0; i < encoders_.size(); ++i) {
@@ -42,9 +54,20 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
 }
 
 std::size_t Rig::add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device) {
-  nodes_.push_back({.bus = bus, .id = id, .kind = kind, .device = device});
+  nodes_.push_back(
+      {.bus = bus, .id = id, .kind = kind, .device = device, .canopen = buses_[bus].protocol.canopen});
   buses_[bus].node_of_id[id] = static_cast<std::uint8_t>(nodes_.size());
   return nodes_.size() - 1;
+}
+
+// Several buttons may be bits of one node.
+void Rig::add_buttons() {
+  for (const ButtonParams& button : params_.buttons) {
+    const std::size_t known = buses_[button.bus].node_of_id[button.node_id];
+    const std::size_t node =
+        known != 0 ? known - 1 : add_node(button.bus, button.node_id, NodeKind::button, buttons_.size());
+    buttons_.push_back({.params = button, .node = node});
+  }
 }
 
 Eigen::Index Rig::joint_named(const std::string& name) const {
@@ -77,13 +100,16 @@ void Rig::clear_faults(Nanoseconds now) noexcept {
   boot_started_ns_ = now;
 }
 
+void Rig::quick_stop() noexcept { raise(RigFault::quick_stop, std::nullopt); }
+
 void Rig::stop() noexcept {
   if (state_ == RigState::off) return;
   for (DriveOnBus& drive : drives_) {
-    const DriveCommand command = drive.drive.plan(0, cia402::disable_voltage);
-    if (send(nodes_[drive.node].bus, command.frame)) drive.drive.sent(command);
+    const DriveCommand command = drive.drive.plan(0, DriveGoal::off, 0);
+    if (!command.out.frame || send(nodes_[drive.node].bus, *command.out.frame)) drive.drive.sent(command, 0);
   }
   for (const RigNode& node : nodes_) {
+    if (!node.canopen) continue;
     send(node.bus, canopen::make_nmt(canopen::NmtCommand::enter_pre_operational, node.id));
   }
   state_ = RigState::off;
@@ -93,19 +119,37 @@ void Rig::sync(Nanoseconds now) noexcept {
   if (state_ == RigState::off) return;
   const bool last_was_complete = complete();
   bool queued = false;
-  for (std::size_t i = 0; i < buses_.size(); ++i) {
-    if (!send(i, canopen::make_sync())) continue;
-    buses_[i].syncs.sync_queued(now);
-    queued = true;
-  }
+  for (std::size_t i = 0; i < buses_.size(); ++i) queued = queue_sync(i, now) || queued;
   if (queued) ++counters_.syncs;
   if (queued && running() && !last_was_complete) ++counters_.incomplete_syncs;
   if (now >= heartbeat_due_ns_) {
     heartbeat_due_ns_ = now + to_ns(params_.heartbeat_period_s);
     for (std::size_t i = 0; i < buses_.size(); ++i) {
+      if (!buses_[i].protocol.canopen) continue;
       send(i, canopen::make_heartbeat(params_.host_node_id, canopen::NmtState::operational));
     }
   }
+}
+
+// SYNC, or the requests; true when the cycle has begun on this bus.
+bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
+  if (buses_[bus].protocol.canopen) {
+    const bool queued = send(bus, canopen::make_sync());
+    if (queued) buses_[bus].syncs.sync_queued(now);
+    return queued;
+  }
+  bool queued = false;
+  for (DriveOnBus& drive : drives_) {
+    if (nodes_[drive.node].bus != bus) continue;
+    const std::optional<CanFrame> request = drive.drive.request();
+    if (!request) continue;
+    drive.request_refused = !send(bus, *request);
+    if (drive.request_refused) continue;
+    drive.drive.request_sent();
+    if (!queued) buses_[bus].syncs.sync_queued(now, *request);
+    queued = true;
+  }
+  return queued;
 }
 
 bool Rig::complete() const noexcept {
@@ -137,6 +181,7 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
   for (std::size_t i = 0; i < num_handles(); ++i) {
     out.handles[i] = {configuration_.X_WH(i), configuration_.twist(i, out.q_dot)};
   }
+  out.buttons = buttons();
   out.age = now - out.t_ns;
   out.faults = faults();
   return out;
@@ -151,20 +196,34 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
   if (state_ != RigState::armed) tau.setZero();
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     DriveOnBus& drive = drives_[i];
-    const DriveCommand planned = drive.drive.plan(tau(drive.joint), controlword_for(drive.drive));
-    const bool sent = send(nodes_[drive.node].bus, planned.frame);
-    if (sent) drive.drive.sent(planned);
+    const DriveCommand planned = drive.drive.plan(tau(drive.joint), goal(), now);
+    const bool sent = !planned.out.frame || send(nodes_[drive.node].bus, *planned.out.frame);
+    if (sent) drive.drive.sent(planned, now);
     const auto bit = [i](bool on) { return (on ? 1u : 0u) << i; };
     report.torque_limited |= bit(planned.torque_limited);
     report.rate_limited |= bit(planned.rate_limited);
     report.drive_limited |= bit(drive.drive.feedback(now).internal_limit);
-    report.not_sent |= bit(!sent);
+    report.not_sent |= bit(!sent || drive.request_refused);
   }
   return report;
 }
 
-std::uint16_t Rig::controlword_for(const Drive& drive) const noexcept {
-  return state_ == RigState::enabling ? drive.enabling_controlword() : drive.holding_controlword();
+DriveGoal Rig::goal() const noexcept {
+  if (any(faults() & RigFault::quick_stop)) return DriveGoal::quick_stop;
+  return state_ == RigState::enabling ? DriveGoal::enable : DriveGoal::hold;
+}
+
+DeviceButtons Rig::buttons() const noexcept {
+  DeviceButtons out;
+  for (const ButtonOnBus& button : buttons_) {
+    bool& use = button.params.use == ButtonUse::hold ? out.hold : out.clutch;
+    use = use || button.pressed;
+  }
+  return out;
+}
+
+bool Rig::has_button(ButtonUse use) const noexcept {
+  return std::ranges::any_of(buttons_, [use](const ButtonOnBus& b) { return b.params.use == use; });
 }
 
 DriveFeedback Rig::drive_feedback(std::size_t index, Nanoseconds now) const noexcept {
@@ -182,10 +241,10 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
   return false;
 }
 
-void Rig::raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id,
-                std::uint16_t emcy_code) noexcept {
+void Rig::raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id, std::uint16_t emcy_code,
+                std::uint32_t drive_code) noexcept {
   if (state_ == RigState::off) return;
-  fault_log_.raise(fault, bus, node_id, emcy_code);
+  fault_log_.raise(fault, bus, node_id, emcy_code, drive_code);
   state_ = RigState::fault;
 }
 
@@ -197,10 +256,9 @@ std::string Rig::fault_text() const {
     out << text.name << " (" << (record.bus ? params_.buses[*record.bus].name : "host");
     if (record.bus && record.node_id != 0) {
       const RigNode& node = nodes_[buses_[*record.bus].node_of_id[record.node_id] - std::size_t{1}];
-      out << " node " << int{record.node_id} << ", "
-          << (node.kind == NodeKind::encoder ? "encoder of " + params_.encoders[node.device].joint
-                                             : "drive of " + params_.drives[node.device].joint);
+      out << " node " << int{record.node_id} << ", " << device_text(params_, node);
     }
+    if (text.fault == RigFault::drive_error) out << ", code " << record.drive_code;
     if (text.fault == RigFault::emergency) out << ", code 0x" << std::hex << record.emcy_code << std::dec;
     out << "): " << text.meaning << "; " << text.remedy << ".\n";
   }

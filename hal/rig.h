@@ -3,6 +3,9 @@
 //
 // Every cycle, in this order: sync(now); receive(now) until complete() or the caller's deadline;
 // read(now); command(F, now). Nothing here waits, allocates after construction, throws or reads a clock.
+//
+// A bus speaks one protocol, that of its drives (hal/drive_link.h). CANopen buses, also those without a drive,
+// have SYNC, NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
 #pragma once
 
 #include <array>
@@ -25,10 +28,16 @@ namespace godobject {
 enum class RigState : std::uint8_t {
   off,       // nothing is sent
   booting,   // waiting for every node to be operational and every sensor to have spoken
-  enabling,  // drives on their way to Operation Enabled, target torque 0
+  enabling,  // drives on their way to enabled, then some cycles there; target torque 0
   ready,     // all of it works; torque 0
   armed,     // torque follows command()
   fault,     // a fault bit is set; torque runs down to 0 and stays there
+};
+
+/// What the user presses. Without such a button: false.
+struct DeviceButtons {
+  bool hold = false;
+  bool clutch = false;
 };
 
 struct HandleSample {
@@ -40,6 +49,7 @@ struct HandleSample {
 struct DeviceSample {
   std::array<HandleSample, max_handles> handles{};  // the first num_handles() of them
   JointVector q, q_dot;                             // one number per joint
+  DeviceButtons buttons;
   bool valid = false;    // every joint's sample is good; otherwise the last good values are held
   Nanoseconds t_ns = 0;  // of the oldest joint sample
   Nanoseconds age = 0;   // of the oldest joint sample, at the time of read()
@@ -67,6 +77,8 @@ class Rig {
  public:
   /// Per bus: bounds the work of a cycle on a bus that babbles.
   static constexpr int max_frames_per_receive = 512;
+  /// Cycles at zero torque in which every drive must say that it follows its command, before ready.
+  static constexpr int settle_cycles = 10;
 
   /// params: validate(params) is empty. buses: one per params.buses, open, outliving the rig.
   /// Allocates; nothing later does.
@@ -82,11 +94,15 @@ class Rig {
   void disarm() noexcept;
   /// fault -> booting: sticky bits cleared; the way to armed is walked again, with an explicit arm().
   void clear_faults(Nanoseconds now) noexcept;
+  /// any but off -> fault: the next command() has every drive stop by its own fastest means (CiA 402: quick
+  /// stop, by option code 605Ah; ODrive: idle; moteus: stopped). clear_faults() is the way back.
+  void quick_stop() noexcept;
   /// any -> off: drives disabled, nodes pre-operational.
   void stop() noexcept;
 
-  /// SYNC on every bus: the first frame of the cycle. Positions are measured when it ends. now: in the clock
-  /// of the buses' receive stamps. A bus that refuses it has no SYNC in this cycle.
+  /// SYNC on every bus, or a request to each drive where its protocol has none: the first frames of the cycle.
+  /// Positions are measured when it ends. now: in the clock of the buses' receive stamps. A bus that refuses
+  /// it has no SYNC in this cycle.
   void sync(Nanoseconds now) noexcept;
   /// Decodes what has arrived so far, up to max_frames_per_receive on each bus; the next call carries on.
   void receive(Nanoseconds now) noexcept;
@@ -96,7 +112,7 @@ class Rig {
   /// no fault of the device), then gives the handles.
   DeviceSample read(Nanoseconds now) noexcept;
   /// F_hand_W: for each handle the wrench of the device on the hand, world axes, about the handle's origin;
-  /// handles beyond its end get none. tau = sum of J^T F at the pose of the last read(), one RPDO1 to every
+  /// handles beyond its end get none. tau = sum of J^T F at the pose of the last read(), one command to every
   /// drive; what falls on a joint without a drive is not shown. Zero unless armed. Call it in every cycle
   /// and state: it also carries the controlwords.
   CommandReport command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept;
@@ -113,6 +129,7 @@ class Rig {
   std::size_t num_handles() const noexcept { return tree_.num_handles(); }
   std::size_t num_encoders() const noexcept { return encoders_.size(); }
   std::size_t num_drives() const noexcept { return drives_.size(); }
+  bool has_button(ButtonUse use) const noexcept;
   const Encoder& encoder(std::size_t index) const noexcept { return encoders_[index].encoder; }
   /// The drive's position and torque as it reports them.
   DriveFeedback drive_feedback(std::size_t index, Nanoseconds now) const noexcept;
@@ -123,6 +140,7 @@ class Rig {
  private:
   struct Bus {
     CanBus* bus = nullptr;
+    BusProtocol protocol;
     SyncAttribution syncs;
     int refused_in_a_row = 0;
     std::array<std::uint8_t, canopen::max_node_id + 1> node_of_id{};  // index into nodes_ plus 1; 0: none
@@ -138,14 +156,23 @@ class Rig {
     Eigen::Index joint;
     std::uint64_t every_nth_sync;
     std::uint64_t answered_sync = 0;
+    bool request_refused = false;  // in this cycle
+  };
+  struct ButtonOnBus {
+    ButtonParams params;
+    std::size_t node;
+    bool heard = false;
+    bool pressed = false;
   };
 
   std::size_t add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device);
+  void add_buttons();
   Eigen::Index joint_named(const std::string& name) const;
 
+  bool queue_sync(std::size_t bus, Nanoseconds now) noexcept;
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
   void raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id = 0,
-             std::uint16_t emcy_code = 0) noexcept;
+             std::uint16_t emcy_code = 0, std::uint32_t drive_code = 0) noexcept;
   void raise(RigFault fault, const RigNode& node) noexcept { raise(fault, node.bus, node.id); }
 
   // rig_receive.cc
@@ -153,6 +180,9 @@ class Rig {
   void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
   void on_emergency(RigNode& node, const CanFrame& frame) noexcept;
   void on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept;
+  void on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer,
+                Nanoseconds now) noexcept;
+  void on_inputs(const RigNode& node, const CanFrame& frame) noexcept;
 
   // rig_supervise.cc
   void supervise(Nanoseconds now) noexcept;
@@ -166,7 +196,8 @@ class Rig {
   bool silent(const RigNode& node, Nanoseconds now) const noexcept;
   bool running() const noexcept { return state_ >= RigState::enabling && state_ <= RigState::armed; }
 
-  std::uint16_t controlword_for(const Drive& drive) const noexcept;
+  DriveGoal goal() const noexcept;
+  DeviceButtons buttons() const noexcept;
 
   RigParams params_;
   KinematicTree tree_;
@@ -174,11 +205,13 @@ class Rig {
   std::vector<RigNode> nodes_;
   std::vector<EncoderOnBus> encoders_;
   std::vector<DriveOnBus> drives_;
+  std::vector<ButtonOnBus> buttons_;
   std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, else its drive's
 
   RigState state_ = RigState::off;
   Nanoseconds boot_started_ns_ = 0;
   Nanoseconds heartbeat_due_ns_ = 0;
+  int settled_cycles_ = 0;
   TreeConfiguration configuration_;  // of the last read()
   RigFaultLog fault_log_;
   RigCounters counters_;

@@ -28,8 +28,9 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "check shielding, counts_per_unit and modulus_counts; raise max_speed if the motion was real"},
     {RigFault::drive_silent, "drive_silent", "a drive's status has not come for longer than stale_after",
      "check the drive's cable, its TPDO1 and status_every_nth_sync; check the bus load"},
-    {RigFault::drive_not_enabled, "drive_not_enabled", "a drive left Operation Enabled",
-     "read its error code 603Fh, remove the cause, clear the faults and arm again"},
+    {RigFault::drive_not_enabled, "drive_not_enabled",
+     "a drive left Operation Enabled (moteus: mode 10, ODrive: closed loop), or does not follow its command",
+     "read its error code (CiA 402: 603Fh), remove the cause, clear the faults and arm again"},
     {RigFault::bus_down, "bus_down", "a bus is closed, bus-off or gone",
      "check adapter, cable, termination and bit rate; wait for the bus to recover, clear the faults"},
     {RigFault::send_refused, "send_refused",
@@ -37,6 +38,10 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "lower the bus load; check that another node acknowledges the frames"},
     {RigFault::command_not_finite, "command_not_finite", "the commanded wrench was not a finite number",
      "a defect of the caller: look at the faults of the simulation"},
+    {RigFault::drive_error, "drive_error", "a drive that is no CANopen node reported an error of its own",
+     "look the code up in the drive's manual, remove the cause, clear the faults"},
+    {RigFault::quick_stop, "quick_stop", "the motors were stopped on request",
+     "clear the faults and arm again when it is safe"},
 }};
 
 }  // namespace
@@ -44,11 +49,15 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
 std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept { return texts; }
 
 bool RigFaultLog::raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id,
-                        std::uint16_t emcy_code) noexcept {
+                        std::uint16_t emcy_code, std::uint32_t drive_code) noexcept {
   if (any(faults_ & fault)) return false;
   faults_ = faults_ | fault;
   RigFaultRecord& record = records_[index_of(fault)];
-  record = {.count = record.count + 1, .bus = bus, .node_id = node_id, .emcy_code = emcy_code};
+  record = {.count = record.count + 1,
+            .bus = bus,
+            .node_id = node_id,
+            .emcy_code = emcy_code,
+            .drive_code = drive_code};
   return true;
 }
 

@@ -23,8 +23,10 @@ enum class RigFault : std::uint32_t {
   bus_down = 1u << 8,
   send_refused = 1u << 9,
   command_not_finite = 1u << 10,
+  drive_error = 1u << 11,
+  quick_stop = 1u << 12,
 };
-inline constexpr std::size_t num_rig_faults = 11;
+inline constexpr std::size_t num_rig_faults = 13;
 
 constexpr RigFault operator|(RigFault a, RigFault b) noexcept {
   return static_cast<RigFault>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -50,6 +52,7 @@ struct RigFaultRecord {
   std::optional<std::size_t> bus;  // of the latest; none: the fault is of the host, not of a bus
   std::uint8_t node_id = 0;        // of the latest; 0: no single node
   std::uint16_t emcy_code = 0;     // of the latest emergency
+  std::uint32_t drive_code = 0;    // of the latest drive_error, in the drive's own numbers
 };
 
 /// The sticky bits and their records.
@@ -57,7 +60,7 @@ class RigFaultLog {
  public:
   /// Sets a single bit; counted when it was not set yet. True then.
   bool raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id = 0,
-             std::uint16_t emcy_code = 0) noexcept;
+             std::uint16_t emcy_code = 0, std::uint32_t drive_code = 0) noexcept;
   /// Clears the bits; the counts stay.
   void clear() noexcept { faults_ = RigFault::none; }
 

@@ -1,4 +1,5 @@
 // Rig: from received frames to nodes, encoders and drives.
+#include "hal/cia401.h"
 #include "hal/cia406.h"
 #include "hal/rig.h"
 
@@ -9,8 +10,9 @@ namespace {
 constexpr bool is_emergency(std::uint32_t cob_id) noexcept {
   return cob_id > canopen::emcy_cob_id(0) && cob_id <= canopen::emcy_cob_id(canopen::max_node_id);
 }
-constexpr bool is_position(std::uint32_t cob_id) noexcept {
-  return cob_id > canopen::tpdo_cob_id(1, 0) && cob_id <= canopen::tpdo_cob_id(1, canopen::max_node_id);
+constexpr bool is_tpdo(std::uint32_t cob_id, int number) noexcept {
+  return cob_id > canopen::tpdo_cob_id(number, 0) &&
+         cob_id <= canopen::tpdo_cob_id(number, canopen::max_node_id);
 }
 constexpr bool is_heartbeat(std::uint32_t cob_id) noexcept {
   return cob_id > canopen::heartbeat_cob_id(0) && cob_id <= canopen::heartbeat_cob_id(canopen::max_node_id);
@@ -31,17 +33,22 @@ void Rig::receive(Nanoseconds now) noexcept {
   }
 }
 
-// In the predefined connection set the node id is the low seven bits of the COB-ID.
 void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept {
   const CanFrame& frame = received.frame;
-  const SyncAttribution::Answer answer = buses_[bus].syncs.on_frame(received);
-  const std::size_t node_plus_1 = buses_[bus].node_of_id[frame.id & canopen::max_node_id];
-  if (!canopen::is_canopen(frame) || node_plus_1 == 0) {
+  Bus& on = buses_[bus];
+  const SyncAttribution::Answer answer = on.syncs.on_frame(received);
+  const std::size_t node_plus_1 = on.node_of_id[on.protocol.sender(frame)];
+  if (node_plus_1 == 0) {
     ++counters_.foreign;
     return;
   }
   RigNode& node = nodes_[node_plus_1 - 1];
-  if (is_position(frame.id)) {
+  const bool is_pdo = is_tpdo(frame.id, 1) || (node.kind == NodeKind::drive && is_tpdo(frame.id, 2));
+  if (!node.canopen || (is_pdo && node.kind == NodeKind::drive)) {
+    on_drive(node, frame, answer, now);
+  } else if (is_pdo && node.kind == NodeKind::button) {
+    on_inputs(node, frame);
+  } else if (is_pdo) {
     on_position(node, frame, answer);
   } else if (is_heartbeat(frame.id)) {
     on_heartbeat(node, frame, now);
@@ -52,21 +59,45 @@ void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now
 
 void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept {
   if (answer.sync == 0) return;
-  ParseResult result;
-  if (node.kind == NodeKind::encoder) {
-    EncoderOnBus& encoder = encoders_[node.device];
-    std::uint32_t position_counts = 0;
-    result = cia406::parse_position(frame, node.id, position_counts);
-    if (result == ParseResult::ok) {
-      encoder.encoder.update(position_counts, answer.t_ns);
-      encoder.answered_sync = answer.sync;
-    }
-  } else {
-    DriveOnBus& drive = drives_[node.device];
-    result = drive.drive.on_status(frame, answer.t_ns);
-    if (result == ParseResult::ok) drive.answered_sync = answer.sync;
+  EncoderOnBus& encoder = encoders_[node.device];
+  std::uint32_t position_counts = 0;
+  if (cia406::parse_position(frame, node.id, position_counts) != ParseResult::ok) {
+    ++counters_.malformed;
+    return;
   }
-  if (result != ParseResult::ok) ++counters_.malformed;
+  encoder.encoder.update(position_counts, answer.t_ns);
+  encoder.answered_sync = answer.sync;
+}
+
+void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer,
+                   Nanoseconds now) noexcept {
+  if (answer.sync == 0) return;
+  DriveOnBus& drive = drives_[node.device];
+  const DriveMessage message = drive.drive.on_frame(frame, answer.t_ns);
+  if (message.result == ParseResult::other_message) return;
+  if (message.result != ParseResult::ok) {
+    ++counters_.malformed;
+    return;
+  }
+  if (message.position) drive.answered_sync = answer.sync;
+  if (node.canopen || !message.alive) return;
+  node.heard = true;
+  node.heartbeat_ns = now;
+  if (ready() && drive.drive.state() == MotorState::fault && drive.drive.error_code() != 0)
+    raise(RigFault::drive_error, node.bus, node.id, 0, drive.drive.error_code());
+}
+
+void Rig::on_inputs(const RigNode& node, const CanFrame& frame) noexcept {
+  std::uint8_t inputs = 0;
+  if (cia401::parse_inputs(frame, node.id, inputs) != ParseResult::ok) {
+    ++counters_.malformed;
+    return;
+  }
+  for (ButtonOnBus& button : buttons_) {
+    if (&nodes_[button.node] != &node) continue;
+    button.heard = true;
+    button.pressed = (((inputs >> button.params.bit) & 1u) != 0) != button.params.active_low;
+  }
 }
 
 void Rig::on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept {

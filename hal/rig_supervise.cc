@@ -11,9 +11,7 @@ namespace {
 
 constexpr Nanoseconds nmt_retry_ns = 250'000'000;
 
-bool is_enabled(const Drive& drive) noexcept {
-  return drive.state() == cia402::DriveState::operation_enabled;
-}
+bool is_enabled(const Drive& drive) noexcept { return drive.state() == MotorState::enabled; }
 
 }  // namespace
 
@@ -67,7 +65,8 @@ void Rig::boot(Nanoseconds now) noexcept {
   std::array<bool, max_buses> start_sent{};
   for (RigNode& node : nodes_) {
     const bool due = !node.start_sent || now - node.start_sent_ns >= nmt_retry_ns;
-    if ((node.operational() && !silent(node, now)) || !due || start_sent[node.bus]) continue;
+    if (!node.canopen || !due || start_sent[node.bus]) continue;
+    if (node.operational() && !silent(node, now)) continue;
     node.start_sent = send(node.bus, canopen::make_nmt(canopen::NmtCommand::start, node.id));
     node.start_sent_ns = now;
     start_sent[node.bus] = true;
@@ -75,6 +74,7 @@ void Rig::boot(Nanoseconds now) noexcept {
   const auto missing = std::ranges::find_if(nodes_, [&](const RigNode& node) { return !booted(node, now); });
   if (missing == nodes_.end()) {
     state_ = RigState::enabling;
+    settled_cycles_ = 0;
   } else if (static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s) {
     raise(RigFault::boot_timeout, *missing);
   }
@@ -84,15 +84,19 @@ void Rig::wait_for_drives(Nanoseconds now) noexcept {
   const auto waiting =
       std::ranges::find_if(drives_, [](const DriveOnBus& d) { return !is_enabled(d.drive); });
   if (waiting == drives_.end()) {
-    state_ = RigState::ready;
-  } else if (static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s) {
-    raise(RigFault::boot_timeout, nodes_[waiting->node]);
+    ++settled_cycles_;
+    if (drives_.empty() || settled_cycles_ > settle_cycles) state_ = RigState::ready;
+    return;
   }
+  settled_cycles_ = 0;
+  if (static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s)
+    raise(RigFault::boot_timeout, nodes_[waiting->node]);
 }
 
 bool Rig::booted(const RigNode& node, Nanoseconds now) const noexcept {
   if (!node.operational() || silent(node, now)) return false;
   if (node.kind == NodeKind::drive) return !drives_[node.device].drive.silent(now);
+  if (node.kind == NodeKind::button) return buttons_[node.device].heard;
   const Encoder& encoder = encoders_[node.device].encoder;
   return !encoder.stale(now) && encoder.trusted();
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hal/canopen.h"
+#include "hal/drive_link.h"
 #include "hal/kinematic_tree.h"
 
 namespace godobject {
@@ -22,6 +23,7 @@ class Checker {
     check_handles();
     for (const EncoderParams& encoder : rig_.encoders) check_encoder(encoder);
     for (const DriveParams& drive : rig_.drives) check_drive(drive);
+    for (const ButtonParams& button : rig_.buttons) check_button(button);
     for (const DeviceJoint& joint : rig_.tree.joints) check_sensors_of(joint);
     return std::move(errors_);
   }
@@ -50,8 +52,14 @@ class Checker {
             int{rig_.host_node_id}, ", must be 1..127");
     require(!rig_.buses.empty() && rig_.buses.size() <= max_buses, "the rig has ", rig_.buses.size(),
             " buses, must be 1..", max_buses);
-    for (const BusParams& bus : rig_.buses)
-      require_positive(bus.bit_rate, "bus '" + bus.name + "': ", "bit_rate");
+    for (const BusParams& bus : rig_.buses) check_bus(bus);
+  }
+
+  void check_bus(const BusParams& bus) {
+    const std::string where = "bus '" + bus.name + "': ";
+    require_positive(bus.bit_rate, where, "bit_rate");
+    require(bus.data_bit_rate == 0 || (bus.data_bit_rate >= bus.bit_rate && bus.data_bit_rate <= 8e6), where,
+            "data_bit_rate is ", bus.data_bit_rate, ", must be bit_rate..8e6, or 0 for a classic bus");
   }
 
   void check_joints() {
@@ -96,17 +104,20 @@ class Checker {
 
   void check_encoder(const EncoderParams& encoder) {
     const std::string where = "encoder of joint '" + encoder.joint + "': ";
-    check_device(encoder.joint, encoder.bus, encoder.node_id, where);
+    check_joint(encoder.joint, where);
+    check_node(encoder.bus, encoder.node_id, where);
+    check_canopen(encoder.bus, where);
     check_calibration(encoder.calibration, "sign", encoder.max_speed, where);
   }
 
   void check_drive(const DriveParams& drive) {
     const std::string where = "drive of joint '" + drive.joint + "': ";
-    check_device(drive.joint, drive.bus, drive.node_id, where);
+    check_joint(drive.joint, where);
+    check_node(drive.bus, drive.node_id, where);
+    check_protocol(drive, where);
     check_calibration(drive.calibration, "counts_sign", drive.max_speed, where);
     require_positive(drive.torque_rated_Nm, where, "torque_rated_Nm");
-    require(drive.torque_max_Nm > 0 && drive.torque_max_Nm <= 32.767 * drive.torque_rated_Nm, where,
-            "torque_max_Nm is ", drive.torque_max_Nm, ", must be > 0 and at most 32.767 torque_rated_Nm");
+    require_positive(drive.torque_max_Nm, where, "torque_max_Nm");
     require_positive(drive.torque_rate_Nm_per_s, where, "torque_rate_Nm_per_s");
     require_positive(drive.joint_per_motor_rad, where, "joint_per_motor_rad");
     require(drive.sign == 1 || drive.sign == -1, where, "sign is ", drive.sign, ", must be 1 or -1");
@@ -114,9 +125,54 @@ class Checker {
             "status_every_nth_sync is ", int{drive.status_every_nth_sync}, ", must be 1..240");
   }
 
-  void check_device(const std::string& joint, std::size_t bus, std::uint8_t node_id,
-                    const std::string& where) {
+  // What a drive's protocol asks of it and of its bus.
+  void check_protocol(const DriveParams& drive, const std::string& where) {
+    if (drive.protocol == DriveProtocol::cia402) {
+      require(drive.torque_max_Nm <= 32.767 * drive.torque_rated_Nm, where, "torque_max_Nm is ",
+              drive.torque_max_Nm, ", must be at most 32.767 torque_rated_Nm");
+    } else {
+      require(drive.status_every_nth_sync == 1, where, "status_every_nth_sync is ",
+              int{drive.status_every_nth_sync}, ", must be 1: it answers every request");
+    }
+    const BusProtocol protocol = bus_protocol(drive.protocol);
+    const char* name = drive_protocol_names[static_cast<std::size_t>(drive.protocol)];
+    require(drive.node_id <= protocol.max_node_id, where, "node_id is ", int{drive.node_id}, ", must be 1..",
+            int{protocol.max_node_id}, " with protocol ", name);
+    if (drive.bus >= rig_.buses.size()) return;
+    const BusParams& bus = rig_.buses[drive.bus];
+    require(!protocol.fd || bus.data_bit_rate > 0, where, "bus '", bus.name,
+            "' has no data_bit_rate: protocol ", name, " needs CAN FD");
+    require(drive.protocol == protocol_of_bus(rig_, drive.bus), where, "bus '", bus.name,
+            "' has drives of another protocol: give each protocol a bus of its own");
+  }
+
+  void check_canopen(std::size_t bus, const std::string& where) {
+    require(bus >= rig_.buses.size() || bus_protocol(protocol_of_bus(rig_, bus)).canopen, where,
+            "its bus has drives that are no CANopen nodes: give them a bus of their own");
+  }
+
+  void check_joint(const std::string& joint, const std::string& where) {
     require(has_joint(joint), where, "the device has no such joint");
+  }
+
+  // Buttons may be bits of one node; any other device has a node of its own.
+  void check_button(const ButtonParams& button) {
+    const std::string where = "button of node " + std::to_string(button.node_id) + ": ";
+    require(button.bit <= 7, where, "bit is ", int{button.bit}, ", must be 0..7");
+    const auto same_bit = [&](const ButtonParams& other) {
+      return other.bus == button.bus && other.node_id == button.node_id && other.bit == button.bit;
+    };
+    require(std::ranges::count_if(rig_.buttons, same_bit) == 1, where, "bit ", int{button.bit},
+            " is another button too");
+    const auto on_node = [&](const ButtonParams& other) {
+      return other.bus == button.bus && other.node_id == button.node_id;
+    };
+    if (&*std::ranges::find_if(rig_.buttons, on_node) != &button) return;
+    check_node(button.bus, button.node_id, where);
+    check_canopen(button.bus, where);
+  }
+
+  void check_node(std::size_t bus, std::uint8_t node_id, const std::string& where) {
     require(bus < rig_.buses.size(), where, "bus index is ", bus, ", the rig has ", rig_.buses.size(),
             " buses");
     require(node_id >= 1 && node_id <= canopen::max_node_id, where, "node_id is ", int{node_id},

@@ -1,5 +1,7 @@
 #include "hal/sdo_client.h"
 
+#include <cstdio>
+
 namespace godobject::sdo {
 
 bool Client::read(ObjectAddress address) noexcept {
@@ -145,6 +147,29 @@ void Client::give_up(TransferState state, AbortCode code) noexcept {
   finish(state, code);
   message_ = make_abort(address_, code);
   must_send_ = true;
+}
+
+std::string Client::failure_text() const {
+  std::array<char, 16> code{};
+  std::snprintf(code.data(), code.size(), "%08X ", static_cast<unsigned>(abort_code_));
+  const std::string limit = " within " + std::to_string(timeout_ns_ / 1'000'000) + " ms: ";
+  switch (state_) {
+    case TransferState::aborted: return std::string("rejected: ") + code.data() + text_of(abort_code_);
+    case TransferState::timed_out:
+      return "no answer" + limit +
+             "is the node powered and not stopped, is this its node-ID and no other's, has the bus this bit "
+             "rate and both terminations?";
+    case TransferState::not_sent:
+      return "the bus did not take the request" + limit +
+             "is another node on it that acknowledges, at this bit rate?";
+    case TransferState::bad_answer:
+      return std::string("answered against the protocol: ") + code.data() + text_of(abort_code_);
+    case TransferState::too_large: return "the object has more than " + std::to_string(capacity) + " bytes";
+    case TransferState::idle:
+    case TransferState::busy:
+    case TransferState::done: break;
+  }
+  return "";
 }
 
 }  // namespace godobject::sdo

@@ -1,6 +1,8 @@
 // The client of one node's SDO server: one transfer at a time, nothing waits.
 #pragma once
 
+#include <string>
+
 #include "hal/can_bus.h"
 #include "hal/sdo.h"
 
@@ -27,8 +29,8 @@ class Client {
   explicit Client(std::uint8_t node, Nanoseconds timeout_ns = 1'000'000'000) noexcept
       : node_(node), timeout_ns_(timeout_ns) {}
 
-  /// Begin a transfer with the next poll. False, and nothing begun, while one is under way, or with no or more
-  /// than `capacity` bytes to write.
+  /// Begin a transfer with the next poll. False, and nothing begun, while one is under way, or with no or
+  /// more than `capacity` bytes to write.
   [[nodiscard]] bool read(ObjectAddress address) noexcept;
   [[nodiscard]] bool write(ObjectAddress address, std::span<const std::uint8_t> data) noexcept;
 
@@ -44,6 +46,8 @@ class Client {
   /// What a read that is done has read.
   std::span<const std::uint8_t> data() const noexcept { return std::span(data_).first(size_); }
   std::uint8_t node() const noexcept { return node_; }
+  /// What went wrong and what to check; empty unless it did. Allocates.
+  std::string failure_text() const;
 
  private:
   enum class Expected : std::uint8_t { initiate_download, download_segment, initiate_upload, upload_segment };

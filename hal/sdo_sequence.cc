@@ -22,27 +22,6 @@ std::string number(std::int64_t value) {
   return text;
 }
 
-std::string outcome_text(const sdo::Client& client, Nanoseconds timeout_ns) {
-  switch (client.state()) {
-    case TransferState::aborted:
-      return formatted("rejected: %08X ", static_cast<unsigned>(client.abort_code())) +
-             sdo::text_of(client.abort_code());
-    case TransferState::timed_out:
-      return "no answer within " + std::to_string(timeout_ns / 1'000'000) +
-             " ms: is the node powered and not stopped, and has no other node its node-ID?";
-    case TransferState::not_sent:
-      return "the bus did not take the request within " + std::to_string(timeout_ns / 1'000'000) +
-             " ms: is another node on the bus that acknowledges, at this bit rate?";
-    case TransferState::bad_answer:
-      return std::string("answered against the protocol: ") + sdo::text_of(client.abort_code());
-    case TransferState::too_large: return "answers with more bytes than a number has";
-    case TransferState::idle:
-    case TransferState::busy:
-    case TransferState::done: break;
-  }
-  return "";
-}
-
 bool is_write(SdoAction action) noexcept {
   return action == SdoAction::write || action == SdoAction::switch_on;
 }
@@ -55,10 +34,7 @@ std::string to_string(canopen::ObjectAddress address) {
 
 SdoSequence::SdoSequence(std::uint8_t node, std::vector<SdoStep> steps, Nanoseconds sdo_timeout_ns,
                          Nanoseconds wait_timeout_ns)
-    : client_(node, sdo_timeout_ns),
-      steps_(std::move(steps)),
-      sdo_timeout_ns_(sdo_timeout_ns),
-      wait_timeout_ns_(wait_timeout_ns) {}
+    : client_(node, sdo_timeout_ns), steps_(std::move(steps)), wait_timeout_ns_(wait_timeout_ns) {}
 
 void SdoSequence::poll(Nanoseconds now, CanBus& bus) noexcept {
   if (!done() && !failed()) {
@@ -152,8 +128,8 @@ std::string SdoSequence::error_text() const {
       number(step.low) + (step.low == step.high || is_write(step.action) ? "" : " to " + number(step.high));
   switch (failure_) {
     case SdoFailure::transfer:
-      text += (writing_ ? " <- " + number(written_value_) : std::string(" read:")) + " " +
-              outcome_text(client_, sdo_timeout_ns_);
+      text +=
+          (writing_ ? " <- " + number(written_value_) : std::string(" read:")) + " " + client_.failure_text();
       break;
     case SdoFailure::wrong_value: text += " is " + number(read_value_) + ", not " + wanted; break;
     case SdoFailure::wrong_size:

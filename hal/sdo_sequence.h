@@ -69,7 +69,7 @@ class SdoSequence {
 
   sdo::Client client_;
   std::vector<SdoStep> steps_;
-  Nanoseconds sdo_timeout_ns_, wait_timeout_ns_;
+  Nanoseconds wait_timeout_ns_;
   std::size_t current_ = 0;
   SdoFailure failure_ = SdoFailure::none;
   bool begun_ = false;           // the current step's first transfer has been asked for

@@ -2,10 +2,14 @@
 #pragma once
 
 #include "hal/can_timing.h"
+#include "hal/canopen.h"
 #include "hal/rig_params.h"
 
 namespace godobject {
 
+/// Where there is no SYNC the first request of a cycle stands for it; its answers are taken for measured when it
+/// ended, or when they began, should that be earlier.
+///
 /// From the times at which SYNCs were queued and the receive stamps alone: there is no transmit confirmation.
 ///
 /// The nodes sample when SYNC ends on the wire. That is no earlier than its queue time plus its duration, so
@@ -26,9 +30,11 @@ class SyncAttribution {
 
   explicit SyncAttribution(const BusParams& bus) noexcept;
 
-  void sync_queued(Nanoseconds now) noexcept;
-  /// To be called with every frame received, of whatever node, in the order of the stamps. FD frames, whose
-  /// data rate is not known here, answer nothing.
+  /// sync: the frame that asks; the first of its cycle.
+  void sync_queued(Nanoseconds now, const CanFrame& sync = canopen::make_sync()) noexcept;
+  /// To be called with every frame received, of whatever node, in the order of the stamps. FD frames answer
+  /// nothing where the bus has no data rate; their stuffing is not known, so that they seem to begin up to a
+  /// few us late.
   Answer on_frame(const ReceivedFrame& received) noexcept;
 
   std::uint64_t num_syncs() const noexcept { return num_syncs_; }
@@ -37,7 +43,8 @@ class SyncAttribution {
   Nanoseconds wire_time(const CanFrame& frame) const noexcept;
 
   BitRates rates_;
-  Nanoseconds sync_wire_time_ns_;
+  bool has_data_rate_;
+  Nanoseconds sync_wire_time_ns_ = 0;
   Nanoseconds intermission_ns_;
   std::uint64_t num_syncs_ = 0;
   Nanoseconds earliest_end_ns_ = 0;               // of the SYNC queued last, had the wire been free

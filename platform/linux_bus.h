@@ -20,6 +20,10 @@ class LinuxBus : public CanBus {
   /// Why open() failed or what state() other than error_active means here, and what to do about it; empty:
   /// nothing is wrong. Allocates: not for the loop.
   virtual std::string trouble() const = 0;
+  /// From now on every frame that comes by, with its time on the wire and in the order of the wire, from within
+  /// try_receive: those received, and own ones once they are seen complete. False: this bus does not see its
+  /// own frames, and shows nothing.
+  [[nodiscard]] virtual bool observe(const FrameObserver&) noexcept { return false; }
   /// Where other programs find it: the interface, the path of a terminal (of `pty:` once it is open), of a
   /// log. Allocates.
   virtual std::string name() const { return {}; }

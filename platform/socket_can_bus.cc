@@ -214,6 +214,7 @@ bool SocketCanBus::take(const Message& message, ReceivedFrame& out) noexcept {
   const std::optional<CanFrame> frame = from_kernel(message.frame, message.size);
   if (!frame) return false;
   seen_alive();
+  if (observer_.on_frame) observer_.on_frame(observer_.context, {.frame = *frame, .t_ns = message.t_ns});
   if (message.own) {
     ++counters_.sent;
     return false;

@@ -40,6 +40,10 @@ class SocketCanBus final : public LinuxBus {
   int descriptor() const noexcept override { return fd_; }
   std::string trouble() const override;
   std::string name() const override { return interface_; }
+  [[nodiscard]] bool observe(const FrameObserver& observer) noexcept override {
+    observer_ = observer;
+    return true;
+  }
 
  private:
   struct Message;
@@ -72,6 +76,7 @@ class SocketCanBus final : public LinuxBus {
   std::uint64_t queue_full_ = 0;      // try_send calls answered with full
   std::uint32_t dropped_in_all_ = 0;  // by this socket, as the kernel counts (SO_RXQ_OVFL)
   ReceiveStamp stamp_;
+  FrameObserver observer_;
   // Of the last open() that failed.
   const char* failed_call_ = nullptr;
   int failed_errno_ = 0;

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <set>
 
+#include "hal/drive_link.h"
 #include "hal/kinematic_tree.h"
 #include "sim/device_from_joints.h"
 #include "sim/hold_keys.h"
@@ -53,21 +54,36 @@ void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
 }
 
 template <class V>
-void visit_node(V& v, const RigNames& names, std::string& joint, std::size_t& bus, std::uint8_t& node_id) {
-  choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true},
-         names.joints, joint);
+void visit_node(V& v, const RigNames& names, std::size_t& bus, std::uint8_t& node_id) {
   v.one_of(Key{.name = "bus", .unit = "", .meaning = "name of the bus it hangs on", .required = true},
            names.buses, bus);
-  v.value(Key{"node_id", "", "CANopen node-ID", {1, 127}, true}, node_id);
+  v.value(Key{"node_id", "", "CANopen node-ID; of an ODrive 1 to 62, of a moteus its id", {1, 127}, true},
+          node_id);
+}
+
+template <class V>
+void visit_sensor_node(V& v, const RigNames& names, std::string& joint, std::size_t& bus,
+                       std::uint8_t& node_id, std::string& profile) {
+  choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true},
+         names.joints, joint);
+  visit_node(v, names, bus, node_id);
+  v.value(
+      Key{"profile", "",
+          "how a CANopen node on a real bus is set up, see docs/canopen.md; empty: not at all, it is as the "
+          "rig expects it"},
+      profile);
 }
 
 template <class V>
 void visit_calibration(V& v, std::string_view sign_key, const RigNames& names, const std::string& joint,
                        Calibration& c) {
-  v.either(Key{"counts_per_unit", "1/rad or 1/m",
-               "counts per unit of the joint coordinate; or give `counts_per_turn`", positive, true},
-           Key{"counts_per_turn", "", "counts per full turn of a hinge", positive},
-           1 / (2 * std::numbers::pi), std::nullopt, c.counts_per_unit);
+  v.either(
+      Key{"counts_per_unit", "1/rad or 1/m",
+          "counts per unit of the joint coordinate; or give `counts_per_turn`; an ODrive and a moteus have "
+          "100000 counts per turn of the motor",
+          positive, true},
+      Key{"counts_per_turn", "", "counts per full turn of a hinge", positive}, 1 / (2 * std::numbers::pi),
+      std::nullopt, c.counts_per_unit);
   const auto index = static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
   const bool slider = index < names.kinds.size() && names.kinds[index] == DeviceJointKind::slider;
   v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
@@ -89,19 +105,26 @@ void visit_max_speed(V& v, double& max_speed) {
 
 template <class V>
 void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
-  visit_node(v, names, e.joint, e.bus, e.node_id);
+  visit_sensor_node(v, names, e.joint, e.bus, e.node_id, e.profile);
   visit_calibration(v, "sign", names, e.joint, e.calibration);
   visit_max_speed(v, e.max_speed);
 }
 
 template <class V>
 void visit_drive(V& v, const RigNames& names, DriveParams& d) {
-  visit_node(v, names, d.joint, d.bus, d.node_id);
-  v.value(Key{"torque_rated_Nm", "N m", "object 6076h: targets travel in per mille of it", positive},
+  visit_sensor_node(v, names, d.joint, d.bus, d.node_id, d.profile);
+  choose(v, Key{"protocol", "", "what it speaks, see docs/new-device.md; each protocol has a bus of its own"},
+         drive_protocol_names, d.protocol);
+  const BusProtocol protocol = bus_protocol(d.protocol);
+  v.check(protocol.canopen || d.profile.empty(), "profile", "has no meaning with this protocol: remove it");
+  v.check(d.node_id <= protocol.max_node_id, "node_id",
+          "must be at most " + std::to_string(protocol.max_node_id) + " with this protocol");
+  v.value(Key{"torque_rated_Nm", "N m", "CiA 402: object 6076h, targets travel in per mille of it", positive},
           d.torque_rated_Nm);
   v.value(Key{"torque_max_Nm", "N m", "saturation of the command, at the motor shaft", positive},
           d.torque_max_Nm);
-  v.check(d.torque_max_Nm <= 32.767 * d.torque_rated_Nm, "torque_max_Nm",
+  v.check(d.protocol != DriveProtocol::cia402 || d.torque_max_Nm <= 32.767 * d.torque_rated_Nm,
+          "torque_max_Nm",
           "is more than 32.767 times torque_rated_Nm, the most that 16 bits of per mille carry");
   v.value(Key{"torque_rate_Nm_per_s", "N m/s", "slew limit of the command, at the motor shaft", positive},
           d.torque_rate_Nm_per_s);
@@ -109,10 +132,25 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
               "transmission: joint coordinate per rad of the motor", positive},
           d.joint_per_motor_rad);
   visit_sign(v, Key{"sign", "", "1 or -1: of a positive motor torque on the joint", {-1, 1}}, d.sign);
-  v.value(Key{"status_every_nth_sync", "", "transmission type of its TPDO1", {1, 240}},
+  v.value(Key{"status_every_nth_sync", "", "CiA 402: transmission type of its TPDO1", {1, 240}},
           d.status_every_nth_sync);
+  v.check(protocol.canopen || d.status_every_nth_sync == 1, "status_every_nth_sync",
+          "must be 1 with this protocol: the drive answers every request");
   visit_calibration(v, "counts_sign", names, d.joint, d.calibration);
   visit_max_speed(v, d.max_speed);
+}
+
+template <class V>
+void visit_button(V& v, const RigNames& names, ButtonParams& b) {
+  choose(
+      v,
+      Key{"use", "",
+          "hold: pressed it takes hold of the nearest body, pressed again it lets go; clutch: of a relative "
+          "device, closed while pressed"},
+      button_use_names, b.use);
+  visit_node(v, names, b.bus, b.node_id);
+  v.value(Key{"bit", "", "of the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);
+  v.value(Key{"active_low", "", "pressed is 0"}, b.active_low);
 }
 
 template <class V>
@@ -204,6 +242,20 @@ void visit_handles(V& v, const RigNames& names, const ShortHandle& handle,
     handles.push_back({.body = names.bodies.front(), .joint = names.joints.back(), .X_LH = handle.X_LH});
 }
 
+/// Buttons may be bits of one node. nodes: those of other devices, by bus and id.
+template <class V>
+void visit_buttons(V& v, const RigNames& names, const std::set<std::pair<std::size_t, int>>& nodes,
+                   RigParams& rig) {
+  std::set<std::array<std::size_t, 3>> bits;
+  v.tables(TableKey{"button", "A button: a digital input of a CiA 401 node."}, rig.buttons,
+           [&](auto& t, ButtonParams& b) {
+             visit_button(t, names, b);
+             t.check(b.node_id != rig.host_node_id && !nodes.contains({b.bus, b.node_id}), "node_id",
+                     "is taken by the host or by another device of this bus");
+             t.check(bits.insert({b.bus, b.node_id, b.bit}).second, "bit", "is that of an earlier button");
+           });
+}
+
 template <class V>
 void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
   std::set<std::pair<std::size_t, int>> nodes;
@@ -216,11 +268,29 @@ void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
     visit_encoder(t, names, e);
     check_node(t, e.bus, e.node_id);
   });
-  v.tables(TableKey{"drive", "A CiA 402 drive in cyclic synchronous torque mode."}, rig.drives,
+  v.tables(TableKey{"drive", "A motor drive commanded in torque; of CiA 402 in the mode CST."}, rig.drives,
            [&](auto& t, DriveParams& d) {
              visit_drive(t, names, d);
              check_node(t, d.bus, d.node_id);
            });
+  visit_buttons(v, names, nodes, rig);
+}
+
+/// A bus has the nodes of one protocol, and the data rate that it asks for.
+template <class V>
+void check_protocols(V& v, const RigParams& rig) {
+  for (std::size_t bus = 0; bus < rig.buses.size(); ++bus) {
+    const DriveProtocol protocol = protocol_of_bus(rig, bus);
+    const std::string name = "'" + rig.buses[bus].name + "'";
+    const auto on_bus = [bus](const auto& device) { return device.bus == bus; };
+    const auto other = [&](const DriveParams& d) { return d.bus == bus && d.protocol != protocol; };
+    const bool canopen_nodes =
+        std::ranges::any_of(rig.encoders, on_bus) || std::ranges::any_of(rig.buttons, on_bus);
+    v.check(std::ranges::none_of(rig.drives, other) && (bus_protocol(protocol).canopen || !canopen_nodes), "",
+            "bus " + name + " has devices of more than one protocol: give each protocol a bus of its own");
+    v.check(!bus_protocol(protocol).fd || rig.buses[bus].data_bit_rate > 0, "",
+            "bus " + name + " carries CAN FD: give it a data_bit_rate, e.g. 5e6");
+  }
 }
 
 /// Rules between the parts of a rig.
@@ -228,6 +298,7 @@ template <class V>
 void check_rig(V& v, const RigParams& rig) {
   const std::size_t num_joints = rig.tree.joints.size();
   v.check(!rig.buses.empty(), "", "joints, encoders and drives need a [[bus]]");
+  check_protocols(v, rig);
   v.check(num_joints >= 1 && num_joints <= max_joints, "joint",
           "must be 1 to " + std::to_string(max_joints) + " tables [[device.joint]], not " +
               std::to_string(num_joints));
@@ -265,14 +336,14 @@ bool visit_rig(V& v, bool present, const SceneConfig& scene, std::vector<std::st
   RigNames names{.bodies = std::move(bodies), .buses = {}, .joints = {}, .kinds = {}};
   for (const BusParams& bus : rig.buses) names.buses.push_back(bus.name);
   visit_joints(v, rig.tree.joints, names);
-  const bool has_more = v.has("handle") || v.has("encoder") || v.has("drive");
+  const bool has_more = v.has("handle") || v.has("encoder") || v.has("drive") || v.has("button");
   std::vector<HandleParams> of_scene;
   if (has_more && rig.tree.joints.empty() && !scene.joints.empty())
     of_scene = take_joints_of_tool(v, scene, names, rig.tree.joints);
   visit_handles(v, names, handle, of_scene, rig.tree.handles);
   visit_nodes(v, names, rig);
   present = has_supervision || has_chain || !rig.tree.joints.empty() || !rig.tree.handles.empty() ||
-            !rig.encoders.empty() || !rig.drives.empty() || !rig.buses.empty();
+            !rig.encoders.empty() || !rig.drives.empty() || !rig.buttons.empty() || !rig.buses.empty();
   if (present) check_rig(v, rig);
   return present;
 }

@@ -25,6 +25,8 @@ class FaultConfinement {
     else if (receive_errors_ > 0) --receive_errors_;
   }
   void reset() noexcept { transmit_errors_ = receive_errors_ = 0; }
+  /// To bus-off at once, as a controller does that finds itself broken.
+  void give_up() noexcept { transmit_errors_ = 256; }
 
   std::uint16_t transmit_errors() const noexcept { return transmit_errors_; }
   std::uint16_t receive_errors() const noexcept { return receive_errors_; }

@@ -23,6 +23,10 @@ void Grip::update(const HoldWish& wish, bool button, const Vec3& p_WD, const Eng
   button_ = button;
 }
 
+void Grip::press(const Vec3& p_WD, const Engine& engine) noexcept {
+  body_ = body_ ? std::nullopt : nearest(p_WD, engine);
+}
+
 std::optional<std::size_t> Grip::nearest(const Vec3& p_WD, const Engine& engine) const noexcept {
   std::optional<std::size_t> found;
   double least = grab_radius_;

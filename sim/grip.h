@@ -21,6 +21,9 @@ class Grip {
   /// nothing until asked again.
   void update(const HoldWish& wish, bool button, const Vec3& p_WD, const Engine& engine) noexcept;
 
+  /// The device's own button goes down: what is held is let go; where nothing is, the nearest body is taken.
+  void press(const Vec3& p_WD, const Engine& engine) noexcept;
+
   /// Index of the held body in the scene.
   std::optional<std::size_t> body() const noexcept { return body_; }
   bool holds(std::size_t body) const noexcept { return body_ == body; }

@@ -9,6 +9,7 @@
 
 #include "sim/contact_keys.h"
 #include "sim/device_keys.h"
+#include "sim/fault_keys.h"
 #include "sim/hold_keys.h"
 #include "sim/joint_keys.h"
 #include "sim/scene.h"
@@ -270,6 +271,10 @@ void visit_scene(V& v, SceneConfig& s) {
     visit_name(t, "name of the bus", b.name);
     t.check(bus_names.insert(b.name).second, "name", "is the name of an earlier bus");
     t.value(Key{"bit_rate", "bit/s", "of the arbitration phase", {1e4, 1e6}}, b.bit_rate);
+    t.value(Key{"data_bit_rate", "bit/s", "of the data phase of CAN FD; 0: a classic bus", {0, 8e6}},
+            b.data_bit_rate);
+    t.check(b.data_bit_rate == 0 || b.data_bit_rate >= b.bit_rate, "data_bit_rate",
+            "is below bit_rate: must be 0, or bit_rate and above");
   });
   optional_table(v,
                  TableKey{"device", "The device that drives the coupled bodies, and the rig it is made of."},
@@ -279,6 +284,12 @@ void visit_scene(V& v, SceneConfig& s) {
                  s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, s, device_joints(s), m); });
   plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."},
               [&](auto& t) { visit_wire(t, s.wire); });
+  v.tables(
+      TableKey{"fault",
+               "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md."},
+      s.faults, [&](auto& t, FaultConfig& f) {
+        visit_fault(t, s.device && s.device->rig ? &*s.device->rig : nullptr, f);
+      });
   check_scene(v, s);
 }
 

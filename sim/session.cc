@@ -8,9 +8,7 @@ namespace {
 
 /// Answers to a SYNC are waited for this share of the period; the rest is for the step and the commands.
 constexpr double gather_share = 0.75;
-constexpr int gather_polls = 16;
-/// The last frames are no more than a few cycles': a command to each drive, a message to each node.
-constexpr int flush_periods = 10;
+constexpr int gather_polls = 16;  // of simulated buses
 
 PoseError difference(const Pose& a, const Pose& b) noexcept {
   return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
@@ -22,58 +20,94 @@ PoseError worst(const PoseError& a, const PoseError& b) noexcept {
 
 }  // namespace
 
+Session::Session(const SceneConfig& scene, Motion motion) : scene_(scene), motion_(std::move(motion)) {
+  const auto period_ns = static_cast<double>(std::llround(scene.step * 1e9));
+  gather_ns_ = static_cast<Nanoseconds>(gather_share * period_ns) / gather_polls * gather_polls;
+}
+
 Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus) {
+  return make(scene, std::move(motion), bus, nullptr);
+}
+
+Session::Made Session::make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses) {
+  return make(scene, std::move(motion), BusChoice::real, std::move(buses));
+}
+
+Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus,
+                            std::unique_ptr<RigLink> buses) {
   Made made;
   std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
-  s->period_ns_ = std::llround(scene.step * 1e9);
   s->driven_ = driven_bodies(scene);
   s->samples_.resize(scene.bodies.size());
-  s->find_imposed_joints(made.errors);
-  for (std::size_t i = 0; i < s->driven_.size(); ++i)
-    s->samples_[s->driven_[i]] = s->motion_sample(std::min(i, s->motion_.num_bodies() - 1), 0);
-  if (takes_hold(scene)) {
-    s->grip_.emplace(scene);
-    for (const std::size_t body : s->driven_) s->samples_[body].engaged = false;
-  }
-  s->impose(s->motion_.joints(0), true, s->samples_);
-
-  if (bus == BusChoice::sim && !s->driven_.empty()) {
-    if (!scene.device || !scene.device->rig) {
-      made.errors.push_back(
-          "scene '" + scene.name +
-          "' describes no buses, encoders and joints: add them, or run it with --bus direct");
-      return made;
-    }
-    RigParams rig = *scene.device->rig;
-    rig.cycle_s = scene.step;
-    for (const std::string& error : validate(rig)) made.errors.push_back(error);
-    if (scene.device->kind == DeviceKind::admittance)
-      made.errors.push_back("admittance devices run with --bus direct for now");
-    if (made.errors.empty()) {
-      const std::string why_not = SimRig::why_not(s->scene_, s->motion_);
-      if (!why_not.empty()) made.errors.push_back(why_not);
-    }
-    if (!made.errors.empty()) return made;
-    for (const std::optional<std::size_t>& driven : driven_by_handles(s->scene_))
-      s->held_.push_back(s->driven_[*driven]);
-    s->sim_rig_ = std::make_unique<SimRig>(s->scene_, s->motion_);
-    s->rig_.emplace(rig, s->sim_rig_->host_buses());
-  }
-  std::string why_not;
-  if (made.errors.empty()) s->engine_ = make_engine(scene, s->samples_, why_not);
-  if (!s->engine_ && made.errors.empty()) made.errors.push_back(why_not);
+  s->find_imposed_joints(bus == BusChoice::real, made.errors);
+  s->take_motion_at_start();
+  if (bus != BusChoice::direct && !s->driven_.empty()) s->connect(std::move(buses), made.errors);
   if (!made.errors.empty()) return made;
-  if (s->rig_) s->exact_engine_ = make_engine(scene, s->samples_, why_not);
+
+  std::string why_not;
+  s->engine_ = make_engine(scene, s->samples_, why_not);
+  if (!s->engine_) {
+    made.errors.push_back(why_not);
+    return made;
+  }
+  if (s->sim_) s->exact_engine_ = make_engine(scene, s->samples_, why_not);
   s->exact_samples_ = s->samples_;
   made.session = std::move(s);
   return made;
 }
 
+void Session::take_motion_at_start() {
+  for (std::size_t i = 0; i < driven_.size(); ++i)
+    samples_[driven_[i]] = motion_sample(std::min(i, motion_.num_bodies() - 1), 0);
+  if (takes_hold(scene_)) {
+    grip_.emplace(scene_);
+    for (const std::size_t body : driven_) samples_[body].engaged = false;
+  }
+  if (motion_.has_joints()) impose(motion_.joints(0), true, samples_);
+}
+
+/// The rig on its buses: simulated ones where none are given.
+void Session::connect(std::unique_ptr<RigLink> buses, std::vector<std::string>& errors) {
+  if (!scene_.device || !scene_.device->rig) {
+    errors.push_back("scene '" + scene_.name +
+                     "' describes no buses, encoders and joints: add them, or run it with --bus direct");
+    return;
+  }
+  RigParams rig = *scene_.device->rig;
+  rig.cycle_s = scene_.step;
+  for (const std::string& error : validate(rig)) errors.push_back(error);
+  if (scene_.device->kind == DeviceKind::admittance)
+    errors.push_back("admittance devices run with --bus direct for now");
+  if (!errors.empty()) return;
+  const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene_);
+  for (std::size_t handle = 0; handle < by_handle.size(); ++handle) {
+    if (by_handle[handle]) held_.push_back(driven_[*by_handle[handle]]);
+    else
+      errors.push_back("handle of body '" + rig.tree.handles[handle].body +
+                       "': the scene has no such coupled body");
+  }
+  if (!errors.empty()) return;
+  if (buses) {
+    link_ = std::move(buses);
+  } else {
+    const std::string why_not = SimRig::why_not(scene_, motion_);
+    if (!why_not.empty()) {
+      errors.push_back(why_not);
+      return;
+    }
+    auto sim = std::make_unique<SimLink>(scene_, motion_, std::llround(scene_.step * 1e9),
+                                         gather_ns_ / gather_polls);
+    sim_ = sim.get();
+    link_ = std::move(sim);
+  }
+  rig_.emplace(rig, link_->buses());
+}
+
 /// The device's joint for each coordinate of the imposed joints.
-void Session::find_imposed_joints(std::vector<std::string>& errors) {
+void Session::find_imposed_joints(bool real, std::vector<std::string>& errors) {
   for (const JointConfig& joint : scene_.joints) {
     if (!joint.imposed) continue;
-    if (!motion_.has_joints()) {
+    if (!motion_.has_joints() && !real) {
       errors.push_back(
           "joint '" + joint.name +
           "' is imposed: the motion must be one of the device's joints; give --motion a column for "
@@ -116,41 +150,6 @@ bool Session::follows() const noexcept {
          !(scene_.device && scene_.device->kind == DeviceKind::admittance);
 }
 
-bool Session::boot(double limit_s) {
-  if (!rig_) return true;
-  rig_->start(t_bus_ns_);
-  const std::int64_t cycles = std::llround(limit_s / scene_.step);
-  for (std::int64_t i = 0; i < cycles; ++i) {
-    static_cast<void>(exchange(0));
-    static_cast<void>(rig_->command({}, t_now_ns_));
-    if (rig_->state() == RigState::fault) return false;
-    motion_start_ns_ = t_bus_ns_;
-    if (rig_->state() == RigState::ready) return rig_->arm();
-  }
-  return false;
-}
-
-void Session::shut_down() noexcept {
-  if (!rig_) return;
-  rig_->disarm();
-  const std::int64_t limit = std::llround(shut_down_limit_s / scene_.step);
-  for (std::int64_t i = 0; i < limit && commands_torque(); ++i) {
-    static_cast<void>(exchange(motion_time(cycle_)));
-    static_cast<void>(rig_->command({}, t_now_ns_));
-  }
-  t_bus_ns_ += period_ns_;
-  sim_rig_->run_wires(t_bus_ns_);  // room in the transmit queues
-  rig_->stop();
-  t_bus_ns_ += flush_periods * period_ns_;
-  sim_rig_->run_wires(t_bus_ns_);
-}
-
-bool Session::commands_torque() const noexcept {
-  for (std::size_t i = 0; i < rig_->num_drives(); ++i)
-    if (rig_->commanded_torque_Nm(i) != 0) return true;
-  return false;
-}
-
 void Session::cycle(CycleRecord& record) noexcept {
   ++cycle_;
   sense(motion_time(cycle_));
@@ -187,32 +186,42 @@ void Session::observe(CycleRecord& record) const noexcept {
 /// What the core is told, and what it would be told by a perfect device.
 void Session::sense(double t) noexcept {
   for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples_[driven_[i]] = motion_sample(i, t);
-  const JointTarget hand = motion_.joints(t);
-  impose(hand, true, samples_);
+  if (motion_.has_joints()) impose(motion_.joints(t), true, samples_);
   exact_samples_ = samples_;
-  if (rig_) sense_through_rig(t);
+  if (rig_) sense_through_rig();
   if (grip_) grip(t);
+  for (const std::size_t body : driven_)
+    if (let_go_) samples_[body].engaged = exact_samples_[body].engaged = false;
+  let_go_ = false;
 }
 
-void Session::sense_through_rig(double t) noexcept {
-  const DeviceSample device = exchange(t);
+void Session::sense_through_rig() noexcept {
+  const DeviceSample device = exchange();
+  buttons_before_ = buttons_;
+  buttons_ = device.buttons;
+  const bool has_clutch = rig_->has_button(ButtonUse::clutch);
   for (std::size_t k = 0; k < held_.size(); ++k) {
     BodySample& sample = samples_[held_[k]];
     sample.X_WD = device.handles[k].X_WH;
     sample.V_WD = device.handles[k].V_WH;
     sample.valid = device.valid;
-    const MotionSample handle = sim_rig_->handle(k);
+    const MotionSample handle =
+        sim_ ? sim_->rig().handle(k) : MotionSample{.X_WD = sample.X_WD, .V_WD = sample.V_WD};
     exact_samples_[held_[k]].X_WD = handle.X_WD;
     exact_samples_[held_[k]].V_WD = handle.V_WD;
+    if (has_clutch) sample.clutch = exact_samples_[held_[k]].clutch = buttons_.clutch;
   }
-  impose({.q = device.q, .q_dot = device.q_dot}, device.valid, samples_);
-  impose(sim_rig_->joints(), true, exact_samples_);
+  const JointTarget joints{.q = device.q, .q_dot = device.q_dot};
+  impose(joints, device.valid, samples_);
+  impose(sim_ ? sim_->rig().joints() : joints, true, exact_samples_);
 }
 
 /// All that can be held get the device's sample; engaged for the one that is.
 void Session::grip(double t) noexcept {
   const BodySample device = samples_[driven_.front()], exact = exact_samples_[driven_.front()];
-  grip_->update(motion_.hold(t), motion_.button(t), device.X_WD.p, *engine_);
+  const bool has_button = rig_ && rig_->has_button(ButtonUse::hold);
+  grip_->update(motion_.hold(t), !has_button && motion_.button(t), device.X_WD.p, *engine_);
+  if (buttons_.hold && !buttons_before_.hold) grip_->press(device.X_WD.p, *engine_);
   for (const std::size_t body : driven_) {
     samples_[body] = device;
     exact_samples_[body] = exact;
@@ -226,27 +235,8 @@ void Session::act(CycleRecord& record) noexcept {
   std::array<Wrench, max_handles> F_hand_W;
   for (std::size_t k = 0; k < held_.size(); ++k)
     F_hand_W[k] = grip_ ? record.hand_W : engine_->feedback(held_[k]);
-  record.drives = rig_->command(std::span(F_hand_W).first(held_.size()), t_now_ns_);
+  record.drives = command(std::span(F_hand_W).first(held_.size()));
   record.rig_faults = rig_->faults();
-}
-
-/// The rest of the last bus period, with the mechanics up to its end (the hand is then where the motion is at
-/// motion_time); then SYNC, and its answers: until all are in or their share of the period is over.
-DeviceSample Session::exchange(double motion_time) noexcept {
-  t_bus_ns_ += period_ns_;
-  sim_rig_->run_wires(t_bus_ns_ - 1);
-  sim_rig_->run_plant(t_bus_ns_, motion_time);
-
-  rig_->sync(t_bus_ns_);
-  t_now_ns_ = t_bus_ns_;
-  const Nanoseconds poll =
-      static_cast<Nanoseconds>(gather_share * static_cast<double>(period_ns_)) / gather_polls;
-  for (int i = 0; i < gather_polls && !rig_->complete(); ++i) {
-    t_now_ns_ += poll;
-    sim_rig_->run_wires(t_now_ns_);
-    rig_->receive(t_now_ns_);
-  }
-  return rig_->read(t_now_ns_);
 }
 
 BodySample Session::motion_sample(std::size_t driven, double t) const noexcept {
@@ -280,9 +270,8 @@ void Session::measure(CycleRecord& record) const noexcept {
 
 std::vector<double> Session::bus_load_percent() const {
   std::vector<double> loads;
-  if (sim_rig_)
-    for (std::size_t i = 0; i < scene_.device->rig->buses.size(); ++i)
-      loads.push_back(sim_rig_->load_percent(i, t_bus_ns_));
+  if (sim_)
+    for (std::size_t i = 0; i < scene_.device->rig->buses.size(); ++i) loads.push_back(sim_->load_percent(i));
   return loads;
 }
 

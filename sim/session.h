@@ -1,5 +1,6 @@
-// A running scene: engine, motion and, with --bus sim, the rig at both ends of its buses. cycle() is what a
-// real-time loop calls once per step; it neither allocates nor waits.
+// A running scene: engine, motion, and the rig on its buses, simulated or real. advance() is what a real-time
+// loop calls once per period, from the first NMT command to the last; it does not allocate, and waits only for
+// the answers of real buses.
 #pragma once
 
 #include <array>
@@ -12,16 +13,27 @@
 #include "sim/engine.h"
 #include "sim/grip.h"
 #include "sim/motion.h"
-#include "sim/sim_rig.h"
+#include "sim/sim_link.h"
 
 namespace godobject {
 
 enum class BusChoice : std::uint8_t {
   sim,     // through simulated encoders, wires and drives
   direct,  // the motion is handed to the core as it is
+  real,    // through the encoders and drives of a device
 };
 
 inline constexpr double shut_down_limit_s = 2;
+
+/// What a period is for. A run goes through them in this order; a fault or stop() leaves some out.
+enum class RunPhase : std::uint8_t {
+  off,
+  booting,       // the nodes come up, the hand of a simulated rig at rest
+  running,       // motion and steps
+  running_down,  // torque runs down to zero
+  closing,       // drives disabled, nodes pre-operational: their frames leave
+  ended,
+};
 
 /// Distance and angle between two poses.
 struct PoseError {
@@ -44,10 +56,11 @@ struct CycleRecord {
   // Where the device takes hold of bodies:
   std::optional<std::size_t> held;  // index of the held body
   Wrench hand_W;                    // shown to the hand, about the device's origin, world axes
-  // Worst of the driven bodies. The handle is where the device really is; without a bus, where the motion is.
+  // Worst of the driven bodies. The handle is where the device really is; without a bus, where the motion is;
+  // on a real bus, where nobody knows, what the core was told: sensing is then zero.
   PoseError following;  // body against handle (relative devices, and what is held: against its target)
   PoseError sensing;    // sample the core got against handle
-  // Of an engine beside it that is told the handle exactly; zero without a bus.
+  // Of an engine beside it that is told the handle exactly; zero without a simulated bus.
   PoseError exact_following;  // its body against the handle
   PoseError encoders;         // body against its body
   double energy = 0;          // J
@@ -60,42 +73,62 @@ class Session {
     std::unique_ptr<Session> session;  // null: see errors
     std::vector<std::string> errors;
   };
-  /// The motion is moved in.
+  /// The motion is moved in. bus: sim or direct.
   static Made make(const SceneConfig& scene, Motion motion, BusChoice bus);
+  /// On real buses, which may still be closed: to be opened before start(). The motion then moves nothing that
+  /// the device has a handle for; its switches count.
+  static Made make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses);
 
-  /// Brings the rig up: bus cycles with the hand at rest until every node works or `limit_s` of bus time
-  /// has passed. True when the device is ready. Without a bus: true at once.
+  /// off -> booting, given up after `limit_s` of bus time; without a bus -> running.
+  void start(double limit_s) noexcept;
+  /// One period, whatever it is for; real-time, for a record that comes from at_start(). True: it was a step,
+  /// and the record is of it.
+  bool advance(CycleRecord& record) noexcept;
+  /// booting, running -> running_down; without a bus, or before start() -> ended.
+  void stop() noexcept;
+  RunPhase phase() const noexcept { return phase_; }
+  /// ended -> off, with a rig that knows nothing of what was: start() boots the nodes afresh. The engine stays
+  /// as it is; what the device held is engaged anew, by the ramp. Allocates.
+  void restart();
+
+  /// start(), and periods up to the first step: for buses whose time does not pass by itself. True when the
+  /// device is ready.
   [[nodiscard]] bool boot(double limit_s);
+  /// stop(), and periods to the end: at most shut_down_limit_s of bus time until no torque is commanded.
+  void shut_down() noexcept;
 
   /// The state before the first step. Allocates.
   CycleRecord at_start() const;
-
-  /// One step. Real-time, for a record that comes from at_start().
+  /// One step. Real-time, for a record that comes from at_start(), in RunPhase::running.
   void cycle(CycleRecord& record) noexcept;
-
-  /// Ends a run, wherever it stands: bus cycles until no torque is commanded, at most shut_down_limit_s of
-  /// bus time; then drives disabled, nodes pre-operational, and these frames on the wires. The engine stays
-  /// as it is.
-  void shut_down() noexcept;
 
   const SceneConfig& scene() const noexcept { return scene_; }
   const Engine& engine() const noexcept { return *engine_; }
   /// Whether there is a body that follows a pose, and so a following error.
   bool follows() const noexcept;
-  BusChoice bus() const noexcept { return rig_ ? BusChoice::sim : BusChoice::direct; }
+  BusChoice bus() const noexcept {
+    if (!rig_) return BusChoice::direct;
+    return sim_ ? BusChoice::sim : BusChoice::real;
+  }
   /// Null without a bus.
   const Rig* rig() const noexcept { return rig_ ? &*rig_ : nullptr; }
-  /// Mean load of each simulated bus so far, percent; empty without a bus.
+  /// Of all rigs so far: see restart().
+  RigCounters rig_counters() const noexcept;
+  /// The host's ends; none without a bus.
+  std::span<CanBus* const> host_buses() const noexcept {
+    return link_ ? link_->buses() : std::span<CanBus* const>{};
+  }
+  /// Mean load of each simulated bus so far, percent; empty without one.
   std::vector<double> bus_load_percent() const;
   /// Time on the buses' clock at which the motion begins, after boot().
   Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
   /// Steps are timed by this; by default they are not.
   void set_step_clock(Nanoseconds (*now)() noexcept) noexcept { step_clock_ = now; }
   void set_bus_observer(const BusObserver& observer) noexcept {
-    if (sim_rig_) sim_rig_->set_observer(observer);
+    if (link_) link_->set_observer(observer);
   }
-  /// False when the motion left the workspace of the device.
-  bool reachable() const noexcept { return !sim_rig_ || sim_rig_->reachable(); }
+  /// False when the motion left the workspace of the simulated device.
+  bool reachable() const noexcept { return !sim_ || sim_->rig().reachable(); }
 
  private:
   /// A joint that the device leads, and the device's joints for its coordinates.
@@ -106,16 +139,28 @@ class Session {
     std::array<bool, 2> turns{};
   };
 
-  Session(const SceneConfig& scene, Motion motion) : scene_(scene), motion_(std::move(motion)) {}
+  Session(const SceneConfig& scene, Motion motion);
+
+  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus, std::unique_ptr<RigLink> buses);
+  void take_motion_at_start();
+  void connect(std::unique_ptr<RigLink> buses, std::vector<std::string>& errors);
+  void find_imposed_joints(bool real, std::vector<std::string>& errors);
+
+  // session_phases.cc
+  void boot_cycle() noexcept;
+  void run_down_cycle() noexcept;
+  void closing_cycle() noexcept;
+  void give_up_running() noexcept;
+  DeviceSample exchange() noexcept;
+  CommandReport command(std::span<const Wrench> F_hand_W) noexcept;
+  void take_in() noexcept;
+  bool commands_torque() const noexcept;
 
   double motion_time(std::uint64_t cycle) const noexcept { return static_cast<double>(cycle) * scene_.step; }
-  void find_imposed_joints(std::vector<std::string>& errors);
   BodySample motion_sample(std::size_t driven, double t) const noexcept;
-  DeviceSample exchange(double motion_time) noexcept;
   void impose(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
-  bool commands_torque() const noexcept;
   void sense(double t) noexcept;
-  void sense_through_rig(double t) noexcept;
+  void sense_through_rig() noexcept;
   void grip(double t) noexcept;
   void act(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
@@ -127,15 +172,21 @@ class Session {
   std::vector<std::size_t> held_;    // with a bus: the body of each handle
   std::optional<Grip>
       grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
+  DeviceButtons buttons_, buttons_before_;  // of the device; pressed in this step and in the one before
   std::vector<ImposedJoint> imposed_;
   std::vector<BodySample> samples_;        // one per body, as the core gets them
   std::vector<BodySample> exact_samples_;  // the same with the handle as it really is
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<Engine> exact_engine_;  // runs beside it on exact_samples_, with a bus only
-  std::unique_ptr<SimRig> sim_rig_;
+  std::unique_ptr<RigLink> link_;
+  const SimLink* sim_ = nullptr;  // the link, where that is simulated
   std::optional<Rig> rig_;
+  RigCounters earlier_rigs_;
+  RunPhase phase_ = RunPhase::off;
+  std::int64_t periods_left_ = 0;  // of this phase at most
+  bool let_go_ = false;            // for the next step: what was held is engaged anew
   Nanoseconds (*step_clock_)() noexcept = []() noexcept { return Nanoseconds{0}; };
-  Nanoseconds period_ns_ = 0;
+  Nanoseconds gather_ns_ = 0;
   Nanoseconds t_bus_ns_ = 0;  // bus time at the start of this cycle
   Nanoseconds t_now_ns_ = 0;  // bus time after the answers to SYNC
   Nanoseconds motion_start_ns_ = 0;

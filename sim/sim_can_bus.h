@@ -15,6 +15,14 @@ namespace godobject {
 
 class SimCanWire;
 
+/// Faults of one port, on top of what set_loss_probability and set_receive_delay make. Shares are per frame.
+struct PortFaults {
+  double drop = 0;           // of the frames it sends and of those it receives: they vanish
+  double duplicate = 0;      // of both: they come twice
+  double corrupt = 0;        // of those it sends: destroyed on the wire, error frame, sent again
+  Nanoseconds delay_ns = 0;  // after which it can read what it has received
+};
+
 /// One controller on a wire. Place it and the wire at set-up, the wire first; neither moves afterwards.
 /// Frames leave in the order they were queued: a frame of high priority waits behind its own elders.
 class SimCanPort final : public CanBus {
@@ -40,6 +48,8 @@ class SimCanPort final : public CanBus {
   /// Starts the way out of bus-off: 128 sequences of 11 recessive bits later the node is error active with
   /// an empty queue. False when the node is not bus-off.
   bool restart() noexcept;
+  /// Bus-off at once; nothing where it is closed or bus-off already.
+  void force_bus_off() noexcept;
   /// restart() by itself so long after each later bus-off; 0 (the default): never.
   void set_automatic_restart(Nanoseconds delay_ns) noexcept { restart_delay_ns_ = delay_ns; }
 
@@ -51,7 +61,8 @@ class SimCanPort final : public CanBus {
   void set_loss_probability(double probability) noexcept { loss_probability_ = probability; }
   /// How long after its end on the wire a frame can be read; its time stamp stays the end on the wire.
   void set_receive_delay(Nanoseconds delay_ns) noexcept { receive_delay_ns_ = delay_ns; }
-  /// Frames that set_loss_probability took away.
+  void set_faults(const PortFaults& faults) noexcept { faults_ = faults; }
+  /// Frames that set_loss_probability and PortFaults::drop took away.
   std::uint64_t lost() const noexcept { return lost_; }
 
  private:
@@ -67,6 +78,7 @@ class SimCanPort final : public CanBus {
   };
 
   bool takes_part() const noexcept { return open_ && !errors_.is_bus_off(); }
+  SendResult queue(const CanFrame& frame) noexcept;
 
   SimCanWire& wire_;
   std::size_t index_;  // of this node on the wire; max_nodes: no place was left
@@ -83,6 +95,7 @@ class SimCanPort final : public CanBus {
   double loss_probability_ = 0;
   Nanoseconds receive_delay_ns_ = 0;
   Nanoseconds restart_delay_ns_ = 0;
+  PortFaults faults_;
   std::uint64_t lost_ = 0;
 };
 
@@ -96,12 +109,6 @@ struct WireCounters {
   std::uint64_t frames = 0;  // completed
   std::uint64_t error_frames = 0;
   Nanoseconds busy_ns = 0;  // frames, error frames and intermissions that have ended
-};
-
-/// Called at the end of each completed frame, once, whoever sent it.
-struct FrameObserver {
-  void (*on_frame)(void* context, const ReceivedFrame& frame) = nullptr;
-  void* context = nullptr;
 };
 
 /// The wire. What it models, and what it simplifies:

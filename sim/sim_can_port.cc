@@ -30,11 +30,21 @@ SendResult SimCanPort::try_send(const CanFrame& frame) noexcept {
     if (!is_valid(frame)) return SendResult::invalid;
     if (!open_) return SendResult::down;
     if (errors_.is_bus_off()) return SendResult::off;
-    return transmit_queue_.push(frame) ? SendResult::queued : SendResult::full;
+    return queue(frame);
   };
   const SendResult result = answer();
   if (result != SendResult::queued) ++counters_.send_refused;
   return result;
+}
+
+SendResult SimCanPort::queue(const CanFrame& frame) noexcept {
+  if (wire_.random_.chance(faults_.drop)) {
+    ++lost_;
+    return SendResult::queued;  // the sender does not notice
+  }
+  if (!transmit_queue_.push(frame)) return SendResult::full;
+  if (wire_.random_.chance(faults_.duplicate)) static_cast<void>(transmit_queue_.push(frame));
+  return SendResult::queued;
 }
 
 bool SimCanPort::try_receive(ReceivedFrame& out) noexcept {
@@ -58,6 +68,12 @@ bool SimCanPort::restart() noexcept {
   if (!open_ || !errors_.is_bus_off()) return false;
   if (!recovery_) wire_.start_recovery(*this);
   return true;
+}
+
+void SimCanPort::force_bus_off() noexcept {
+  if (!takes_part()) return;
+  errors_.give_up();
+  wire_.check_bus_off(*this);
 }
 
 void SimCanPort::set_connected(bool connected) noexcept {

@@ -184,7 +184,10 @@ void SimCanWire::start_frame(Segment& segment) noexcept {
 
 // At the end of the acknowledge slot.
 void SimCanWire::finish_sending(Segment& segment) noexcept {
-  const bool corrupted = random_.chance(params_.corruption_probability);
+  bool corrupted = random_.chance(params_.corruption_probability);
+  for_each(segment.senders, [&](const SimCanPort& sender) {
+    if (random_.chance(sender.faults_.corrupt)) corrupted = true;
+  });
   if (segment.collided || corrupted || segment.receivers == 0) {
     fail_frame(segment);
     return;
@@ -233,11 +236,13 @@ void SimCanWire::complete_frame(Segment& segment) noexcept {
 }
 
 void SimCanWire::deliver(SimCanPort& node, const ReceivedFrame& received) noexcept {
-  if (random_.chance(node.loss_probability_)) {
+  if (random_.chance(node.loss_probability_) || random_.chance(node.faults_.drop)) {
     ++node.lost_;
-  } else if (!node.receive_queue_.push({received, received.t_ns + node.receive_delay_ns_})) {
-    ++node.counters_.receive_overflow;
+    return;
   }
+  const Nanoseconds t_readable_ns = received.t_ns + node.receive_delay_ns_ + node.faults_.delay_ns;
+  for (int copies = random_.chance(node.faults_.duplicate) ? 2 : 1; copies > 0; --copies)
+    if (!node.receive_queue_.push({received, t_readable_ns})) ++node.counters_.receive_overflow;
 }
 
 // Acknowledge or error delimiter, end of frame and intermission end every frame with 11 recessive bits.

@@ -1,52 +1,71 @@
-// A simulated CiA 402 motor drive in cyclic synchronous torque mode.
+// A simulated CiA 402 motor drive in the cyclic synchronous modes.
 #pragma once
 
-#include "hal/cia402.h"
+#include "hal/cia402_homing.h"
 #include "hal/rig_params.h"
+#include "sim/drive_objects.h"
 #include "sim/sim_canopen_node.h"
 
 namespace godobject {
 
 struct SimDriveParams {
   DriveParams drive{};
-  Nanoseconds rpdo_timeout_ns = 20'000'000;  // consumer watchdog, > 0
-  Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2; 0: never sent
+  // After power-up, of SimDefaults::rig:
+  Nanoseconds rpdo_timeout_ns = 20'000'000;  // deadline of RPDO1, 1400h:05; in whole ms, 0: none
+  Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2, 1801h:05; in whole ms, 0: never sent
   Nanoseconds heartbeat_period_ns = 0;       // 0: never sent
+  SimDefaults defaults = SimDefaults::rig;
 };
 
 /// SYNC does what CiA 301 asks of synchronous PDOs: sample and send the status (every n-th SYNC), and put the
 /// RPDO1 that arrived before it into effect. A command thus reaches the motor with the next SYNC, and the
 /// status reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
 ///
-/// No RPDO1 for rpdo_timeout while the power stage works: fault, no torque, EMCY 8250h; the watchdog acts at
-/// its own time, not with a SYNC. Leaving the NMT state operational switches the power stage off. Quick stop
-/// removes the torque at once. Modes other than CST, and SDO, are not simulated.
-class SimDrive final : public SimCanopenNode {
+/// No RPDO1 for its deadline (1400h:05) while the power stage works: fault, no torque, EMCY 8250h; the watchdog
+/// acts at its own time, not with a SYNC. When the heartbeat that 1016h names stops, 6007h says what happens.
+/// Leaving the NMT state operational switches the power stage off. Quick stop removes the torque at once and
+/// ends in Switch On Disabled, or stays in Quick Stop Active where 605Ah says so (5 to 7).
+///
+/// CSV and CSP (6060h; RPDO3, RPDO2) pull the motor to their target by a soft spring and damper within
+/// torque_max_Nm. Homing knows one method, 37 or 35: the position here is 607Ch. Any other ends in an error.
+class SimDrive final : public SimCanopenNode, public SimMotor {
  public:
-  SimDrive(CanBus& bus, const SimDriveParams& params) noexcept;
+  SimDrive(CanBus& bus, const SimDriveParams& params);
 
-  /// True joint coordinate (rad or m) and its rate, from the plant.
-  void set_joint(double q, double q_dot) noexcept {
+  void set_joint(double q, double q_dot) noexcept override {
     q_ = q;
     q_dot_ = q_dot;
   }
-  /// Torque at the motor shaft in the motor's own sense; sign and transmission are the plant's business.
-  double applied_torque_Nm() const noexcept;
+  double applied_torque_Nm() const noexcept override;
 
   cia402::DriveState drive_state() const noexcept { return state_; }
   std::uint16_t error_code() const noexcept { return error_code_; }
   /// Fault, no torque, and an EMCY with this code (603Fh).
-  void trip(std::uint16_t error_code) noexcept;
+  void trip(std::uint16_t error_code) noexcept override;
 
  private:
+  void sample() noexcept override;
+  void on_rpdo_received(int number, Nanoseconds now) noexcept override;
+  void on_rpdo(int number, Nanoseconds now) noexcept override;
   void on_sync(Nanoseconds now) noexcept override;
-  void on_pdo(const CanFrame& frame, Nanoseconds now) noexcept override;
+  void on_reset() noexcept override;
+  void on_heartbeat_lost(Nanoseconds now) noexcept override;
+  sdo::AbortCode may_write_object(canopen::ObjectAddress address, std::int64_t value) noexcept override;
+  void on_object_written(canopen::ObjectAddress address, std::int64_t value) noexcept override;
   void on_nmt_state(Nanoseconds now) noexcept override;
   void on_tick(Nanoseconds now) noexcept override;
   Nanoseconds device_timer() const noexcept override;
 
-  void send_status() noexcept;
-  void send_event() noexcept;
+  void show(canopen::ObjectAddress address, std::int64_t value) noexcept;
+  void take_command() noexcept;
+  void quick_stop() noexcept;
+  void start_homing() noexcept;
+  void finish_homing() noexcept;
+  cia402::OperationMode mode() const noexcept;
+  double servo_torque_Nm() const noexcept;
+  std::int64_t position_counts() const noexcept;
+  double velocity_counts_per_s() const noexcept;
+  Nanoseconds command_deadline() const noexcept;
   void obey(std::uint16_t controlword) noexcept;
   void reset_fault() noexcept;
   void send_emergency() noexcept;
@@ -60,12 +79,11 @@ class SimDrive final : public SimCanopenNode {
 
   cia402::DriveState state_ = cia402::DriveState::not_ready_to_switch_on;
   std::uint16_t error_code_ = canopen::emcy_no_error;
-  cia402::Command received_;  // waits for the next SYNC
-  bool has_received_ = false;
   cia402::Command active_;
+  cia402::HomingState homing_ = cia402::HomingState::not_running;
+  std::int64_t zero_counts_ = 0;  // what homing has added
+  int syncs_since_start_ = 0;     // of homing or of a quick stop
   Nanoseconds t_received_ns_ = 0;
-  Nanoseconds t_event_ns_ = never;
-  int syncs_since_status_ = 0;
 };
 
 }  // namespace godobject

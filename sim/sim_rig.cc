@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/sim_drive.h"
+#include "sim/sim_moteus.h"
+#include "sim/sim_odrive.h"
+
 namespace godobject {
 namespace {
 
@@ -10,6 +14,29 @@ namespace {
 /// between the same SYNC and its answers.
 Nanoseconds heartbeat_period_ns(double shortest_s, std::uint8_t node_id) noexcept {
   return std::llround(1e9 * shortest_s * (1 + 0.01 * node_id));
+}
+
+/// A drive as the wire and as the mechanics see it: one object.
+struct MadeDrive {
+  std::unique_ptr<SimNode> node;
+  SimMotor* motor;
+};
+
+template <class Drive>
+MadeDrive both(std::unique_ptr<Drive> drive) {
+  SimMotor* const motor = drive.get();
+  return {.node = std::move(drive), .motor = motor};
+}
+
+// One line per protocol.
+MadeDrive make_drive(CanBus& bus, const DriveParams& params, Nanoseconds heartbeat_ns) {
+  switch (params.protocol) {
+    case DriveProtocol::odrive: return both(std::make_unique<SimOdrive>(bus, params));
+    case DriveProtocol::moteus: return both(std::make_unique<SimMoteus>(bus, params));
+    case DriveProtocol::cia402: break;
+  }
+  return both(
+      std::make_unique<SimDrive>(bus, SimDriveParams{.drive = params, .heartbeat_period_ns = heartbeat_ns}));
 }
 
 }  // namespace
@@ -44,7 +71,8 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
     : params_(*scene.device->rig), motion_(motion), tree_(params_.tree), ik_(params_.tree) {
   for (std::size_t i = 0; i < params_.buses.size(); ++i) {
     SimWireParams wire;
-    wire.rates = {.nominal = params_.buses[i].bit_rate, .data = params_.buses[i].bit_rate};
+    const BusParams& bus = params_.buses[i];
+    wire.rates = {.nominal = bus.bit_rate, .data = bus.data_bit_rate > 0 ? bus.data_bit_rate : bus.bit_rate};
     wire.corruption_probability = scene.wire.corruption_probability;
     wire.seed = scene.wire.seed + i;
     buses_.push_back(std::make_unique<Bus>(wire));
@@ -55,23 +83,23 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
     host.set_loss_probability(scene.wire.loss_probability);
     host.set_receive_delay(static_cast<Nanoseconds>(scene.wire.delay_s * 1e9));
     host_buses_.push_back(&host);
+    faults_.add_bus(buses_[i]->wire, host, buses_[i]->nodes);
   }
   const double heartbeat_s = simulated_load(params_).heartbeat_period_s;
   for (const EncoderParams& e : params_.encoders) {
-    auto node = std::make_unique<SimEncoder>(add_port(e.bus), e.node_id, e.calibration,
+    SimCanPort& port = add_port(e.bus);
+    auto node = std::make_unique<SimEncoder>(port, e.node_id, e.calibration,
                                              heartbeat_period_ns(heartbeat_s, e.node_id));
+    const std::size_t fault_node = faults_.add_node(e.bus, port, *node, e.calibration);
     buses_[e.bus]->nodes.push_back(node.get());
-    encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint)});
+    encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint), .fault_node = fault_node});
   }
-  for (const DriveParams& d : params_.drives) {
-    SimDriveParams drive{.drive = d};
-    drive.heartbeat_period_ns = heartbeat_period_ns(heartbeat_s, d.node_id);
-    auto node = std::make_unique<SimDrive>(add_port(d.bus), drive);
-    buses_[d.bus]->nodes.push_back(node.get());
-    drives_.push_back({.node = std::move(node),
-                       .joint = joint_named(d.joint),
-                       .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad});
-  }
+  for (const DriveParams& d : params_.drives) add_drive(d, heartbeat_s);
+  for (const ButtonParams& b : params_.buttons) add_button(b, heartbeat_s);
+  std::vector<SimFault> faults;
+  for (const FaultConfig& config : scene.faults)
+    if (const FaultResult found = resolve(config, params_); found.fault) faults.push_back(*found.fault);
+  faults_.schedule_all(faults);
   ik_target_ = driven_by_handles(scene).front().value_or(0);
   const JointTarget start = hand_at(0);
   const bool haptic =
@@ -79,6 +107,43 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
   plant_ = std::make_unique<SimPlant>(scene.device->plant, params_.tree.joints.size(),
                                       haptic && !drives_.empty(), start.q, 0);
   show_joints();
+  press_buttons(0);
+}
+
+void SimRig::add_drive(const DriveParams& d, double heartbeat_s) {
+  SimCanPort& port = add_port(d.bus);
+  auto [node, motor] = make_drive(port, d, heartbeat_period_ns(heartbeat_s, d.node_id));
+  const std::size_t fault_node = faults_.add_node(d.bus, port, *node, d.calibration);
+  buses_[d.bus]->nodes.push_back(node.get());
+  drives_.push_back({.node = std::move(node),
+                     .motor = motor,
+                     .joint = joint_named(d.joint),
+                     .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad,
+                     .fault_node = fault_node});
+}
+
+void SimRig::add_button(const ButtonParams& b, double heartbeat_s) {
+  const auto is_it = [&](const ButtonsAt& at) { return at.bus == b.bus && at.node->node_id() == b.node_id; };
+  if (std::ranges::any_of(buttons_, is_it)) return;
+  SimCanPort& port = add_port(b.bus);
+  auto node = std::make_unique<SimButtonNode>(port, b.node_id, heartbeat_period_ns(heartbeat_s, b.node_id));
+  static_cast<void>(faults_.add_node(b.bus, port, *node, {}));
+  buses_[b.bus]->nodes.push_back(node.get());
+  buttons_.push_back({.node = std::move(node), .bus = b.bus});
+}
+
+/// As the motion has them: its columns for the button and for the clutch.
+void SimRig::press_buttons(double motion_time) noexcept {
+  for (const ButtonsAt& at : buttons_) {
+    unsigned inputs = 0;
+    for (const ButtonParams& b : params_.buttons) {
+      if (b.bus != at.bus || b.node_id != at.node->node_id()) continue;
+      const bool pressed = b.use == ButtonUse::hold ? motion_.button(motion_time)
+                                                    : motion_.switches(ik_target_, motion_time).clutch;
+      inputs |= (pressed != b.active_low ? 1u : 0u) << b.bit;
+    }
+    at.node->set_inputs(static_cast<std::uint8_t>(inputs));
+  }
 }
 
 SimCanPort& SimRig::add_port(std::size_t bus) {
@@ -125,18 +190,31 @@ void SimRig::run_wires(Nanoseconds t) noexcept {
   for (const auto& bus : buses_) advance(bus->wire, bus->nodes, t);
 }
 
+std::optional<Nanoseconds> SimRig::next_event() const noexcept {
+  Nanoseconds t = SimNode::never;
+  for (const auto& bus : buses_) {
+    t = std::min(t, bus->wire.next_event().value_or(SimNode::never));
+    for (const SimNode* node : bus->nodes) t = std::min(t, node->next_timer());
+  }
+  return t == SimNode::never ? std::nullopt : std::optional(t);
+}
+
 void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
+  faults_.run(t, motion_time);
   for (const DriveAt& d : drives_)
     plant_->set_motor_torque(static_cast<std::size_t>(d.joint),
-                             d.node->applied_torque_Nm() * d.joint_torque_per_motor_Nm);
+                             d.motor->applied_torque_Nm() * d.joint_torque_per_motor_Nm);
   const JointTarget hand = hand_at(motion_time);
   plant_->advance(t, hand.q, hand.q_dot);
   show_joints();
+  press_buttons(motion_time);
 }
 
 void SimRig::show_joints() noexcept {
-  for (const EncoderAt& e : encoders_) e.node->set_position(plant_->q()[e.joint]);
-  for (const DriveAt& d : drives_) d.node->set_joint(plant_->q()[d.joint], plant_->q_dot()[d.joint]);
+  for (const EncoderAt& e : encoders_)
+    e.node->set_position(faults_.shown(e.fault_node, plant_->q()[e.joint]));
+  for (const DriveAt& d : drives_)
+    d.motor->set_joint(faults_.shown(d.fault_node, plant_->q()[d.joint]), plant_->q_dot()[d.joint]);
 }
 
 MotionSample SimRig::handle(std::size_t index) const noexcept {

@@ -7,19 +7,15 @@
 #include <vector>
 
 #include "hal/bus_load.h"
+#include "hal/rig_link.h"
+#include "sim/fault_injector.h"
 #include "sim/inverse_kinematics.h"
 #include "sim/motion.h"
-#include "sim/sim_drive.h"
+#include "sim/sim_button.h"
 #include "sim/sim_encoder.h"
 #include "sim/sim_plant.h"
 
 namespace godobject {
-
-/// Called for each frame completed on wire `bus`.
-struct BusObserver {
-  void (*on_frame)(void* context, std::size_t bus, const ReceivedFrame& frame) = nullptr;
-  void* context = nullptr;
-};
 
 /// What the simulated nodes send besides their answers to SYNC: a heartbeat well within the host's timeout.
 BusLoadParams simulated_load(const RigParams& rig) noexcept;
@@ -41,9 +37,22 @@ class SimRig {
 
   /// Runs the wires and the nodes up to t.
   void run_wires(Nanoseconds t) noexcept;
-  /// Moves the mechanics to t under the torque the drives apply now; the hand is where the motion is at
+  /// When run_wires() has something to do again; none when nothing is under way.
+  std::optional<Nanoseconds> next_event() const noexcept;
+  /// Begins and ends the faults that are due, and moves the mechanics to t under the torque the drives apply now; the hand is where the motion is at
   /// motion_time (s).
   void run_plant(Nanoseconds t, double motion_time) noexcept;
+
+  /// The scene's faults are scheduled in it.
+  FaultInjector& faults() noexcept { return faults_; }
+  const FaultInjector& faults() const noexcept { return faults_; }
+  /// An open port for one more node on a bus. Allocates: set-up.
+  SimCanPort& attach(std::size_t bus) { return add_port(bus); }
+  SimCanPort& host_port(std::size_t bus) noexcept { return buses_[bus]->host; }
+  /// At the motor's shaft, by the drive of this index.
+  double applied_torque_Nm(std::size_t drive) const noexcept {
+    return drives_[drive].motor->applied_torque_Nm();
+  }
 
   /// Where the handle of this index really is, and how it moves: what the encoders measure.
   MotionSample handle(std::size_t index) const noexcept;
@@ -60,21 +69,33 @@ class SimRig {
     SimCanWire wire;
     SimCanPort host;
     std::vector<std::unique_ptr<SimCanPort>> ports;
-    std::vector<SimCanopenNode*> nodes;
+    std::vector<SimNode*> nodes;
     SimRig* rig = nullptr;
     std::size_t index = 0;
   };
   struct EncoderAt {
     std::unique_ptr<SimEncoder> node;
     Eigen::Index joint;
+    std::size_t fault_node;  // of faults_
   };
   struct DriveAt {
-    std::unique_ptr<SimDrive> node;
+    std::unique_ptr<SimNode> node;
+    SimMotor* motor;  // the same object
     Eigen::Index joint;
     double joint_torque_per_motor_Nm;
+    std::size_t fault_node;
+  };
+
+  /// An input node with the bits of all buttons on it.
+  struct ButtonsAt {
+    std::unique_ptr<SimButtonNode> node;
+    std::size_t bus;
   };
 
   SimCanPort& add_port(std::size_t bus);
+  void add_drive(const DriveParams& params, double heartbeat_s);
+  void add_button(const ButtonParams& params, double heartbeat_s);
+  void press_buttons(double motion_time) noexcept;
   Eigen::Index joint_named(const std::string& name) const;
   JointTarget hand_at(double motion_time) noexcept;
   JointTarget invert(const MotionSample& target) noexcept;
@@ -88,8 +109,10 @@ class SimRig {
   bool reachable_ = true;
   std::vector<std::unique_ptr<Bus>> buses_;
   std::vector<CanBus*> host_buses_;
+  FaultInjector faults_;
   std::vector<EncoderAt> encoders_;
   std::vector<DriveAt> drives_;
+  std::vector<ButtonsAt> buttons_;
   std::unique_ptr<SimPlant> plant_;
   BusObserver observer_;
 };

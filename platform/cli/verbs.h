@@ -21,11 +21,14 @@ using AddVerb = void (*)(CLI::App& app, ExitCode& code);
 void add_run(CLI::App& app, ExitCode& code);
 void add_check(CLI::App& app, ExitCode& code);
 void add_study(CLI::App& app, ExitCode& code);
+void add_simulate(CLI::App& app, ExitCode& code);
 void add_bus_load(CLI::App& app, ExitCode& code);
 void add_monitor(CLI::App& app, ExitCode& code);
 void add_faults(CLI::App& app, ExitCode& code);
+void add_sdo(CLI::App& app, ExitCode& code);
+void add_lss(CLI::App& app, ExitCode& code);
 
-inline constexpr std::array<AddVerb, 6> verbs{add_run,      add_check,   add_study,
-                                              add_bus_load, add_monitor, add_faults};
+inline constexpr std::array<AddVerb, 9> verbs{add_run,     add_check,  add_study, add_simulate, add_bus_load,
+                                              add_monitor, add_faults, add_sdo,   add_lss};
 
 }  // namespace godobject

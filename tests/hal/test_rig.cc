@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "hal/cia402.h"
 #include "hal/cia406.h"
 
 namespace godobject {
@@ -65,8 +66,9 @@ class RigTest : public testing::Test {
   }
   void answer_encoder() { receive(cia406::make_position(1, encoder_counts), now + answer_ns); }
   void answer_drive() {
+    const unsigned statusword = cia402::encode_state(drive_state) | cia402::status_follows_command;
     receive(cia402::make_status(
-                2, {.statusword = cia402::encode_state(drive_state), .position_counts = drive_counts}),
+                2, {.statusword = static_cast<std::uint16_t>(statusword), .position_counts = drive_counts}),
             now + answer_ns);
   }
   void finish_cycle() {
@@ -90,7 +92,7 @@ class RigTest : public testing::Test {
   void boot_and_arm() {
     rig.start(now);
     heartbeats();
-    cycles(10);
+    cycles(10 + Rig::settle_cycles);
     ASSERT_EQ(rig.state(), RigState::ready) << rig.fault_text();
     ASSERT_TRUE(rig.arm());
   }
@@ -147,7 +149,7 @@ TEST_F(RigTest, BootsByNmtThenControlwords) {
   EXPECT_EQ(rig.state(), RigState::booting);  // samples, but no heartbeat yet
   EXPECT_EQ(drive_state, cia402::DriveState::switch_on_disabled);
   heartbeats();
-  cycles(6);
+  cycles(6 + Rig::settle_cycles);
   EXPECT_EQ(rig.state(), RigState::ready);
   EXPECT_EQ(drive_state, cia402::DriveState::operation_enabled);
   EXPECT_EQ(last_command.target_torque_per_mille, 0);

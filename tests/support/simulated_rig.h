@@ -61,9 +61,8 @@ class SimulatedRig {
   static constexpr Nanoseconds heartbeat_ns = 100'000'000;
 
   explicit SimulatedRig(const RigParams& rig_params = arm_rig_params(), bool haptic = false,
-                        const PlantConfig& plant_config = {})
+                        const PlantConfig& plant_config = {}, SimDefaults defaults = SimDefaults::rig)
       : params(rig_params), plant(plant_config, rig_params.tree.joints.size(), haptic, zero(), 0) {
-    std::vector<CanBus*> hosts;
     for (std::size_t i = 0; i < params.buses.size(); ++i) {
       wires.emplace_back(SimWireParams{.rates = {.nominal = params.buses[i].bit_rate}, .seed = i + 1});
       hosts.push_back(&open_port(wires.back()));
@@ -71,14 +70,15 @@ class SimulatedRig {
     nodes.resize(params.buses.size());
     for (const EncoderParams& e : params.encoders) {
       encoder_ports.push_back(&open_port(wires[e.bus]));
-      encoders.push_back(
-          std::make_unique<SimEncoder>(*encoder_ports.back(), e.node_id, e.calibration, heartbeat_ns));
+      encoders.push_back(std::make_unique<SimEncoder>(*encoder_ports.back(), e.node_id, e.calibration,
+                                                      heartbeat_ns, defaults));
       nodes[e.bus].push_back(encoders.back().get());
     }
     for (const DriveParams& d : params.drives) {
       drive_ports.push_back(&open_port(wires[d.bus]));
       drives.push_back(std::make_unique<SimDrive>(
-          *drive_ports.back(), SimDriveParams{.drive = d, .heartbeat_period_ns = heartbeat_ns}));
+          *drive_ports.back(),
+          SimDriveParams{.drive = d, .heartbeat_period_ns = heartbeat_ns, .defaults = defaults}));
       nodes[d.bus].push_back(drives.back().get());
     }
     rig = std::make_unique<Rig>(params, hosts);
@@ -102,6 +102,8 @@ class SimulatedRig {
     for (int i = 0; i < count; ++i) cycle(F_hand_W);
   }
   void cycles(int count, const Wrench& F_hand_W) { cycles(count, {&F_hand_W, 1}); }
+  /// Time passes on the buses without the rig.
+  void idle(Nanoseconds duration) { advance_to(cycle_start_ns = now + duration); }
   /// Cycles until ready; false when it takes longer than 3 s.
   bool boot() {
     rig->start(now);
@@ -123,10 +125,11 @@ class SimulatedRig {
   SimPlant plant;
   std::deque<SimCanWire> wires;
   std::deque<SimCanPort> ports;
+  std::vector<CanBus*> hosts;  // the host's port on each bus
   std::vector<SimCanPort*> encoder_ports, drive_ports;
   std::vector<std::unique_ptr<SimEncoder>> encoders;
   std::vector<std::unique_ptr<SimDrive>> drives;
-  std::vector<std::vector<SimCanopenNode*>> nodes;  // by bus
+  std::vector<std::vector<SimNode*>> nodes;  // by bus
   std::unique_ptr<Rig> rig;
 
   std::function<JointVector(double t)> q_ref = [this](double) { return zero(); };

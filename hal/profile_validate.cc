@@ -1,0 +1,90 @@
+#include "hal/profile_validate.h"
+
+#include <algorithm>
+
+#include "hal/commissioning_steps.h"
+
+namespace godobject {
+
+namespace {
+
+/// Bits of the objects in a PDO that the rig takes apart or puts together.
+struct Layout {
+  PdoDirection direction;
+  int number;
+  std::vector<std::uint8_t> bits;
+};
+
+const std::vector<Layout>& encoder_layout() {
+  static const std::vector<Layout> layout{{PdoDirection::transmit, 1, {32}}};
+  return layout;
+}
+const std::vector<Layout>& drive_layout() {
+  static const std::vector<Layout> layout{{PdoDirection::receive, 1, {16, 16}},
+                                          {PdoDirection::transmit, 1, {16, 32, 16}},
+                                          {PdoDirection::transmit, 2, {32, 8, 16}}};
+  return layout;
+}
+
+class Validation {
+ public:
+  explicit Validation(const RigParams& rig) : rig_(rig) {}
+
+  void check(const NodeProfile& profile, const std::vector<Layout>& layouts) {
+    check_heartbeats(profile);
+    if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(rig_.cycle_s))
+      error(profile, profile.interpolation_time->line,
+            "60C2h cannot carry the scene's step: it takes 1 to 255 times a power of ten, from 1 us");
+    for (const PdoProfile& pdo : profile.pdos)
+      for (const Layout& layout : layouts)
+        if (pdo.direction == layout.direction && pdo.number == layout.number) check_map(profile, pdo, layout);
+  }
+
+  std::vector<std::string> take() { return std::move(errors_); }
+
+ private:
+  void check_heartbeats(const NodeProfile& profile) {
+    const auto& period_ms = profile.heartbeat_ms;
+    if (period_ms && (period_ms->value == 0 || 2e-3 * period_ms->value > rig_.heartbeat_timeout_s))
+      error(
+          profile, period_ms->line,
+          "the node's heartbeat must come at least twice within the scene's heartbeat_timeout, and not be 0");
+    const auto& timeout_ms = profile.host_timeout_ms;
+    if (timeout_ms && 1e-3 * timeout_ms->value < 2 * rig_.heartbeat_period_s)
+      error(profile, timeout_ms->line,
+            "the node would stop between two heartbeats of the host: give it twice the scene's "
+            "heartbeat_period or more");
+  }
+
+  void check_map(const NodeProfile& profile, const PdoProfile& pdo, const Layout& layout) {
+    const auto same_bits = [](const MappedObject& object, std::uint8_t bits) { return object.bits == bits; };
+    if (std::ranges::equal(pdo.map, layout.bits, same_bits)) return;
+    std::string expected;
+    for (const std::uint8_t bits : layout.bits)
+      expected += (expected.empty() ? "" : ", ") + std::to_string(bits);
+    error(profile, pdo.map.empty() ? pdo.line : pdo.map.front().line,
+          "the rig takes this PDO for objects of " + expected + " bits: see docs/canopen.md");
+  }
+
+  // Nodes that share a profile share its errors.
+  void error(const NodeProfile& profile, unsigned line, const std::string& what) {
+    std::string text = profile.file + ":" + std::to_string(line) + ": " + what;
+    if (std::ranges::find(errors_, text) == errors_.end()) errors_.push_back(std::move(text));
+  }
+
+  const RigParams& rig_;
+  std::vector<std::string> errors_;
+};
+
+}  // namespace
+
+std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles) {
+  Validation validation(rig);
+  for (const std::optional<NodeProfile>& profile : profiles.encoders)
+    if (profile) validation.check(*profile, encoder_layout());
+  for (const std::optional<NodeProfile>& profile : profiles.drives)
+    if (profile) validation.check(*profile, drive_layout());
+  return validation.take();
+}
+
+}  // namespace godobject

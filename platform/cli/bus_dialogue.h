@@ -1,0 +1,42 @@
+// One bus of this machine, for a verb that asks something on it and waits for the answer.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "platform/cli/verbs.h"
+#include "platform/linux_bus.h"
+
+namespace godobject {
+
+struct DialogueOptions {
+  std::string bus;
+  double bit_rate = 1e6;  // bit/s
+  double timeout = 1;     // s, for each answer
+
+  Nanoseconds timeout_ns() const { return static_cast<Nanoseconds>(1e9 * timeout); }
+};
+
+/// --bus, --bit-rate and --timeout.
+void add_dialogue_options(CLI::App& verb, DialogueOptions& options);
+
+class BusDialogue {
+ public:
+  /// Opens the bus; reports to stderr and returns other than ok where it cannot. cob_id: of the answers.
+  ExitCode open(const DialogueOptions& options, std::uint32_t cob_id);
+
+  /// Until busy() is false: on_frame for each frame, then poll, at least each millisecond.
+  void run(const std::function<bool()>& busy, const std::function<void(const CanFrame&)>& on_frame,
+           const std::function<void(Nanoseconds, CanBus&)>& poll);
+
+  /// What is wrong with the bus, after "; "; empty where nothing is.
+  std::string trouble() const;
+
+ private:
+  std::unique_ptr<LinuxBus> bus_;
+};
+
+}  // namespace godobject

@@ -1,0 +1,151 @@
+// godobject lss: node-ID and bit rate of a CANopen node that cannot be reached by its node-ID yet.
+#include <cstdio>
+#include <memory>
+
+#include "hal/lss.h"
+#include "platform/cli/bus_dialogue.h"
+#include "platform/cli/option_checks.h"
+
+namespace godobject {
+namespace {
+
+struct LssOptions {
+  DialogueOptions dialogue;
+  std::vector<std::uint32_t> identity;  // vendor, product, revision, serial; empty: the only node on the bus
+  int node_id = 1;
+  double new_bit_rate = 0;
+  std::optional<int> activate_ms;
+};
+
+/// The services of one call, in their order; the first that fails ends it.
+class LssCall {
+ public:
+  explicit LssCall(const LssOptions& options) : options_(options), master_(options.dialogue.timeout_ns()) {}
+
+  ExitCode open() { return bus_.open(options_.dialogue, lss::response_cob_id); }
+
+  /// To configuration mode: the node with this identity, or all there are.
+  bool select() {
+    if (options_.identity.empty())
+      return run(master_.switch_global(lss::Mode::configuration), lss::Command::switch_global);
+    const lss::Identity identity{.vendor = options_.identity[0],
+                                 .product = options_.identity[1],
+                                 .revision = options_.identity[2],
+                                 .serial = options_.identity[3]};
+    return run(master_.select(identity), lss::Command::selected);
+  }
+  bool leave() { return run(master_.switch_global(lss::Mode::waiting), lss::Command::switch_global); }
+  bool set_node_id(int id) {
+    return run(master_.set_node_id(static_cast<std::uint8_t>(id)), lss::Command::set_node_id);
+  }
+  bool set_bit_timing(std::uint8_t index) {
+    return run(master_.set_bit_timing(index), lss::Command::set_bit_timing);
+  }
+  bool store() { return run(master_.store(), lss::Command::store); }
+  bool activate(int delay_ms) {
+    return run(master_.activate_bit_timing(static_cast<std::uint16_t>(delay_ms)),
+               lss::Command::activate_bit_timing);
+  }
+
+ private:
+  bool run(bool begun, lss::Command command) {
+    if (!begun) return false;
+    bus_.run([&] { return master_.outcome() == lss::Outcome::busy; },
+             [&](const CanFrame& frame) { master_.on_frame(frame); },
+             [&](Nanoseconds now, CanBus& to) { master_.poll(now, to); });
+    if (master_.outcome() == lss::Outcome::done) return true;
+    std::fprintf(stderr, "lss: %s%s\n", failure_text(command).c_str(), bus_.trouble().c_str());
+    return false;
+  }
+
+  std::string failure_text(lss::Command command) const {
+    switch (master_.outcome()) {
+      case lss::Outcome::rejected:
+        return "rejected: error " + std::to_string(master_.error_code()) + ", " +
+               lss::text_of(command, master_.error_code());
+      case lss::Outcome::not_sent:
+        return "the bus did not take the request: is another node on it that acknowledges, at this bit rate?";
+      default: break;
+    }
+    const std::string who = options_.identity.empty()
+                                ? "is exactly one node on the bus"
+                                : "has a node this identity (godobject sdo read 1018:01 "
+                                  "to :04)";
+    return "no answer within " + CLI::detail::to_string(options_.dialogue.timeout) + " s: " + who +
+           ", is it powered, has the bus this bit rate, and does the node know LSS?";
+  }
+
+  const LssOptions& options_;
+  lss::Master master_;
+  BusDialogue bus_;
+};
+
+ExitCode say(bool ok, const char* what) {
+  if (ok) std::printf("%s\n", what);
+  return ok ? ExitCode::ok : ExitCode::fault;
+}
+
+ExitCode set_node_id(const LssOptions& options) {
+  LssCall call(options);
+  if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
+  const bool ok = call.select() && call.set_node_id(options.node_id) && call.leave();
+  return say(
+      ok, "set; in effect when the node's communication is reset; lost without power: godobject lss store");
+}
+
+ExitCode set_bit_rate(const LssOptions& options) {
+  const std::optional<std::uint8_t> index = lss::bit_timing_index(options.new_bit_rate);
+  if (!index) {
+    std::fprintf(stderr,
+                 "bit rate %g: CiA 305 has 1000000, 800000, 500000, 250000, 125000, 50000, 20000, 10000\n",
+                 options.new_bit_rate);
+    return ExitCode::usage;
+  }
+  LssCall call(options);
+  if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
+  bool ok = call.select() && call.set_bit_timing(*index);
+  if (options.activate_ms) {
+    // From here on this side has the wrong rate: the node cannot be told to leave the configuration mode.
+    ok = ok && call.store() && call.activate(*options.activate_ms);
+    return say(ok, "stored and activated: set the interface to the new bit rate, and reset the node");
+  }
+  ok = ok && call.leave();
+  return say(ok, "set; in effect when it is stored (godobject lss store) and the node's power has been off");
+}
+
+ExitCode store(const LssOptions& options) {
+  LssCall call(options);
+  if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
+  return say(call.select() && call.store() && call.leave(), "stored");
+}
+
+}  // namespace
+
+void add_lss(CLI::App& app, ExitCode& code) {
+  CLI::App* verb = app.add_subcommand(
+      "lss", "Set the node-ID or the bit rate of a CANopen node. It must be alone on the bus, or selected.");
+  const auto options = std::make_shared<LssOptions>();
+  add_dialogue_options(*verb, options->dialogue);
+  verb->add_option("--select", options->identity,
+                   "identity 1018h of the node: VENDOR PRODUCT REVISION SERIAL")
+      ->expected(4);
+  verb->require_subcommand(1);
+  verb->fallthrough();
+
+  CLI::App* node_id = verb->add_subcommand("node-id", "Give the node an ID.");
+  node_id->add_option("ID", options->node_id, "1 to 127")->required()->check(CLI::Range(1, 127));
+  node_id->callback([options, &code] { code = set_node_id(*options); });
+
+  CLI::App* bit_rate = verb->add_subcommand("bit-rate", "Give the node a bit rate.");
+  bit_rate->add_option("RATE", options->new_bit_rate, "bit/s")->required();
+  bit_rate
+      ->add_option("--activate", options->activate_ms,
+                   "store it and change to it now: silent for so many ms before and after the change")
+      ->check(CLI::Range(1, 65535));
+  bit_rate->callback([options, &code] { code = set_bit_rate(*options); });
+
+  CLI::App* storing = verb->add_subcommand("store", "Let the node keep its settings without power.");
+  storing->callback([options, &code] { code = store(*options); });
+}
+
+}  // namespace godobject

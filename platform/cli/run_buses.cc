@@ -1,0 +1,132 @@
+#include "platform/cli/run_buses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "platform/rig_filters.h"
+
+namespace godobject {
+namespace {
+
+struct GivenBus {
+  std::string name;  // empty: an address alone
+  std::string address;
+};
+
+/// An address has a colon, a bus's name before the first '=' has none.
+GivenBus split(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || text.find(':') < equals) return {.name = "", .address = text};
+  return {.name = text.substr(0, equals), .address = text.substr(equals + 1)};
+}
+
+std::string names_of(const RigParams& rig) {
+  std::string names;
+  for (const BusParams& bus : rig.buses) names += (names.empty() ? "'" : ", '") + bus.name + "'";
+  return names;
+}
+
+std::string how_to(const SceneConfig& scene) {
+  std::string text;
+  for (const BusParams& bus : scene.device->rig->buses) text += " --bus " + bus.name + "=ADDRESS";
+  return text;
+}
+
+/// Index of the bus that `given` means; none, with the reason in errors.
+std::optional<std::size_t> bus_of(const GivenBus& given, const SceneConfig& scene,
+                                  std::vector<std::string>& errors) {
+  const std::vector<BusParams>& buses = scene.device->rig->buses;
+  if (given.name.empty() && buses.size() == 1) return 0;
+  if (given.name.empty()) {
+    errors.push_back("--bus: '" + given.address + "' names no bus of the scene, which has " +
+                     names_of(*scene.device->rig) + ": give" + how_to(scene));
+    return std::nullopt;
+  }
+  const auto named = std::ranges::find(buses, given.name, &BusParams::name);
+  if (named != buses.end()) return static_cast<std::size_t>(named - buses.begin());
+  errors.push_back("--bus: scene '" + scene.name + "' has no bus '" + given.name + "': its buses are " +
+                   names_of(*scene.device->rig));
+  return std::nullopt;
+}
+
+void plan_real_buses(std::span<const std::string> given, const SceneConfig& scene, BusPlan& plan,
+                     std::vector<std::string>& errors) {
+  if (!scene.device || !scene.device->rig) {
+    errors.push_back("--bus: scene '" + scene.name +
+                     "' describes no buses: add them, with encoders and joints, or use --bus direct");
+    return;
+  }
+  const RigParams& rig = *scene.device->rig;
+  std::vector<std::optional<BusAddress>> addresses(rig.buses.size());
+  plan.texts.resize(rig.buses.size());
+  for (const std::string& text : given) {
+    const GivenBus bus = split(text);
+    const std::optional<std::size_t> index = bus_of(bus, scene, errors);
+    if (!index) continue;
+    if (!plan.texts[*index].empty())
+      errors.push_back("--bus: bus '" + rig.buses[*index].name + "' is given twice");
+    std::string error;
+    addresses[*index] = parse_bus_address(bus.address, error);
+    if (!addresses[*index]) errors.push_back("--bus: " + error);
+    plan.texts[*index] = bus.address;
+  }
+  for (std::size_t i = 0; i < addresses.size(); ++i) {
+    if (addresses[i]) plan.addresses.push_back(*addresses[i]);
+    if (plan.texts[i].empty() && errors.empty())
+      errors.push_back("--bus: bus '" + rig.buses[i].name + "' of the scene has no address: give" +
+                       how_to(scene));
+  }
+}
+
+std::string trouble_of(LinuxLink& link, const BusPlan& plan, const RigParams& rig, std::size_t i) {
+  return "bus " + rig.buses[i].name + " (" + plan.texts[i] + "): " + link.bus(i).trouble();
+}
+
+}  // namespace
+
+BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
+                   std::vector<std::string>& errors, std::vector<std::string>& notes) {
+  BusPlan plan;
+  const auto is_choice = [](const std::string& text) { return text == "sim" || text == "direct"; };
+  if (given.empty()) {
+    if (scene.device && scene.device->rig) return plan;
+    notes.push_back("scene '" + scene.name + "' describes no buses: it runs with --bus direct");
+    plan.choice = BusChoice::direct;
+  } else if (std::ranges::any_of(given, is_choice)) {
+    if (given.size() > 1) errors.push_back("--bus: sim and direct stand for all buses: give one --bus");
+    plan.choice = given.front() == "sim" ? BusChoice::sim : BusChoice::direct;
+  } else {
+    plan.choice = BusChoice::real;
+    plan_real_buses(given, scene, plan, errors);
+  }
+  return plan;
+}
+
+std::unique_ptr<LinuxLink> make_link(const BusPlan& plan, const RigParams& rig, bool everything) {
+  const std::vector<std::vector<CanFilter>> filters = rig_filters(rig);
+  std::vector<std::unique_ptr<LinuxBus>> buses;
+  for (std::size_t i = 0; i < plan.addresses.size(); ++i) {
+    BusSettings settings{
+        .bit_rate = rig.buses[i].bit_rate, .data_bit_rate = rig.buses[i].data_bit_rate, .filters = {}};
+    if (!everything) settings.filters = filters[i];
+    buses.push_back(make_bus(plan.addresses[i], settings));
+  }
+  return std::make_unique<LinuxLink>(std::move(buses), std::llround(1e9 * rig.cycle_s));
+}
+
+std::vector<std::string> open_buses(LinuxLink& link, const BusPlan& plan, const RigParams& rig) {
+  std::vector<std::string> errors;
+  for (std::size_t i = 0; i < link.num_buses(); ++i)
+    if (link.bus(i).state() == BusState::closed && !link.bus(i).open())
+      errors.push_back(trouble_of(link, plan, rig, i));
+  return errors;
+}
+
+std::vector<std::string> bus_troubles(LinuxLink& link, const BusPlan& plan, const RigParams& rig) {
+  std::vector<std::string> troubles;
+  for (std::size_t i = 0; i < link.num_buses(); ++i)
+    if (!link.bus(i).trouble().empty()) troubles.push_back(trouble_of(link, plan, rig, i));
+  return troubles;
+}
+
+}  // namespace godobject

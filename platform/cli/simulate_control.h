@@ -1,0 +1,31 @@
+// Commands to a running simulation, one a line; each is answered with one line of JSON.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "platform/cli/simulation.h"
+
+namespace godobject {
+
+/// "fault VERB key=value ...", "clear", "status", "quit". `quit` is set by the last of them. Allocates.
+std::string answer(std::string_view command, const RigParams& rig, Simulation& simulation, bool& quit);
+
+/// Whole lines from a descriptor, without waiting for them.
+class LineInput {
+ public:
+  explicit LineInput(int descriptor) noexcept;
+
+  /// False: no line is complete yet. A line longer than the buffer is cut.
+  [[nodiscard]] bool try_line(std::string& line);
+  /// -1 after its end.
+  int descriptor() const noexcept { return ended_ ? -1 : descriptor_; }
+
+ private:
+  int descriptor_;
+  bool ended_ = false;
+  std::string text_;
+};
+
+}  // namespace godobject

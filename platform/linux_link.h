@@ -1,0 +1,51 @@
+// The buses of a rig on this machine: how the loop waits for them, and how promptly it serves them.
+#pragma once
+
+#include <poll.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "hal/rig_link.h"
+#include "hal/rig_node.h"
+#include "platform/histogram.h"
+#include "platform/watched_bus.h"
+
+namespace godobject {
+
+struct LinkTiming {
+  Histogram
+      added_latency_ns;      // from the stamp of the last frame received in a cycle to its commands' sending
+  Histogram sync_jitter_ns;  // of the time between the SYNCs of consecutive cycles
+};
+
+/// Its time is CLOCK_MONOTONIC, that of the receive stamps.
+class LinuxLink final : public RigLink {
+ public:
+  /// One per RigParams::buses, in their order. period: of the cycles, ns. Allocates; nothing later does.
+  LinuxLink(std::vector<std::unique_ptr<LinuxBus>> buses, Nanoseconds period);
+
+  std::span<CanBus* const> buses() noexcept override { return ports_; }
+  Nanoseconds begin_cycle(double motion_time) noexcept override;
+  Nanoseconds wait(Nanoseconds until) noexcept override;
+  void end_cycle() noexcept override;
+  void set_observer(const BusObserver& observer) noexcept override;
+
+  std::size_t num_buses() const noexcept { return watched_.size(); }
+  LinuxBus& bus(std::size_t index) noexcept { return watched_[index]->bus(); }
+  const LinkTiming& timing() const noexcept { return timing_; }
+
+ private:
+  Nanoseconds t_received_ns() const noexcept;
+
+  std::vector<std::unique_ptr<WatchedBus>> watched_;
+  std::vector<CanBus*> ports_;
+  std::vector<pollfd> polled_;  // one per bus; a negative descriptor is not waited for
+  Nanoseconds period_ns_;
+  Nanoseconds t_cycle_ns_ = 0;
+  LinkTiming timing_;
+  MonotonicClock clock_;
+};
+
+}  // namespace godobject

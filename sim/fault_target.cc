@@ -1,0 +1,127 @@
+#include "sim/fault_target.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "hal/canopen.h"
+#include "sim/key.h"
+
+namespace godobject {
+namespace {
+
+bool has_node(const RigParams& rig, std::size_t bus, std::uint8_t id) {
+  const auto is_it = [&](const auto& device) { return device.bus == bus && device.node_id == id; };
+  return std::ranges::any_of(rig.encoders, is_it) || std::ranges::any_of(rig.drives, is_it) ||
+         std::ranges::any_of(rig.buttons, is_it);
+}
+
+std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+
+std::string verb_names() {
+  std::string names;
+  for (const FaultVerbText& text : fault_verb_texts())
+    names += (names.empty() ? "" : ", ") + std::string(text.name);
+  return names;
+}
+
+/// Sets first_bus and end_bus; empty, or what is wrong.
+std::string find_buses(const FaultConfig& config, const RigParams& rig, SimFault& fault) {
+  fault.end_bus = rig.buses.size();
+  if (config.bus.empty()) return rig.buses.empty() ? "the scene has no buses" : "";
+  const auto bus = std::ranges::find(rig.buses, config.bus, &BusParams::name);
+  if (bus == rig.buses.end()) return "there is no bus " + quoted(config.bus);
+  fault.first_bus = static_cast<std::size_t>(bus - rig.buses.begin());
+  fault.end_bus = fault.first_bus + 1;
+  return "";
+}
+
+/// Narrows the buses down to the one of the node; empty, or what is wrong.
+std::string find_node(const RigParams& rig, SimFault& fault) {
+  const std::string name = "node " + std::to_string(fault.node_id);
+  std::vector<std::size_t> buses;
+  for (std::size_t bus = fault.first_bus; bus < fault.end_bus; ++bus)
+    if (has_node(rig, bus, fault.node_id)) buses.push_back(bus);
+  if (buses.empty()) return "there is no " + name + " on this rig's bus";
+  if (buses.size() > 1) return "there is a " + name + " on more than one bus: say which";
+  fault.first_bus = buses.front();
+  fault.end_bus = fault.first_bus + 1;
+  return "";
+}
+
+bool to_number(std::string_view text, double& out) {
+  const std::string copy(text);
+  char* end = nullptr;
+  out = std::strtod(copy.c_str(), &end);
+  return !copy.empty() && *end == '\0' && std::isfinite(out);
+}
+
+/// One word key=value of a fault; empty, or what is wrong.
+std::string set(FaultConfig& fault, std::string_view key, std::string_view value) {
+  if (key == "bus") fault.bus = value;
+  else if (key == "tracker") fault.tracker = value;
+  else {
+    double number = 0;
+    const bool is_number = to_number(value, number);
+    const bool is_node =
+        is_number && number >= 1 && number <= canopen::max_node_id && number == std::floor(number);
+    if (!is_number) return quoted(key) + " must be a number, not " + quoted(value);
+    if (key == "value") fault.value = number;
+    else if (key == "at" && number >= 0) fault.at = number;
+    else if (key == "duration" && number > 0) fault.duration = number;
+    else if (key == "node" && is_node) fault.node_id = static_cast<std::uint8_t>(number);
+    else
+      return quoted(key) + " = " + quoted(value) +
+             ": unknown or out of range; there are bus, node (1 to 127), "
+             "tracker, value, at (>= 0), duration (> 0)";
+  }
+  return "";
+}
+
+}  // namespace
+
+FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
+  const std::optional<FaultVerb> verb = fault_verb_named(config.verb);
+  if (!verb) return {{}, "there is no verb " + quoted(config.verb) + ": there are " + verb_names()};
+  const FaultVerbText& text = text_of(*verb);
+  SimFault fault;
+  fault.verb = *verb;
+  fault.node_id = config.node_id.value_or(0);
+  fault.at = config.at;
+  fault.value = config.value == 0 ? text.default_value : config.value;
+  if (config.duration) fault.duration_ns = std::llround(1e9 * *config.duration);
+  if (!text.value.empty() && !(fault.value >= text.min && fault.value <= text.max))
+    return {{},
+            "value " + shortest(fault.value) + " is not from " + shortest(text.min) + " to " +
+                shortest(text.max) + " (" + std::string(text.value) + ")"};
+  std::string error = find_buses(config, rig, fault);
+  if (error.empty() && config.node_id) error = find_node(rig, fault);
+  if (error.empty() && !config.node_id && text.place == FaultPlace::node)
+    error = quoted(text.name) + " is a fault of one node: say which";
+  if (!error.empty()) return {{}, error};
+  return {fault, ""};
+}
+
+std::optional<FaultConfig> parse_fault(std::string_view words, std::string& error) {
+  FaultConfig fault;
+  for (std::size_t begin = 0; begin < words.size();) {
+    const std::size_t end = std::min(words.find_first_of(" \t", begin), words.size());
+    const std::string_view word = words.substr(begin, end - begin);
+    begin = end + 1;
+    const std::size_t equals = word.find('=');
+    if (word.empty()) continue;
+    if (fault.verb.empty()) {
+      fault.verb = word;
+    } else if (equals == std::string_view::npos) {
+      error = quoted(word) + ": expected key=value";
+    } else {
+      error = set(fault, word.substr(0, equals), word.substr(equals + 1));
+    }
+    if (!error.empty()) return std::nullopt;
+  }
+  if (fault.verb.empty()) error = "expected a verb: there are " + verb_names();
+  return error.empty() ? std::optional(fault) : std::nullopt;
+}
+
+}  // namespace godobject

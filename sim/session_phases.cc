@@ -1,0 +1,145 @@
+// Session: the phases of a run, one period at a time, and the frames of a period.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/session.h"
+
+namespace godobject {
+namespace {
+
+/// The last frames are no more than a few cycles': a command to each drive, a message to each node.
+constexpr std::int64_t closing_periods = 10;
+
+}  // namespace
+
+void Session::start(double limit_s) noexcept {
+  if (phase_ != RunPhase::off) return;
+  phase_ = rig_ ? RunPhase::booting : RunPhase::running;
+  periods_left_ = std::llround(limit_s / scene_.step);
+}
+
+bool Session::advance(CycleRecord& record) noexcept {
+  const bool step = phase_ == RunPhase::running;
+  switch (phase_) {
+    case RunPhase::booting: boot_cycle(); break;
+    case RunPhase::running: cycle(record); break;
+    case RunPhase::running_down: run_down_cycle(); break;
+    case RunPhase::closing: closing_cycle(); break;
+    case RunPhase::off:
+    case RunPhase::ended: break;
+  }
+  return step;
+}
+
+void Session::stop() noexcept {
+  if (phase_ == RunPhase::off || (!rig_ && phase_ == RunPhase::running)) phase_ = RunPhase::ended;
+  if (phase_ == RunPhase::booting || phase_ == RunPhase::running) give_up_running();
+}
+
+void Session::give_up_running() noexcept {
+  rig_->disarm();
+  phase_ = RunPhase::running_down;
+  periods_left_ = std::llround(shut_down_limit_s / scene_.step);
+}
+
+void Session::restart() {
+  if (phase_ != RunPhase::ended) return;
+  phase_ = RunPhase::off;
+  if (!rig_) return;
+  earlier_rigs_ = rig_counters();
+  RigParams rig = *scene_.device->rig;
+  rig.cycle_s = scene_.step;
+  rig_.emplace(rig, link_->buses());
+  let_go_ = true;
+}
+
+bool Session::boot(double limit_s) {
+  start(limit_s);
+  while (phase_ == RunPhase::booting) boot_cycle();
+  return phase_ == RunPhase::running;
+}
+
+void Session::shut_down() noexcept {
+  stop();
+  while (phase_ == RunPhase::running_down) run_down_cycle();
+  while (phase_ == RunPhase::closing) closing_cycle();
+}
+
+void Session::boot_cycle() noexcept {
+  static_cast<void>(exchange());
+  static_cast<void>(command({}));
+  motion_start_ns_ = t_bus_ns_;
+  if (rig_->state() == RigState::ready && rig_->arm()) {
+    phase_ = RunPhase::running;
+  } else if (rig_->state() == RigState::fault || --periods_left_ <= 0) {
+    give_up_running();
+  }
+}
+
+void Session::run_down_cycle() noexcept {
+  if (commands_torque() && periods_left_-- > 0) {
+    static_cast<void>(exchange());
+    static_cast<void>(command({}));
+    return;
+  }
+  take_in();  // room in the transmit queues
+  rig_->stop();
+  phase_ = RunPhase::closing;
+  periods_left_ = closing_periods;
+}
+
+void Session::closing_cycle() noexcept {
+  take_in();
+  if (--periods_left_ == 0) phase_ = RunPhase::ended;
+}
+
+/// SYNC, and its answers: until all are in or their share of the period is over.
+DeviceSample Session::exchange() noexcept {
+  t_bus_ns_ = link_->begin_cycle(motion_time(cycle_));
+  if (phase_ == RunPhase::booting) rig_->start(t_bus_ns_);
+  rig_->sync(t_bus_ns_);
+  t_now_ns_ = t_bus_ns_;
+  const Nanoseconds deadline = t_bus_ns_ + gather_ns_;
+  do {
+    t_now_ns_ = link_->wait(deadline);
+    rig_->receive(t_now_ns_);
+  } while (!rig_->complete() && t_now_ns_ < deadline);
+  return rig_->read(t_now_ns_);
+}
+
+CommandReport Session::command(std::span<const Wrench> F_hand_W) noexcept {
+  const CommandReport report = rig_->command(F_hand_W, t_now_ns_);
+  link_->end_cycle();
+  return report;
+}
+
+/// A period without SYNC.
+void Session::take_in() noexcept {
+  t_bus_ns_ = link_->begin_cycle(motion_time(cycle_));
+  t_now_ns_ = link_->wait(t_bus_ns_);
+  rig_->receive(t_now_ns_);
+}
+
+/// To a drive that can still be told otherwise.
+bool Session::commands_torque() const noexcept {
+  const std::vector<DriveParams>& drives = scene_.device->rig->drives;
+  for (std::size_t i = 0; i < rig_->num_drives(); ++i)
+    if (rig_->commanded_torque_Nm(i) != 0 && !is_cut_off(link_->buses()[drives[i].bus]->state())) return true;
+  return false;
+}
+
+RigCounters Session::rig_counters() const noexcept {
+  static_assert(sizeof(RigCounters) == 6 * sizeof(std::uint64_t), "every counter is added up here");
+  RigCounters sum = earlier_rigs_;
+  if (!rig_) return sum;
+  const RigCounters& now = rig_->counters();
+  sum.syncs += now.syncs;
+  sum.incomplete_syncs += now.incomplete_syncs;
+  sum.frames += now.frames;
+  sum.malformed += now.malformed;
+  sum.foreign += now.foreign;
+  sum.receive_truncated += now.receive_truncated;
+  return sum;
+}
+
+}  // namespace godobject

@@ -1,0 +1,16 @@
+"""Runs the suite with pytest, its options passed on; 77, with the reason, where a package is missing."""
+import importlib.util
+import sys
+from pathlib import Path
+
+PACKAGES = {"pytest": "python3-pytest", "can": "python3-can", "serial": "python3-serial"}
+
+missing = [debian for module, debian in PACKAGES.items() if importlib.util.find_spec(module) is None]
+if missing:
+    print(f"skipped: {sys.executable} has no {', '.join(missing)}: apt-get install {' '.join(missing)}")
+    sys.exit(77)
+
+import pytest
+
+sys.dont_write_bytecode = True
+sys.exit(pytest.main(["-q", "-p", "no:cacheprovider", str(Path(__file__).parent), *sys.argv[1:]]))

@@ -1,0 +1,58 @@
+"""Every fault verb and its documented reaction, docs/faults.md."""
+import pytest
+
+import godobject_hil as hil
+
+# What is played, and which faults the run must name: one of them at least; none where the rig rides it out.
+REACTIONS = [
+    ("drop bus=can0 node=1 value=0.1", set()),
+    ("drop bus=can0 node=1 duration=1", {"sample_stale"}),
+    ("drop bus=can0 node=11 duration=1", {"drive_silent"}),
+    ("duplicate bus=can0", set()),
+    ("delay bus=can0 node=1 value=5e-3", set()),
+    ("delay bus=can0 value=0.2 duration=1", {"sample_stale", "drive_silent"}),
+    ("corrupt bus=can0 value=0.02", set()),
+    ("corrupt bus=can0 node=1 value=1 duration=1", {"sample_stale"}),
+    ("stuck bus=can0 node=1", set()),
+    ("spike bus=can0 node=1", set()),
+    ("spike bus=can0 node=1 duration=1", {"sample_implausible"}),
+    ("wrap bus=can0 node=1", {"sample_implausible"}),
+    ("nan bus=can0 node=1 duration=1", {"sample_implausible"}),
+    ("reboot-node bus=can0 node=1", {"node_restarted"}),
+    ("reboot-node bus=can0 node=11 duration=0.5", {"drive_silent"}),
+    ("emcy bus=can0 node=1 value=20480", {"emergency"}),
+    ("emcy bus=can0 node=11", {"emergency", "drive_not_enabled"}),
+    ("bus-off bus=can0 node=1", {"sample_stale"}),
+    ("bus-off bus=can0", {"sample_stale", "drive_silent", "bus_down"}),
+    ("restart bus=can0", set()),
+    ("unplug bus=can0 node=2", {"sample_stale"}),
+    ("unplug bus=can0", {"sample_stale", "drive_silent"}),
+    ("id-collision bus=can0 node=1", {"node_restarted", "sample_stale"}),
+    ("clock-drift bus=can0 node=1", set()),
+    ("clock-drift bus=can0 node=2 value=-9e5", {"heartbeat_lost"}),
+]
+# stale_after of rig.toml, or the drive's own watchdog, and the run-down; a loaded machine may take some more.
+ZERO_WITHIN_S = 0.5
+
+
+@pytest.mark.parametrize("words, expected", REACTIONS, ids=[words.replace(" ", "-") for words, _ in REACTIONS])
+def test_fault_has_its_documented_reaction(words, expected, host, simulator):
+    started = simulator.fault(words)["t_s"]
+    if not expected:
+        hil.wait_for(lambda: simulator.status()["t_s"] > started + 1, 5, "a second")
+        assert host.running()
+        host.stop()
+        assert host.faults() == set(), host.error_text()
+        return
+    hil.wait_for(lambda: not host.running() or simulator.torque_Nm() == 0, 10, "a reaction")
+    status = simulator.status()
+    host.stop()
+    assert host.faults() & expected, f"{host.faults()}\n{host.error_text()}"
+    last_torque = max(d["nonzero_at_s"] for d in status["drives"])
+    if "heartbeat_lost" not in expected:  # that one takes its time-out
+        assert last_torque < started + ZERO_WITHIN_S
+
+
+def test_unknown_fault_is_refused(simulator):
+    with pytest.raises(AssertionError, match="no verb"):
+        simulator.fault("dorp bus=can0")

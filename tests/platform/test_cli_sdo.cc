@@ -1,0 +1,91 @@
+// godobject sdo and lss, run as their user runs them, against a simulated encoder behind a pseudo-terminal.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "platform/clock.h"
+#include "platform/pty_bus.h"
+#include "sim/sim_encoder.h"
+#include "tests/platform/program.h"
+
+namespace godobject {
+namespace {
+
+using testing::HasSubstr;
+
+/// Plays the encoder on a thread of its own, as another program would.
+class EncoderOnPty {
+ public:
+  EncoderOnPty() {
+    EXPECT_TRUE(bus_.open());
+    name_ = bus_.name();
+    thread_ = std::thread([this] {
+      while (!stop_) {
+        encoder_.poll(MonotonicClock().now());
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    });
+    // The node boots when its bus first takes a frame; what comes before that it does not hear.
+    static_cast<void>(run("sdo", "--node 5 --timeout 0.1 read 1000"));
+  }
+  ~EncoderOnPty() {
+    stop_ = true;
+    thread_.join();
+  }
+
+  test::ProgramResult run(const std::string& verb, const std::string& rest) const {
+    return test::run_program(verb + " --bus slcan:" + name_ + " " + rest);
+  }
+
+ private:
+  PtyBus bus_{BusSettings{}};
+  SimEncoder encoder_{bus_, 5, Calibration{.counts_per_unit = 1000, .modulus_counts = 4096}, 0};
+  std::string name_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+TEST(CliSdo, ReadsAndWritesObjects) {
+  const EncoderOnPty encoder;
+  const test::ProgramResult name = encoder.run("sdo", "--node 5 read 1008 --type string");
+  EXPECT_EQ(name.output, "simulated CiA 406 encoder\n");
+  EXPECT_EQ(name.exit_code, 0);
+  EXPECT_EQ(encoder.run("sdo", "--node 5 write 6003 1234 --type u32").exit_code, 0);
+  EXPECT_EQ(encoder.run("sdo", "--node 5 read 6004:00 --type u32").output, "1234\n");
+  EXPECT_EQ(encoder.run("sdo", "--node 5 read 6004").output, "hex D2 04 00 00, u32 1234, i32 1234\n");
+}
+
+TEST(CliSdo, SaysWhyNot) {
+  const EncoderOnPty encoder;
+  const test::ProgramResult rejected = encoder.run("sdo", "--node 5 write 6004 1 --type u32");
+  EXPECT_EQ(rejected.exit_code, 1);
+  EXPECT_THAT(rejected.output, HasSubstr("node 5, 6004h:00 <- 1: rejected: 06010002 "));
+  EXPECT_THAT(rejected.output, HasSubstr("read-only"));
+  const test::ProgramResult silent = encoder.run("sdo", "--node 6 --timeout 0.1 read 1000");
+  EXPECT_EQ(silent.exit_code, 1);
+  EXPECT_THAT(silent.output, HasSubstr("no answer within 100 ms: is the node powered"));
+  EXPECT_EQ(encoder.run("sdo", "--node 5 read 60X4").exit_code, 2);
+  EXPECT_EQ(encoder.run("sdo", "--node 128 read 6004").exit_code, 2);
+  EXPECT_EQ(encoder.run("sdo", "--node 5 write 6003 x --type u32").exit_code, 2);
+  EXPECT_EQ(test::run_program("sdo --bus slcan:/dev/nothing --node 5 read 6004").exit_code, 3);
+  EXPECT_THAT(test::run_program("sdo --bus replay:x.log --node 5 read 6004").output,
+              HasSubstr("a log gives no answers"));
+}
+
+TEST(CliLss, GivesANodeItsIdAndBitRate) {
+  const EncoderOnPty encoder;
+  EXPECT_EQ(encoder.run("lss", "node-id 9").exit_code, 0);
+  EXPECT_EQ(encoder.run("lss", "store").exit_code, 0);
+  EXPECT_EQ(encoder.run("lss", "--select 0xDEB 0x406 0x10000 1 bit-rate 500000").exit_code, 0);
+  const test::ProgramResult other = encoder.run("lss", "--timeout 0.1 --select 1 2 3 4 node-id 9");
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.output, HasSubstr("has a node this identity"));
+  EXPECT_EQ(encoder.run("lss", "bit-rate 100000").exit_code, 2);
+  EXPECT_EQ(encoder.run("lss", "node-id 128").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace godobject

@@ -1,0 +1,118 @@
+// Every verb, and what the rig does about it as docs/faults.md has it.
+#include "sim/fault_injector.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/support/allocation_guard.h"
+#include "tests/support/fault_reactions.h"
+#include "tests/support/faulty_rig.h"
+
+namespace godobject {
+namespace {
+
+class EveryReaction : public testing::TestWithParam<test::FaultReaction> {};
+
+TEST_P(EveryReaction, IsTheDocumentedOne) {
+  test::FaultyRig device;
+  ASSERT_TRUE(device.boot());
+  const test::FaultReaction& reaction = GetParam();
+  device.play(reaction.words);
+  if (reaction.expected == RigFault::none) {
+    EXPECT_FALSE(device.cycles_to_fault(300)) << device.rig.fault_text();
+    EXPECT_GT(device.motor_torque(), 0);
+    return;
+  }
+  ASSERT_TRUE(device.cycles_to_fault(reaction.within));
+  EXPECT_TRUE(any(device.rig.faults() & reaction.expected)) << device.rig.fault_text();
+  EXPECT_TRUE(device.cycles_to_zero(test::cycles_of_watchdog));
+  device.cycles(30);
+  EXPECT_EQ(device.motor_torque(), 0);
+
+  device.link.rig().faults().clear(device.t_sync_ns);
+  device.play("restart");
+  device.play("restart bus=can0 node=1");
+  device.play("restart bus=can1 node=1");
+  device.cycles(100);
+  device.rig.clear_faults(device.t_sync_ns);
+  EXPECT_TRUE(device.boot()) << device.rig.fault_text();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryReaction, testing::ValuesIn(test::fault_reactions));
+
+TEST(FaultInjector, SpikeWithoutDurationIsOneSample) {
+  test::FaultyRig device;
+  ASSERT_TRUE(device.boot());
+  const std::uint64_t before = device.rig.encoder(0).counters().implausible;
+  device.play("spike bus=can0 node=1 value=0.5");
+  device.cycles(20);
+  EXPECT_EQ(device.rig.encoder(0).counters().implausible, before + 1);
+}
+
+TEST(FaultInjector, StuckSensorShowsWhereItWas) {
+  test::FaultyRig device;
+  ASSERT_TRUE(device.boot());
+  device.play("stuck bus=can0 node=1 duration=0.1");
+  device.cycles(2);
+  const double q = device.sample.q[0];
+  device.cycles(50);
+  EXPECT_EQ(device.sample.q[0], q);
+  EXPECT_NE(device.link.rig().joints().q[0], q);
+}
+
+TEST(FaultInjector, BeginsAndEndsInTime) {
+  SceneConfig scene = test::two_joints();
+  scene.faults = {{.verb = "drop", .bus = "can0", .node_id = 1, .at = 0.5, .duration = 0.002, .value = 1}};
+  test::FaultyRig device(scene);
+  ASSERT_TRUE(device.boot());
+  while (device.motion_time < 0.4985) device.cycle();
+  EXPECT_EQ(device.link.rig().faults().begun(), 0u);
+  device.cycles(3);
+  EXPECT_EQ(device.link.rig().faults().active().size(), 1u);
+  device.cycles(2);
+  EXPECT_TRUE(device.link.rig().faults().active().empty());
+  EXPECT_FALSE(device.cycles_to_fault(100)) << "two samples are less than stale_after";
+}
+
+TEST(FaultInjector, ClearEndsWhatIsActiveAndForgetsWhatWaits) {
+  test::FaultyRig device;
+  ASSERT_TRUE(device.boot());
+  device.play("nan bus=can0 node=1 at=1e3");
+  device.play("spike bus=can1 node=2 duration=10");
+  device.cycle();
+  FaultInjector& faults = device.link.rig().faults();
+  EXPECT_EQ(faults.active().size(), 1u);
+  faults.clear(device.t_sync_ns);
+  EXPECT_TRUE(faults.active().empty());
+  device.motion_time = 2e3;
+  device.cycle();
+  EXPECT_TRUE(faults.active().empty());
+}
+
+TEST(FaultInjector, SaysWhenItIsFull) {
+  test::FaultyRig device;
+  std::string error;
+  const SimFault fault = *resolve(*parse_fault("drop at=1", error), *device.scene.device->rig).fault;
+  FaultInjector& faults = device.link.rig().faults();
+  for (std::size_t i = 0; i < FaultInjector::capacity; ++i) EXPECT_TRUE(faults.schedule(fault));
+  EXPECT_FALSE(faults.schedule(fault));
+}
+
+TEST(FaultInjector, DoesNotAllocate) {
+  test::FaultyRig device;
+  ASSERT_TRUE(device.boot());
+  std::string error;
+  const RigParams& rig = *device.scene.device->rig;
+  for (const FaultVerbText& text : fault_verb_texts()) {
+    const std::string words = std::string(text.name) + " bus=can0 node=2 duration=0.002";
+    const SimFault fault = *resolve(*parse_fault(words, error), rig).fault;
+    AllocationGuard guard;
+    ASSERT_TRUE(device.link.rig().faults().schedule(fault));
+    device.cycles(5);
+    EXPECT_EQ(guard.calls(), 0) << text.name << ": " << guard.report();
+  }
+}
+
+}  // namespace
+}  // namespace godobject

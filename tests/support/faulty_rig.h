@@ -1,0 +1,174 @@
+// A small haptic device on simulated buses, with its host and a hand that moves it, for playing faults: turret and
+// elbow, each with an encoder on can0 (nodes 1, 2) and a drive on can1 (nodes 1, 2).
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "hal/rig.h"
+#include "sim/scene_toml.h"
+#include "sim/sim_link.h"
+
+namespace godobject::test {
+
+inline constexpr const char* two_joints_toml = R"(
+[scene]
+name = "two-joints"
+[[body]]
+name = "tool"
+mass = 0.1
+inertia = [3e-5, 3e-5, 3e-5]
+[body.coupling]
+stiffness = 200.0
+damping_ratio = 1.0
+rotational_stiffness = 0.1
+rotational_damping_ratio = 1.0
+[body.feedback]
+stiffness = 100.0
+damping = 1.0
+[[bus]]
+name = "can0"
+[[bus]]
+name = "can1"
+[device]
+name = "arm"
+kind = "impedance"
+[[device.joint]]
+name = "turret"
+kind = "hinge"
+axis = [0.0, 0.0, 1.0]
+[[device.joint]]
+name = "elbow"
+kind = "hinge"
+position = [0.1, 0.0, 0.0]
+axis = [0.0, 1.0, 0.0]
+[device.handle]
+position = [0.1, 0.0, 0.0]
+[[device.encoder]]
+joint = "turret"
+bus = "can0"
+node_id = 1
+counts_per_turn = 16384
+offset_counts = 8192
+modulus_counts = 16384
+[[device.encoder]]
+joint = "elbow"
+bus = "can0"
+node_id = 2
+counts_per_turn = 16384
+offset_counts = 8192
+modulus_counts = 16384
+[[device.drive]]
+joint = "turret"
+bus = "can1"
+node_id = 1
+torque_rated_Nm = 0.1
+torque_max_Nm = 0.1
+torque_rate_Nm_per_s = 20.0
+joint_per_motor_rad = 0.1
+counts_per_turn = 40960
+[[device.drive]]
+joint = "elbow"
+bus = "can1"
+node_id = 2
+torque_rated_Nm = 0.1
+torque_max_Nm = 0.1
+torque_rate_Nm_per_s = 20.0
+joint_per_motor_rad = 0.1
+counts_per_turn = 40960
+[[motion.joint]]
+coordinate = "turret"
+amplitude = 0.3
+frequency_hz = 0.7
+[[motion.joint]]
+coordinate = "elbow"
+amplitude = 0.3
+frequency_hz = 0.9
+)";
+
+inline SceneConfig two_joints() {
+  LoadResult loaded = parse_scene(two_joints_toml, "two-joints");
+  if (!loaded.scene) throw std::runtime_error(loaded.errors.front());
+  loaded.scene->device->rig->cycle_s = loaded.scene->step;
+  return *loaded.scene;
+}
+
+/// The rig's cycles as a session runs them, with a constant wrench shown to the hand.
+class FaultyRig {
+ public:
+  static constexpr Nanoseconds period_ns = 1'000'000, poll_ns = 50'000, gather_ns = 750'000;
+
+  explicit FaultyRig(const SceneConfig& config = two_joints())
+      : scene(config),
+        motion(scene),
+        link(scene, motion, period_ns, poll_ns),
+        rig(*scene.device->rig, link.buses()) {}
+
+  void cycle() {
+    t_sync_ns = link.begin_cycle(motion_time);
+    rig.sync(t_sync_ns);
+    Nanoseconds now = t_sync_ns;
+    while (!rig.complete() && now < t_sync_ns + gather_ns) {
+      now = link.wait(t_sync_ns + gather_ns);
+      rig.receive(now);
+    }
+    sample = rig.read(now);
+    static_cast<void>(rig.command({&F_hand_W, 1}, now));
+    motion_time += 1e-9 * static_cast<double>(period_ns);
+  }
+  void cycles(int count) {
+    for (int i = 0; i < count; ++i) cycle();
+  }
+  /// Up to armed, with torque on the motors; false after 2 s.
+  bool boot() {
+    if (rig.state() == RigState::off) rig.start(t_sync_ns);
+    for (int i = 0; i < 2000 && rig.state() != RigState::ready; ++i) cycle();
+    if (!rig.arm()) return false;
+    cycles(50);
+    return rig.state() == RigState::armed && motor_torque() > 0;
+  }
+  /// As in "emcy bus=can1 node=2"; it begins with the next cycle.
+  void play(const std::string& words) {
+    std::string error;
+    const std::optional<FaultConfig> config = parse_fault(words, error);
+    const FaultResult found = config ? resolve(*config, *scene.device->rig) : FaultResult{};
+    if (!found.fault || !link.rig().faults().schedule(*found.fault))
+      throw std::runtime_error(words + ": " + error + found.error);
+  }
+  /// Cycles until a fault comes up; none when there is none in `limit` cycles.
+  std::optional<int> cycles_to_fault(int limit) {
+    for (int i = 1; i <= limit; ++i) {
+      cycle();
+      if (rig.state() == RigState::fault) return i;
+    }
+    return std::nullopt;
+  }
+  /// Cycles until no motor makes torque; none when there still is in `limit` cycles.
+  std::optional<int> cycles_to_zero(int limit) {
+    for (int i = 0; i <= limit; ++i) {
+      if (motor_torque() == 0) return i;
+      cycle();
+    }
+    return std::nullopt;
+  }
+  /// Largest absolute one at a motor's shaft, N m.
+  double motor_torque() {
+    double largest = 0;
+    for (std::size_t i = 0; i < rig.num_drives(); ++i)
+      largest = std::max(largest, std::abs(link.rig().applied_torque_Nm(i)));
+    return largest;
+  }
+
+  SceneConfig scene;
+  Motion motion;
+  SimLink link;
+  Rig rig;
+  DeviceSample sample;
+  Wrench F_hand_W{.tau = Vec3::Zero(), .f = Vec3(0, 2, 2)};
+  double motion_time = 0;  // s
+  Nanoseconds t_sync_ns = 0;
+};
+
+}  // namespace godobject::test
