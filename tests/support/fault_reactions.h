@@ -31,7 +31,7 @@ inline constexpr std::array fault_reactions{
     FaultReaction{"duplicate", RigFault::none},
     FaultReaction{"delay bus=can0 value=3e-4", RigFault::none},
     FaultReaction{"delay bus=can0 value=0.01", RigFault::sample_stale, cycles_of_silence},
-    FaultReaction{"corrupt value=0.1", RigFault::none},
+    FaultReaction{"corrupt value=0.05", RigFault::none},
     FaultReaction{"corrupt bus=can0 node=1 value=1", RigFault::sample_stale, cycles_of_silence},
     FaultReaction{"stuck bus=can0 node=1", RigFault::none},
     FaultReaction{"spike bus=can0 node=1", RigFault::none},
