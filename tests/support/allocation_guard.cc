@@ -28,6 +28,7 @@ enum Watched {
   call_posix_memalign,
   call_aligned_alloc,
   call_mutex_lock,
+  last_of_heap_and_locks = call_mutex_lock,
   call_write,
   call_read,
   call_nanosleep,
@@ -65,6 +66,12 @@ void AllocationGuard::disarm() noexcept { armed = false; }
 long AllocationGuard::calls() const noexcept {
   long sum = 0;
   for (const long count : counts) sum += count;
+  return sum;
+}
+
+long AllocationGuard::heap_and_lock_calls() const noexcept {
+  long sum = 0;
+  for (std::size_t i = 0; i <= last_of_heap_and_locks; ++i) sum += counts[i];
   return sum;
 }
 
