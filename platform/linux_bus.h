@@ -28,7 +28,7 @@ class LinuxBus : public CanBus {
   virtual std::string name() const { return {}; }
 };
 
-/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
+/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask). Remote frames do not pass.
 struct CanFilter {
   std::uint32_t id = 0;
   std::uint32_t mask = 0;
@@ -47,7 +47,7 @@ constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame)
 struct BusSettings {
   double bit_rate = 1e6;               // bit/s; what the scene expects of the bus
   double data_bit_rate = 0;            // bit/s, CAN FD; 0: classic
-  std::span<const CanFilter> filters;  // empty: everything
+  std::span<const CanFilter> filters{};  // empty: everything
 };
 
 enum class BusKind : std::uint8_t {
