@@ -11,7 +11,8 @@
 
 namespace godobject {
 
-/// The time stamps of received frames are CLOCK_MONOTONIC, as MonotonicClock::now().
+/// The time stamps of received frames are CLOCK_MONOTONIC, as MonotonicClock::now(). Counters stay when a bus is
+/// closed and opened again.
 class LinuxBus : public CanBus {
  public:
   /// Readable when try_receive may have something new; -1 while closed. For ppoll.
@@ -28,7 +29,7 @@ class LinuxBus : public CanBus {
   virtual std::string name() const { return {}; }
 };
 
-/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask). Remote frames do not pass.
+/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
 struct CanFilter {
   std::uint32_t id = 0;
   std::uint32_t mask = 0;
@@ -45,8 +46,8 @@ constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame)
 }
 
 struct BusSettings {
-  double bit_rate = 1e6;               // bit/s; what the scene expects of the bus
-  double data_bit_rate = 0;            // bit/s, CAN FD; 0: classic
+  double bit_rate = 1e6;                 // bit/s; what the scene expects of the bus
+  double data_bit_rate = 0;              // bit/s, CAN FD; 0: classic
   std::span<const CanFilter> filters{};  // empty: everything
 };
 

@@ -22,8 +22,8 @@ class AllocationGuard {
   void disarm() noexcept;
   /// Watched calls of this thread since construction.
   long calls() const noexcept;
-  /// Those of them that a loop must not make even where it talks to real buses, by the system and on its clock.
-  long heap_and_lock_calls() const noexcept;
+  /// Of these, the allocator's: for what may read the clock and its own descriptors.
+  long heap_calls() const noexcept;
   /// Name and number of each watched function that was called. Disarms.
   std::string report();
 
