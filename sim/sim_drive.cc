@@ -8,11 +8,34 @@ namespace godobject {
 
 using cia402::DriveState;
 
-SimDrive::SimDrive(CanBus& bus, const SimDriveParams& params) noexcept
-    : SimCanopenNode(bus, params.drive.node_id, params.heartbeat_period_ns), params_(params) {}
+namespace {
+
+constexpr std::uint32_t device_type_402 = 0x0002'0192;  // servo drive
+constexpr std::uint16_t emcy_heartbeat_lost = 0x8130;
+
+std::uint16_t to_ms(Nanoseconds t_ns) noexcept { return static_cast<std::uint16_t>(t_ns / 1'000'000); }
+
+constexpr std::uint32_t mode_bit(std::int64_t mode) noexcept {
+  return mode >= 1 && mode <= 32 ? 1u << (mode - 1) : 0u;
+}
+
+}  // namespace
+
+SimDrive::SimDrive(CanBus& bus, const SimDriveParams& params)
+    : SimCanopenNode(bus, params.drive.node_id,
+                     params.defaults == SimDefaults::rig ? params.heartbeat_period_ns : 0),
+      params_(params) {
+  identify(device_type_402, "simulated CiA 402 drive", sim_drive_identity);
+  add_drive_objects(objects(), params.drive, params.defaults,
+                    mode_bit(cia402::mode_cyclic_synchronous_torque));
+  for (SimPdoDefault& pdo : drive_pdos(params.defaults, params.drive.status_every_nth_sync,
+                                       to_ms(params.rpdo_timeout_ns), to_ms(params.event_period_ns)))
+    add_pdo(std::move(pdo));
+}
 
 double SimDrive::applied_torque_Nm() const noexcept {
   if (state_ != DriveState::operation_enabled) return 0;
+  if (objects().value(mode_display_object) != cia402::mode_cyclic_synchronous_torque) return 0;
   const double target_Nm =
       cia402::torque_from_per_mille(active_.target_torque_per_mille, params_.drive.torque_rated_Nm);
   return std::clamp(target_Nm, -params_.drive.torque_max_Nm, params_.drive.torque_max_Nm);
@@ -24,41 +47,44 @@ void SimDrive::trip(std::uint16_t error_code) noexcept {
   send_emergency();
 }
 
-void SimDrive::on_sync(Nanoseconds) noexcept {
-  if (++syncs_since_status_ >= params_.drive.status_every_nth_sync) {
-    syncs_since_status_ = 0;
-    send_status();
-  }
-  if (!has_received_) return;
-  has_received_ = false;
+void SimDrive::on_rpdo_received(int, Nanoseconds now) noexcept { t_received_ns_ = now; }
+
+void SimDrive::on_rpdo(int, Nanoseconds) noexcept { take_command(); }
+
+void SimDrive::take_command() noexcept {
   const std::uint16_t last_controlword = active_.controlword;
-  active_ = received_;
+  active_ = {.controlword = static_cast<std::uint16_t>(objects().value(controlword_object)),
+             .target_torque_per_mille = static_cast<std::int16_t>(objects().value(target_torque_object))};
+  show(mode_display_object, objects().value(mode_object));
   if ((active_.controlword & ~last_controlword & cia402::fault_reset_bit) != 0) reset_fault();
   else obey(active_.controlword);
 }
 
-void SimDrive::on_pdo(const CanFrame& frame, Nanoseconds now) noexcept {
-  switch (cia402::parse_command(frame, node_id(), received_)) {
-    case ParseResult::ok:
-      has_received_ = true;
-      t_received_ns_ = now;
-      break;
-    case ParseResult::too_short:
-      send(canopen::make_emergency({.node = node_id(), .error_code = canopen::emcy_pdo_too_short}));
-      break;
-    case ParseResult::too_long:
-      send(canopen::make_emergency({.node = node_id(), .error_code = canopen::emcy_pdo_too_long}));
-      break;
-    case ParseResult::other_message:
-    case ParseResult::bad_value: break;
+sdo::AbortCode SimDrive::may_write_object(canopen::ObjectAddress address, std::int64_t value) noexcept {
+  if (address != mode_object || value == 0) return sdo::AbortCode::none;
+  const auto supported = static_cast<std::uint32_t>(objects().value(supported_modes_object));
+  return (supported & mode_bit(value)) != 0 ? sdo::AbortCode::none : sdo::AbortCode::invalid_value;
+}
+
+void SimDrive::on_object_written(canopen::ObjectAddress address, std::int64_t) noexcept {
+  if (address == controlword_object || address == target_torque_object) take_command();
+  if (address == mode_object) show(mode_display_object, objects().value(mode_object));
+}
+
+void SimDrive::on_heartbeat_lost(Nanoseconds) noexcept {
+  if (!power_stage_works()) return;
+  switch (static_cast<AbortConnection>(objects().value(abort_connection_option))) {
+    case AbortConnection::no_action: break;
+    case AbortConnection::fault: trip(emcy_heartbeat_lost); break;
+    case AbortConnection::disable_voltage: state_ = DriveState::switch_on_disabled; break;
+    case AbortConnection::quick_stop: state_ = DriveState::quick_stop_active; break;
   }
 }
 
-void SimDrive::on_nmt_state(Nanoseconds now) noexcept {
-  has_received_ = false;
+void SimDrive::on_nmt_state(Nanoseconds) noexcept {
+  show(controlword_object, cia402::disable_voltage);
+  show(target_torque_object, 0);
   active_ = {};
-  syncs_since_status_ = 0;
-  t_event_ns_ = is_operational() && params_.event_period_ns > 0 ? now + params_.event_period_ns : never;
   if (nmt_state() == canopen::NmtState::boot_up) {
     state_ = DriveState::not_ready_to_switch_on;
     error_code_ = canopen::emcy_no_error;
@@ -68,33 +94,31 @@ void SimDrive::on_nmt_state(Nanoseconds now) noexcept {
 }
 
 void SimDrive::on_tick(Nanoseconds now) noexcept {
-  const bool commands_late = now >= t_received_ns_ + params_.rpdo_timeout_ns;
-  if (power_stage_works() && commands_late) trip(canopen::emcy_rpdo_timeout);
-  while (t_event_ns_ <= now) {
-    send_event();
-    t_event_ns_ += params_.event_period_ns;
-  }
+  if (power_stage_works() && now >= command_deadline()) trip(canopen::emcy_rpdo_timeout);
 }
 
 Nanoseconds SimDrive::device_timer() const noexcept {
-  return power_stage_works() ? std::min(t_event_ns_, t_received_ns_ + params_.rpdo_timeout_ns) : t_event_ns_;
+  return power_stage_works() ? command_deadline() : never;
 }
 
-void SimDrive::send_status() noexcept {
-  const double torque_per_mille = 1000 * applied_torque_Nm() / params_.drive.torque_rated_Nm;
-  const std::uint32_t counts = counts_at(q_, params_.drive.calibration);
-  send(cia402::make_status(node_id(),
-                           {.statusword = statusword(),
-                            .position_counts = static_cast<std::int32_t>(counts),
-                            .actual_torque_per_mille = saturate_to<std::int16_t>(torque_per_mille)}));
+Nanoseconds SimDrive::command_deadline() const noexcept {
+  const SimPdo* command = find_pdo(PdoDirection::receive, 1);
+  return command->timer_ns() > 0 ? t_received_ns_ + command->timer_ns() : never;
 }
 
-void SimDrive::send_event() noexcept {
+void SimDrive::sample() noexcept {
   const Calibration& calibration = params_.drive.calibration;
   const double velocity = calibration.sign * q_dot_ * calibration.counts_per_unit;
-  send(cia402::make_event(node_id(), {.velocity_counts_per_s = saturate_to<std::int32_t>(velocity),
-                                      .mode = cia402::mode_cyclic_synchronous_torque,
-                                      .error_code = error_code_}));
+  const double torque_per_mille = 1000 * applied_torque_Nm() / params_.drive.torque_rated_Nm;
+  show(statusword_object, statusword());
+  show(error_code_object, error_code_);
+  show(position_object, static_cast<std::int32_t>(counts_at(q_, calibration)));
+  show(velocity_object, saturate_to<std::int32_t>(velocity));
+  show(torque_object, saturate_to<std::int16_t>(torque_per_mille));
+}
+
+void SimDrive::show(canopen::ObjectAddress address, std::int64_t value) noexcept {
+  objects().find(address)->value = value;
 }
 
 // Transitions of the CiA 402 state machine; commands by their masks over bits 7, 3, 2, 1, 0.
@@ -146,6 +170,7 @@ void SimDrive::send_emergency() noexcept {
   // Error register 1001h: generic error, and communication error for the 8xxxh codes.
   const bool communication = (error_code_ >> 12) == 0x8;
   const std::uint8_t error_register = error_code_ == 0 ? 0x00 : communication ? 0x11 : 0x01;
+  show({0x1001, 0}, error_register);
   send(canopen::make_emergency(
       {.node = node_id(), .error_code = error_code_, .error_register = error_register}));
 }

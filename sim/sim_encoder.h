@@ -10,21 +10,36 @@ namespace godobject {
 /// (2^32 when the calibration has none). The inverse of Calibration.
 std::uint32_t counts_at(double q, const Calibration& calibration) noexcept;
 
-/// Samples its position when a SYNC arrives and sends it as TPDO1.
+/// Samples its position when a SYNC arrives and sends it as TPDO1. Out of the factory TPDO1 waits for an event
+/// timer that is 0, and TPDO2 answers the SYNC, as those of Lika, BEI and SICK do. The preset 6003h is the
+/// position from then on; the offset 6509h that it makes is kept.
 class SimEncoder final : public SimCanopenNode {
  public:
+  /// calibration: what the scene says of the encoder; 6001h, 6002h, 6501h, 6502h follow from it.
   SimEncoder(CanBus& bus, std::uint8_t node_id, const Calibration& calibration,
-             Nanoseconds heartbeat_period_ns) noexcept
-      : SimCanopenNode(bus, node_id, heartbeat_period_ns), calibration_(calibration) {}
+             Nanoseconds heartbeat_period_ns, SimDefaults defaults = SimDefaults::rig);
 
-  /// True joint coordinate (rad or m), from the plant.
-  void set_position(double q) noexcept { q_ = q; }
+  /// True joint coordinate (rad or m) and its rate, from the plant.
+  void set_position(double q, double q_dot = 0) noexcept {
+    q_ = q;
+    q_dot_ = q_dot;
+  }
 
  private:
-  void on_sync(Nanoseconds now) noexcept override;
+  void sample() noexcept override;
+  void on_object_written(canopen::ObjectAddress address, std::int64_t value) noexcept override;
+  std::int64_t range_counts() const noexcept;
 
   Calibration calibration_;
   double q_ = 0;
+  double q_dot_ = 0;
+  Object* position_ = nullptr;  // 6004h
+  Object* speed_ = nullptr;     // 6030h:01
+  Object* offset_ = nullptr;    // 6509h, counts
 };
+
+/// What simulated encoders say of themselves in 1018h. The vendor is none that CiA has given away.
+inline constexpr lss::Identity sim_encoder_identity{
+    .vendor = 0x0000'0DEB, .product = 0x406, .revision = 0x0001'0000, .serial = 1};
 
 }  // namespace godobject

@@ -69,6 +69,8 @@ class TomlReader {
   }
 
   bool has(std::string_view name) const { return table_.contains(name); }
+  /// Of the key's value, or of the table where there is none.
+  unsigned line_of(std::string_view name) const { return static_cast<unsigned>(place_of(name).line); }
   /// A rule that spans keys: `what` completes a sentence about the key, or stands alone for name "".
   void check(bool ok, std::string_view name, const std::string& what);
   void advise(bool ok, std::string_view name, const std::string& what);

@@ -1,0 +1,97 @@
+#include "sim/profile_toml.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "hal/commissioning_steps.h"
+#include "sim/profile_keys.h"
+
+namespace godobject {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* extension = ".toml";
+
+bool is_path(const std::string& name) {
+  return name.find('/') != std::string::npos || name.ends_with(extension);
+}
+
+/// The file a name or path means; empty where there is none.
+fs::path find_profile(const std::string& name, const fs::path& scene_folder) {
+  std::vector<fs::path> places;
+  if (is_path(name)) places = {scene_folder / name};
+  else places = {scene_folder / (name + extension), fs::path(GODOBJECT_PROFILE_FOLDER) / (name + extension)};
+  for (const fs::path& place : places)
+    if (fs::is_regular_file(place)) return place;
+  return {};
+}
+
+std::string not_found(const std::string& name, const std::string& scene_folder) {
+  if (is_path(name)) return "profile \"" + name + "\": no such file, seen from '" + scene_folder + "'";
+  const std::vector<std::string> shipped = shipped_profiles();
+  std::string known;
+  for (const std::string& other : shipped) known += (known.empty() ? "" : ", ") + other;
+  return "profile \"" + name + "\": neither in '" + scene_folder + "' nor shipped; shipped are " + known +
+         "; the nearest is \"" + nearest(name, shipped) + "\"";
+}
+
+}  // namespace
+
+ProfileResult parse_profile(std::string_view toml, const std::string& file) {
+  Diagnostics log(file);
+  const toml::parse_result parsed = toml::parse(toml, file);
+  if (parsed.failed()) {
+    const toml::source_position at = parsed.error().source().begin;
+    log.error({at.line, at.column}, "not TOML: " + std::string(parsed.error().description()));
+    return {std::nullopt, log.errors()};
+  }
+  NodeProfile profile{.file = file};
+  TomlReader reader(parsed.table(), "", "the file", log);
+  read_profile(reader, profile);
+  reader.finish();
+  if (!log.ok()) return {std::nullopt, log.errors()};
+  return {profile, {}};
+}
+
+ProfileResult load_profile(const std::string& path) {
+  const std::optional<std::string> text = read_text(path);
+  if (!text) return {std::nullopt, {path + ": cannot be read: is the path right?"}};
+  return parse_profile(*text, path);
+}
+
+RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder) {
+  RigProfilesResult out;
+  std::set<std::string> told;  // nodes that share a profile share its errors
+  const auto load = [&](const char* kind, const auto& device) -> std::optional<NodeProfile> {
+    if (device.profile.empty()) return std::nullopt;
+    const fs::path path = find_profile(device.profile, scene_folder);
+    if (path.empty()) {
+      out.errors.push_back(std::string(kind) + " of joint '" + device.joint +
+                           "': " + not_found(device.profile, scene_folder));
+      return std::nullopt;
+    }
+    ProfileResult read = load_profile(path.string());
+    for (std::string& error : read.errors)
+      if (told.insert(error).second) out.errors.push_back(std::move(error));
+    return std::move(read.profile);
+  };
+  for (const EncoderParams& encoder : rig.encoders) out.profiles.encoders.push_back(load("encoder", encoder));
+  for (const DriveParams& drive : rig.drives) out.profiles.drives.push_back(load("drive", drive));
+  if (!out.errors.empty()) return out;
+  out.errors = validate(rig, out.profiles);
+  return out;
+}
+
+std::vector<std::string> shipped_profiles() {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(GODOBJECT_PROFILE_FOLDER, error))
+    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+}  // namespace godobject
