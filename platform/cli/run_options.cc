@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sim/key.h"
+#include "sim/profile_toml.h"
 #include "sim/scene_toml.h"
 
 namespace godobject {
@@ -119,8 +120,10 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
   if (run.buses.choice != BusChoice::real) return Session::make(scene, std::move(motion), run.buses.choice);
   auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.record.empty());
   run.link = link.get();
-  run.profiles.encoders.resize(scene.device->rig->encoders.size());
-  run.profiles.drives.resize(scene.device->rig->drives.size());
+  RigProfilesResult profiles =
+      load_profiles(*scene.device->rig, fs::path(options.scene).parent_path().string());
+  add(run.errors, profiles.errors);
+  run.profiles = std::move(profiles.profiles);
   return Session::make(scene, std::move(motion), std::move(link));
 }
 
