@@ -26,18 +26,20 @@ BusError protocol_error(std::uint8_t type, std::uint8_t location) noexcept {
   return BusError::other;
 }
 
+/// slcan flags a protocol error with each report, also where it has none to name.
 BusError error_of(std::uint32_t error_class, std::uint8_t status, std::uint8_t type,
                   std::uint8_t location) noexcept {
-  if ((error_class & restarted) != 0) return BusError::restarted;
-  if ((error_class & no_acknowledge) != 0) return BusError::acknowledge;
-  if ((error_class & protocol) != 0) return protocol_error(type, location);
-  if ((error_class & controller) != 0 && (status & receive_overflow) != 0) return BusError::receive_overflow;
-  if ((error_class & controller) != 0 && (status & transmit_overflow) != 0)
-    return BusError::transmit_overflow;
-  if ((error_class & transmit_timeout) != 0) return BusError::transmit_timeout;
-  if ((error_class & transceiver) != 0) return BusError::transceiver;
-  if ((error_class & lost_arbitration) != 0) return BusError::lost_arbitration;
-  return (error_class & bus_error) != 0 ? BusError::other : BusError::none;
+  const auto has = [error_class](std::uint32_t flag) { return (error_class & flag) != 0; };
+  if (has(restarted)) return BusError::restarted;
+  if (has(no_acknowledge)) return BusError::acknowledge;
+  const BusError violation = has(protocol) ? protocol_error(type, location) : BusError::none;
+  if (violation != BusError::none && violation != BusError::other) return violation;
+  if (has(controller) && (status & receive_overflow) != 0) return BusError::receive_overflow;
+  if (has(controller) && (status & transmit_overflow) != 0) return BusError::transmit_overflow;
+  if (has(transmit_timeout)) return BusError::transmit_timeout;
+  if (has(transceiver)) return BusError::transceiver;
+  if (has(lost_arbitration)) return BusError::lost_arbitration;
+  return has(bus_error | protocol) ? BusError::other : BusError::none;
 }
 
 }  // namespace
@@ -55,6 +57,7 @@ void apply(const CanErrorReport& report, BusState& state, BusCounters& counters)
   ++counters.error_frames;
   if (report.error != BusError::none) counters.last_error = report.error;
   if (report.error == BusError::restarted) ++counters.restarts;
+  if (report.error == BusError::receive_overflow) ++counters.receive_overflow;  // one at least
   if (report.state == BusState::bus_off && state != BusState::bus_off) ++counters.bus_off_events;
   if (report.counters) {
     counters.transmit_error_counter = report.counters->transmit;

@@ -12,6 +12,8 @@ constexpr std::size_t max_interface_length = 15;  // Linux: IFNAMSIZ - 1
 constexpr std::uint32_t error_frame_flag = 0x20000000;
 constexpr std::uint32_t fd_bit_rate_switch_flag = 1;
 constexpr std::uint32_t fd_error_state_flag = 2;
+constexpr std::uint32_t fd_format_flag =
+    4;  // CANFD_FDF: Linux sets it since 5.14, candump writes what it gets
 constexpr std::int64_t max_seconds = std::numeric_limits<std::int64_t>::max() / 1'000'000'000 - 1;
 
 bool is_interface(std::string_view name) {
@@ -95,7 +97,7 @@ bool parse_body(std::string_view text, CanFrame& frame) {
   if (text.starts_with('#')) {
     std::uint32_t flags = 0;
     if (text.size() < 2 || !to_number(text.substr(1, 1), 16, flags)) return false;
-    if ((flags & ~(fd_bit_rate_switch_flag | fd_error_state_flag)) != 0) return false;
+    if ((flags & ~(fd_bit_rate_switch_flag | fd_error_state_flag | fd_format_flag)) != 0) return false;
     frame.fd = true;
     frame.bit_rate_switch = (flags & fd_bit_rate_switch_flag) != 0;
     text.remove_prefix(2);

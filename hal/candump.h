@@ -1,7 +1,7 @@
 // Lines of candump's log format: "(1631416514.717133) can0 0D2#0000FFFF10000000".
 //   (seconds.microseconds) interface ID#DATA    classic; three digits of ID: standard, eight: extended
 //   ... ID#R or ID#R<size>                      remote
-//   ... ID##<flags>DATA                         FD; flag 1: bit-rate switch, 2: error state indicator
+//   ... ID##<flags>DATA                         FD; flag 1: bit-rate switch, 2: error state, 4: FD (newer kernels)
 // The fraction has exactly six digits: can-utils takes any other count for a wrong number of microseconds.
 #pragma once
 

@@ -8,6 +8,7 @@
 #include "platform/pty_bus.h"
 #include "platform/replay_bus.h"
 #include "platform/slcan_bus.h"
+#include "platform/socket_can_bus.h"
 
 namespace godobject {
 namespace {
@@ -89,7 +90,7 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
 
 std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings& settings) {
   switch (address.kind) {
-    case BusKind::socketcan: return nullptr;
+    case BusKind::socketcan: return std::make_unique<SocketCanBus>(address.where, settings);
     case BusKind::slcan: return std::make_unique<SlcanBus>(address.where, settings);
     case BusKind::pty: return std::make_unique<PtyBus>(settings);
     case BusKind::replay: return std::make_unique<ReplayBus>(address.where, settings);

@@ -11,7 +11,8 @@
 
 namespace godobject {
 
-/// The time stamps of received frames are CLOCK_MONOTONIC, as MonotonicClock::now().
+/// The time stamps of received frames are CLOCK_MONOTONIC, as MonotonicClock::now(). Counters stay when a bus is
+/// closed and opened again.
 class LinuxBus : public CanBus {
  public:
   /// Readable when try_receive may have something new; -1 while closed. For ppoll.
@@ -45,9 +46,9 @@ constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame)
 }
 
 struct BusSettings {
-  double bit_rate = 1e6;               // bit/s; what the scene expects of the bus
-  double data_bit_rate = 0;            // bit/s, CAN FD; 0: classic
-  std::span<const CanFilter> filters;  // empty: everything
+  double bit_rate = 1e6;                 // bit/s; what the scene expects of the bus
+  double data_bit_rate = 0;              // bit/s, CAN FD; 0: classic
+  std::span<const CanFilter> filters{};  // empty: everything
 };
 
 enum class BusKind : std::uint8_t {

@@ -39,7 +39,6 @@ bool PtyBus::open() noexcept {
   cfmakeraw(&raw);
   if (tcsetattr(slave_fd_, TCSANOW, &raw) != 0) return fail("tcsetattr");
   line_.clear();
-  counters_ = {};
   return true;
 }
 

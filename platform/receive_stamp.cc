@@ -13,7 +13,7 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds oldest = 1'000'000'000;  // a frame that seems older: the wall clock was set
-constexpr Nanoseconds close_enough = 5'000;    // between two readings of the clock
+constexpr Nanoseconds close_enough = 50'000;   // between two readings of the clock: the stamp is half as good
 
 Nanoseconds nanoseconds(const timespec& t) noexcept {
   return Nanoseconds{t.tv_sec} * 1'000'000'000 + t.tv_nsec;

@@ -62,15 +62,16 @@ bool ReplayBus::fail(std::string why) {
 
 bool ReplayBus::open() noexcept {
   close();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path_, ignored)) return fail("is a directory, not a log");
   std::ifstream file(path_, std::ios::binary);
   if (!file) return fail("cannot be read: " + std::generic_category().message(errno));
   log_.assign(std::istreambuf_iterator<char>(file), {});
-  if (file.bad() || log_.empty()) return fail("is empty, or is not a file");
+  if (log_.empty()) return fail("is empty");
   if (!check_log()) return false;
   timer_fd_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
   if (timer_fd_ < 0) return fail("no timer for it: " + std::generic_category().message(errno));
   state_ = BusState::error_active;
-  counters_ = {};
   shift_ = 0;
   (void)take_next();  // check_log has seen that there is one
   shift_ = MonotonicClock().now() - next_.t_ns;

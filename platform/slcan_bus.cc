@@ -58,7 +58,6 @@ bool SlcanBus::open() noexcept {
   asks_flags_ = ask(slcan::flags_command) == Answer::flags;
   flags_due_ = MonotonicClock().now() + flags_period;
   state_ = BusState::error_active;
-  counters_ = {};
   num_unanswered_ = num_garbled_ = 0;
   reports_state_ = false;
   return true;

@@ -38,6 +38,7 @@ class SocketCanBus final : public LinuxBus {
 
   int descriptor() const noexcept override { return fd_; }
   std::string trouble() const override;
+  std::string name() const override { return interface_; }
   [[nodiscard]] bool observe(const FrameObserver& observer) noexcept override {
     observer_ = observer;
     return true;

@@ -7,8 +7,8 @@
 
 #include "hal/can_bus.h"
 #include "hal/can_timing.h"
+#include "hal/fixed_queue.h"
 #include "sim/fault_confinement.h"
-#include "sim/fixed_queue.h"
 #include "sim/random.h"
 
 namespace godobject {

@@ -38,6 +38,7 @@ TEST(CanError, NamesWhatTheDriversReport) {
       {"transmit overflow", 0x004, {0, 0x02}, BusError::transmit_overflow, std::nullopt},
       {"transmit time-out", 0x001, {}, BusError::transmit_timeout, std::nullopt},
       {"transceiver", 0x010, {0, 0, 0, 0, 0x04}, BusError::transceiver, std::nullopt},
+      {"slcan's overflow", 0x08C, {0, 0x01}, BusError::receive_overflow, std::nullopt},
       {"unspecified", 0x080, {}, BusError::other, std::nullopt},
       {"nothing", 0, {}, BusError::none, std::nullopt},
   };
@@ -88,6 +89,13 @@ TEST(CanError, LastErrorOutlivesAPlainChangeOfState) {
   EXPECT_EQ(counters.last_error, BusError::stuff);
   EXPECT_EQ(state, BusState::error_warning);
   EXPECT_EQ(counters.transmit_error_counter, 96);
+}
+
+TEST(CanError, AnOverrunInTheControllerCountsAsALostFrame) {
+  BusState state = BusState::error_active;
+  BusCounters counters;
+  apply(decode_can_error(0x004, std::array<std::uint8_t, 2>{0, 0x01}), state, counters);
+  EXPECT_EQ(counters.receive_overflow, 1u);
 }
 
 TEST(CanError, AnyBytesGiveAReport) {

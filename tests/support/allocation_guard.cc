@@ -68,6 +68,12 @@ long AllocationGuard::calls() const noexcept {
   return sum;
 }
 
+long AllocationGuard::heap_calls() const noexcept {
+  long sum = 0;
+  for (std::size_t i = call_malloc; i <= call_aligned_alloc; ++i) sum += counts[i];
+  return sum;
+}
+
 std::string AllocationGuard::report() {
   disarm();
   std::string text;

@@ -22,6 +22,8 @@ class AllocationGuard {
   void disarm() noexcept;
   /// Watched calls of this thread since construction.
   long calls() const noexcept;
+  /// Of these, the allocator's: for what may read the clock and its own descriptors.
+  long heap_calls() const noexcept;
   /// Name and number of each watched function that was called. Disarms.
   std::string report();
 

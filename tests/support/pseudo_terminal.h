@@ -27,12 +27,13 @@ class PseudoTerminal {
     return write(master_, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   }
 
-  /// Everything until `size` bytes have come, or none has for a second.
-  std::string receive(std::size_t size) const {
+  /// Everything until `size` bytes have come, or none has for so long.
+  std::string receive(std::size_t size, int timeout_ms = 1000) const {
     std::string text;
     pollfd waiting{.fd = master_, .events = POLLIN, .revents = 0};
     char byte = 0;
-    while (text.size() < size && poll(&waiting, 1, 1000) > 0 && read(master_, &byte, 1) == 1) text += byte;
+    while (text.size() < size && poll(&waiting, 1, timeout_ms) > 0 && read(master_, &byte, 1) == 1)
+      text += byte;
     return text;
   }
 

@@ -1,0 +1,61 @@
+// Bus addresses as a user types them, right and wrong.
+#include <gmock/gmock.h>
+
+#include "platform/linux_bus.h"
+
+namespace godobject {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST(BusAddress, EveryKindIsParsedAndMade) {
+  for (const auto& [text, kind, where] :
+       {std::tuple{"socketcan:can0", BusKind::socketcan, "can0"},
+        {"slcan:/dev/ttyACM0", BusKind::slcan, "/dev/ttyACM0"},
+        {"slcan:/dev/ttyUSB0,3000000", BusKind::slcan, "/dev/ttyUSB0,3000000"},
+        {"pty:", BusKind::pty, ""},
+        {"pty", BusKind::pty, ""},
+        {"replay:a:b.log", BusKind::replay, "a:b.log"},
+        {"replay:run.log,can1", BusKind::replay, "run.log,can1"}}) {
+    std::string error = "of before";
+    const std::optional<BusAddress> address = parse_bus_address(text, error);
+    ASSERT_TRUE(address.has_value()) << text << ": " << error;
+    EXPECT_THAT(error, IsEmpty());
+    EXPECT_EQ(address->kind, kind) << text;
+    EXPECT_EQ(address->where, where) << text;
+    const std::unique_ptr<LinuxBus> bus = make_bus(*address, {});
+    ASSERT_TRUE(bus) << text;
+    EXPECT_EQ(bus->state(), BusState::closed);
+    EXPECT_EQ(bus->descriptor(), -1);
+    ReceivedFrame frame;
+    EXPECT_FALSE(bus->try_receive(frame));
+    EXPECT_EQ(bus->try_send({.id = 0x80}), SendResult::down);
+    EXPECT_EQ(bus->counters().send_refused, 1u);
+  }
+}
+
+TEST(BusAddress, WhatIsWrongIsSaid) {
+  for (const auto& [text, expected] : {std::pair{"socketcam:can0", "did you mean 'socketcan'?"},
+                                       {"scan:/dev/ttyACM0", "did you mean 'slcan'?"},
+                                       {"", "socketcan:, slcan:, pty:, replay:"},
+                                       {"kvaser:0", "no kind of bus is called 'kvaser'"},
+                                       {"can0", "say what it is: socketcan:can0"},
+                                       {"/dev/ttyACM0", "slcan:/dev/ttyACM0"},
+                                       {"socketcan", "followed by INTERFACE"},
+                                       {"slcan:", "followed by PATH"},
+                                       {"replay:", "followed by FILE"},
+                                       {"pty:/dev/pts/3", "nothing follows pty"},
+                                       {"socketcan:a-name-of-16-ch.", "at most 15"}}) {
+    std::string error;
+    EXPECT_FALSE(parse_bus_address(text, error).has_value()) << text;
+    EXPECT_THAT(error, HasSubstr(expected)) << text;
+    EXPECT_THAT(error, testing::StartsWith("'" + std::string(text) + "': "));
+  }
+  std::string error;
+  EXPECT_FALSE(parse_bus_address("kvaser:0", error));
+  EXPECT_THAT(error, testing::Not(HasSubstr("did you mean")));
+}
+
+}  // namespace
+}  // namespace godobject

@@ -1,0 +1,390 @@
+// SLCAN in user space: our host against scripted adapters and against our own adapter side, and that against
+// the slcan interface of python-can.
+#include <gmock/gmock.h>
+
+#include <poll.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "platform/pty_bus.h"
+#include "platform/slcan_bus.h"
+#include "tests/platform/program.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/pseudo_terminal.h"
+
+namespace godobject::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+CanFrame numbered_frame(std::uint32_t id, std::uint8_t number) {
+  CanFrame frame{.id = id, .size = 8};
+  frame.data.fill(number);
+  std::fill(frame.data.begin() + frame.size, frame.data.end(), std::uint8_t{0});
+  return frame;
+}
+
+bool wait_for(int descriptor) {
+  pollfd waiting{.fd = descriptor, .events = POLLIN, .revents = 0};
+  return poll(&waiting, 1, 1000) > 0;
+}
+
+/// False when none has come for a second.
+bool receive(LinuxBus& bus, ReceivedFrame& frame) {
+  while (!bus.try_receive(frame))
+    if (!wait_for(bus.descriptor())) return false;
+  return true;
+}
+
+/// An adapter that answers as it is told: a fixed text per command line, by the line's first letter.
+class ScriptedAdapter {
+ public:
+  explicit ScriptedAdapter(std::map<char, std::string> answers)
+      : answers_(std::move(answers)), thread_([this] { serve(); }) {}
+  ~ScriptedAdapter() {
+    stop_ = true;
+    thread_.join();
+  }
+  const std::string& path() const { return terminal_.slave(); }
+  void say(const std::string& text) { EXPECT_TRUE(terminal_.send(text)); }
+  /// After this nothing is answered any more.
+  void hang_up() {
+    stop_ = true;
+    thread_.join();
+    thread_ = std::thread([] {});
+    terminal_.hang_up();
+  }
+  std::string asked() {
+    const std::lock_guard lock(mutex_);
+    return asked_;
+  }
+
+ private:
+  void serve() {
+    for (std::string line; !stop_;) {
+      const std::string text = terminal_.receive(1, 5);
+      if (text.empty()) continue;
+      const std::lock_guard lock(mutex_);
+      asked_ += text;
+      if (text != "\r") {
+        line += text;
+        continue;
+      }
+      if (!line.empty() && answers_.contains(line[0])) (void)terminal_.send(answers_.at(line[0]));
+      line.clear();
+    }
+  }
+
+  PseudoTerminal terminal_{};
+  std::map<char, std::string> answers_;
+  std::mutex mutex_{};
+  std::string asked_{};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+const std::map<char, std::string> good_adapter{
+    {'C', "\a"}, {'S', "\r"}, {'O', "\r"}, {'F', "F00\r"}, {'t', "z\r"}};
+
+/// good_adapter, but for some answers.
+std::map<char, std::string> adapter_with(const std::map<char, std::string>& others) {
+  std::map<char, std::string> answers = good_adapter;
+  for (const auto& [command, answer] : others) answers[command] = answer;
+  return answers;
+}
+
+/// Reads on until `done`, or nothing has come for a second.
+template <class Done>
+void pump(SlcanBus& bus, Done done) {
+  ReceivedFrame frame;
+  while (!done()) {
+    while (bus.try_receive(frame)) continue;
+    if (done() || !wait_for(bus.descriptor())) break;
+  }
+}
+
+TEST(SlcanBus, OpensClosesAndCountsAcknowledgedFrames) {
+  ScriptedAdapter adapter(good_adapter);
+  SlcanBus bus(adapter.path(), {.bit_rate = 500e3});
+  ASSERT_TRUE(bus.open()) << bus.trouble();
+  EXPECT_EQ(bus.state(), BusState::error_active);
+  EXPECT_THAT(bus.trouble(), IsEmpty());
+  EXPECT_EQ(bus.name(), adapter.path());
+  EXPECT_EQ(bus.try_send({.id = 0x123, .size = 1}), SendResult::queued);
+  EXPECT_EQ(bus.counters().sent, 0u) << "not acknowledged yet";
+  pump(bus, [&] { return bus.counters().sent == 1; });
+  EXPECT_EQ(bus.counters().sent, 1u);
+  bus.close();
+  EXPECT_EQ(bus.state(), BusState::closed);
+  EXPECT_THAT(adapter.asked(), testing::StartsWith("\rC\rS6\rO\rF\rt123100\r"));
+}
+
+TEST(SlcanBus, ReceivesFramesAmongGarbage) {
+  ScriptedAdapter adapter(good_adapter);
+  SlcanBus bus(adapter.path(), {});
+  ASSERT_TRUE(bus.open()) << bus.trouble();
+  adapter.say("t18128\rt1812ABCD\r\r\n" + std::string(100, '?') + "\rT0000018100123\r");
+  ReceivedFrame frame;
+  ASSERT_TRUE(receive(bus, frame));
+  EXPECT_EQ(frame.frame.id, 0x181u);
+  EXPECT_EQ(frame.frame.data[1], 0xCD);
+  ASSERT_TRUE(receive(bus, frame));
+  EXPECT_TRUE(frame.frame.extended);
+  EXPECT_EQ(bus.counters().received, 2u);
+  EXPECT_THAT(bus.trouble(), HasSubstr("2 lines were garbled"));
+}
+
+TEST(SlcanBus, SaysWhatTheAdapterRefuses) {
+  ScriptedAdapter rate(adapter_with({{'S', "\a"}}));
+  SlcanBus bus(rate.path(), {});
+  EXPECT_FALSE(bus.open());
+  EXPECT_THAT(bus.trouble(), HasSubstr("refuses the bit rate"));
+  EXPECT_EQ(bus.state(), BusState::closed);
+  ScriptedAdapter channel(adapter_with({{'O', "\a"}}));
+  SlcanBus other(channel.path(), {});
+  EXPECT_FALSE(other.open());
+  EXPECT_THAT(other.trouble(), HasSubstr("refuses to open its channel"));
+}
+
+TEST(SlcanBus, GivesUpWhereNothingAnswers) {
+  PseudoTerminal silent;
+  SlcanBus bus(silent.slave() + ",9600", {});
+  EXPECT_FALSE(bus.open());
+  EXPECT_THAT(bus.trouble(), HasSubstr("nothing answers there"));
+  EXPECT_THAT(bus.trouble(), HasSubstr("9600 baud"));
+}
+
+TEST(SlcanBus, RefusesWhatSlcanCannotDoBeforeItTouchesThePort) {
+  SlcanBus rate("/dev/null", {.bit_rate = 83.3e3});
+  EXPECT_FALSE(rate.open());
+  EXPECT_THAT(rate.trouble(), HasSubstr("no bit rate of 83300"));
+  SlcanBus fd("/dev/null", {.data_bit_rate = 5e6});
+  EXPECT_FALSE(fd.open());
+  EXPECT_THAT(fd.trouble(), HasSubstr("no CAN FD"));
+  SlcanBus baud("/dev/null,fast", {});
+  EXPECT_FALSE(baud.open());
+  EXPECT_THAT(baud.trouble(), HasSubstr("not a number"));
+  SlcanBus no_port("/dev/null", {});
+  EXPECT_FALSE(no_port.open());
+  EXPECT_THAT(no_port.trouble(), HasSubstr("not a terminal"));
+}
+
+TEST(SlcanBus, FlagsOfTheAdapterBecomeStates) {
+  ScriptedAdapter adapter(adapter_with({{'F', "FA5\r"}}));
+  SlcanBus bus(adapter.path(), {});
+  ASSERT_TRUE(bus.open()) << bus.trouble();
+  adapter.say("FA5\r");  // bus error, error passive, error warning, receive queue full
+  pump(bus, [&] { return bus.state() != BusState::error_active; });
+  EXPECT_EQ(bus.state(), BusState::error_passive);
+  EXPECT_GE(bus.counters().error_frames, 1u);
+  EXPECT_GE(bus.counters().receive_overflow, 1u);
+  EXPECT_THAT(bus.trouble(), HasSubstr("termination"));
+}
+
+TEST(SlcanBus, ErrorLinesOfTheKernelsDialectBecomeStatesUpToBusOff) {
+  ScriptedAdapter adapter(adapter_with({{'F', "\a"}}));
+  SlcanBus bus(adapter.path(), {});
+  ASSERT_TRUE(bus.open()) << bus.trouble();
+  adapter.say("sw096100\r");
+  pump(bus, [&] { return bus.state() == BusState::error_warning; });
+  EXPECT_EQ(bus.state(), BusState::error_warning);
+  EXPECT_EQ(bus.counters().transmit_error_counter, 100);
+  EXPECT_EQ(bus.counters().receive_error_counter, 96);
+  adapter.say("e1a\rsb255000\r");
+  pump(bus, [&] { return bus.state() == BusState::bus_off; });
+  EXPECT_EQ(bus.counters().last_error, BusError::acknowledge);
+  EXPECT_EQ(bus.counters().bus_off_events, 1u);
+  EXPECT_EQ(bus.try_send({.id = 0x80}), SendResult::off);
+  EXPECT_THAT(bus.trouble(), HasSubstr("bus-off"));
+}
+
+TEST(SlcanBus, AFrameTheAdapterRefusesIsCountedAsDropped) {
+  ScriptedAdapter adapter(adapter_with({{'t', "\a"}}));
+  SlcanBus bus(adapter.path(), {});
+  ASSERT_TRUE(bus.open()) << bus.trouble();
+  ASSERT_EQ(bus.try_send({.id = 0x80}), SendResult::queued);
+  pump(bus, [&] { return bus.counters().send_dropped == 1; });
+  EXPECT_EQ(bus.counters().send_dropped, 1u);
+  EXPECT_EQ(bus.counters().sent, 0u);
+  EXPECT_THAT(bus.trouble(), HasSubstr("refused 1 frames"));
+}
+
+TEST(SlcanBus, UnpluggedIsGone) {
+  ScriptedAdapter adapter(good_adapter);
+  SlcanBus bus(adapter.path(), {});
+  ASSERT_TRUE(bus.open()) << bus.trouble();
+  adapter.hang_up();
+  ASSERT_TRUE(wait_for(bus.descriptor()));
+  ReceivedFrame frame;
+  EXPECT_FALSE(bus.try_receive(frame));
+  EXPECT_EQ(bus.state(), BusState::gone);
+  EXPECT_THAT(bus.trouble(), HasSubstr("reopen"));
+  EXPECT_EQ(bus.try_send({.id = 0x80}), SendResult::down);
+  EXPECT_FALSE(bus.open());
+}
+
+/// Our host on the terminal of our adapter side, opened.
+class OurTwoEnds : public testing::Test {
+ protected:
+  OurTwoEnds() {
+    EXPECT_TRUE(adapter_.open()) << adapter_.trouble();
+    host_ = std::make_unique<SlcanBus>(adapter_.name(), BusSettings{});
+    EXPECT_THAT(adapter_.trouble(), HasSubstr("waits for the other end"));
+    EXPECT_EQ(adapter_.try_send({.id = 0x80}), SendResult::down);
+    std::atomic<bool> opened{false};
+    std::thread opening([&] {
+      EXPECT_TRUE(host_->open()) << host_->trouble();
+      opened = true;
+    });
+    ReceivedFrame frame;
+    while (!opened) {
+      EXPECT_FALSE(adapter_.try_receive(frame));
+      pollfd waiting{.fd = adapter_.descriptor(), .events = POLLIN, .revents = 0};
+      poll(&waiting, 1, 10);
+    }
+    opening.join();
+    EXPECT_EQ(adapter_.state(), BusState::error_active);
+    EXPECT_THAT(adapter_.trouble(), IsEmpty());
+  }
+
+  PtyBus adapter_{BusSettings{}};
+  std::unique_ptr<SlcanBus> host_;
+};
+
+TEST_F(OurTwoEnds, FramesGoBothWaysWithoutAllocating) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has the allocator";
+  AllocationGuard guard;
+  for (std::uint8_t i = 0; i < 200; ++i) {
+    ReceivedFrame frame;
+    ASSERT_EQ(host_->try_send(numbered_frame(0x201, i)), SendResult::queued);
+    ASSERT_TRUE(receive(adapter_, frame));
+    ASSERT_EQ(frame.frame.data, numbered_frame(0x201, i).data);
+    ASSERT_EQ(adapter_.try_send(numbered_frame(0x181, i)), SendResult::queued);
+    ASSERT_TRUE(receive(*host_, frame));
+    ASSERT_EQ(frame.frame.id, 0x181u);
+    ASSERT_EQ(frame.frame.data, numbered_frame(0x181, i).data);
+  }
+  guard.disarm();
+  EXPECT_EQ(guard.heap_calls(), 0) << guard.report();
+  EXPECT_EQ(host_->counters().sent, 200u);
+  EXPECT_EQ(host_->counters().received, 200u);
+  EXPECT_EQ(adapter_.counters().received, 200u);
+}
+
+TEST_F(OurTwoEnds, AFullLineIsSaidAndWhatWasQueuedArrivesWholeAndInOrder) {
+  std::size_t num_queued = 0;
+  while (host_->try_send(numbered_frame(0x201, static_cast<std::uint8_t>(num_queued))) == SendResult::queued)
+    ASSERT_LT(++num_queued, 1'000'000u);
+  EXPECT_EQ(host_->state(), BusState::error_active);
+  EXPECT_EQ(host_->counters().send_refused, 1u);
+  for (std::size_t i = 0; i < num_queued; ++i) {
+    ReceivedFrame frame;
+    while (!adapter_.try_receive(frame)) {
+      ReceivedFrame none;
+      EXPECT_FALSE(host_->try_receive(none));  // writes what is still queued
+      ASSERT_TRUE(wait_for(adapter_.descriptor())) << i << " of " << num_queued;
+    }
+    ASSERT_EQ(frame.frame.data[0], i % 256) << i;
+  }
+}
+
+TEST_F(OurTwoEnds, TheAdapterIsDownAgainWhenTheHostHasClosed) {
+  host_->close();
+  ReceivedFrame frame;
+  while (adapter_.state() == BusState::error_active && wait_for(adapter_.descriptor()))
+    EXPECT_FALSE(adapter_.try_receive(frame));
+  EXPECT_EQ(adapter_.state(), BusState::down);
+}
+
+TEST_F(OurTwoEnds, TheHostSeesTheAdapterGo) {
+  adapter_.close();
+  EXPECT_EQ(adapter_.name(), "");
+  ReceivedFrame frame;
+  EXPECT_FALSE(host_->try_receive(frame));
+  EXPECT_EQ(host_->state(), BusState::gone);
+}
+
+TEST(PtyBus, RefusesWhatAnAdapterRefuses) {
+  PtyBus adapter({.bit_rate = 500e3});
+  ASSERT_TRUE(adapter.open());
+  SerialPort host;
+  ASSERT_TRUE(host.open(adapter.name(), {}));
+  const auto ask = [&](std::string_view command) {
+    EXPECT_EQ(host.write({reinterpret_cast<const std::uint8_t*>(command.data()), command.size()}),
+              command.size());
+    ReceivedFrame frame;
+    EXPECT_FALSE(wait_for(adapter.descriptor()) && adapter.try_receive(frame)) << command;
+    std::array<std::uint8_t, 64> answer{};
+    EXPECT_TRUE(host.wait_readable(1'000'000'000)) << command;
+    return std::string(answer.begin(), answer.begin() + static_cast<std::ptrdiff_t>(host.read(answer)));
+  };
+  EXPECT_EQ(ask("t0800\r"), "\a") << "the channel is closed";
+  EXPECT_EQ(ask("F\r"), "\a");
+  EXPECT_EQ(ask("S8\r"), "\r");
+  EXPECT_EQ(ask("L\r"), "\r");
+  EXPECT_THAT(adapter.trouble(), HasSubstr("expects 1000000 bit/s, this bus has 500000"));
+  EXPECT_EQ(ask("t0800\r"), "\a") << "it only listens";
+  EXPECT_EQ(ask("S6\r"), "\a") << "the channel is open";
+  EXPECT_EQ(ask("O\r"), "\a") << "open already";
+  EXPECT_EQ(ask("F\r"), "F00\r");
+  EXPECT_EQ(ask("V\r"), "V1013\r");
+  EXPECT_EQ(ask("N\r"), "NGODO\r");
+  EXPECT_EQ(ask("Z1\r"), "\a");
+  EXPECT_EQ(ask("s031C\r"), "\a");
+  EXPECT_EQ(ask("\rC\r"), "\r") << "once: an empty line is no command";
+}
+
+/// python-can as the other end: sends eight frames, expects them back with the identifier raised by one.
+constexpr const char* python_host = R"(
+import sys, can
+bus = can.Bus(sys.argv[1], bustype="slcan", bitrate=1000000, sleep_after_open=0)
+for i in range(8):
+    sent = can.Message(arbitration_id=0x100 + 2 * i, is_extended_id=i % 2 == 1, data=bytes(range(i)))
+    bus.send(sent)
+    answer = None
+    while answer is None:  # the acknowledgement of our own frame is one, too
+        answer = bus.recv(5)
+    assert answer.arbitration_id == sent.arbitration_id + 1, answer
+    assert answer.is_extended_id == sent.is_extended_id and answer.data == sent.data, answer
+bus.shutdown()
+print("all eight")
+)";
+
+TEST(PtyBus, PythonCanTalksToIt) {
+  if (std::system("/usr/bin/python3 -c 'import can, serial' 2> /dev/null") != 0)
+    GTEST_SKIP() << "/usr/bin/python3 has no module can: apt-get install python3-can python3-serial";
+  PtyBus adapter({});
+  ASSERT_TRUE(adapter.open());
+  const std::string command =
+      "timeout 30 /usr/bin/python3 -c '" + std::string(python_host) + "' " + adapter.name() + " 2>&1";
+  std::FILE* const python = popen(command.c_str(), "r");
+  ASSERT_NE(python, nullptr);
+  bool finished = false;
+  std::string output;
+  while (!finished) {
+    std::array<pollfd, 2> waiting{pollfd{.fd = adapter.descriptor(), .events = POLLIN, .revents = 0},
+                                  pollfd{.fd = fileno(python), .events = POLLIN, .revents = 0}};
+    ASSERT_GT(poll(waiting.data(), waiting.size(), 60'000), 0);
+    for (ReceivedFrame frame; adapter.try_receive(frame);) {
+      ++frame.frame.id;
+      EXPECT_EQ(adapter.try_send(frame.frame), SendResult::queued);
+    }
+    if (waiting[1].revents == 0) continue;
+    std::array<char, 4096> buffer{};
+    const ssize_t n = read(fileno(python), buffer.data(), buffer.size());
+    finished = n <= 0;
+    if (n > 0) output.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  EXPECT_EQ(pclose(python), 0) << output;
+  EXPECT_THAT(output, HasSubstr("all eight"));
+  EXPECT_EQ(adapter.counters().received, 8u);
+}
+
+}  // namespace
+}  // namespace godobject::test
