@@ -29,7 +29,7 @@ class LinuxBus : public CanBus {
   virtual std::string name() const { return {}; }
 };
 
-/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask). Remote frames do not pass.
+/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
 struct CanFilter {
   std::uint32_t id = 0;
   std::uint32_t mask = 0;

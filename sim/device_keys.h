@@ -54,19 +54,19 @@ void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
 }
 
 template <class V>
-void visit_node(V& v, const RigNames& names, std::size_t& bus, std::uint8_t& node_id) {
+void visit_node(V& v, const RigNames& names, std::string_view id_meaning, std::size_t& bus,
+                std::uint8_t& node_id) {
   v.one_of(Key{.name = "bus", .unit = "", .meaning = "name of the bus it hangs on", .required = true},
            names.buses, bus);
-  v.value(Key{"node_id", "", "CANopen node-ID; of an ODrive 1 to 62, of a moteus its id", {1, 127}, true},
-          node_id);
+  v.value(Key{"node_id", "", id_meaning, {1, 127}, true}, node_id);
 }
 
 template <class V>
-void visit_sensor_node(V& v, const RigNames& names, std::string& joint, std::size_t& bus,
-                       std::uint8_t& node_id, std::string& profile) {
+void visit_sensor_node(V& v, const RigNames& names, std::string_view id_meaning, std::string& joint,
+                       std::size_t& bus, std::uint8_t& node_id, std::string& profile) {
   choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true},
          names.joints, joint);
-  visit_node(v, names, bus, node_id);
+  visit_node(v, names, id_meaning, bus, node_id);
   v.value(
       Key{"profile", "",
           "how a CANopen node on a real bus is set up, see docs/canopen.md; empty: not at all, it is as the "
@@ -75,15 +75,11 @@ void visit_sensor_node(V& v, const RigNames& names, std::string& joint, std::siz
 }
 
 template <class V>
-void visit_calibration(V& v, std::string_view sign_key, const RigNames& names, const std::string& joint,
-                       Calibration& c) {
-  v.either(
-      Key{"counts_per_unit", "1/rad or 1/m",
-          "counts per unit of the joint coordinate; or give `counts_per_turn`; an ODrive and a moteus have "
-          "100000 counts per turn of the motor",
-          positive, true},
-      Key{"counts_per_turn", "", "counts per full turn of a hinge", positive}, 1 / (2 * std::numbers::pi),
-      std::nullopt, c.counts_per_unit);
+void visit_calibration(V& v, std::string_view sign_key, std::string_view counts_meaning,
+                       const RigNames& names, const std::string& joint, Calibration& c) {
+  v.either(Key{"counts_per_unit", "1/rad or 1/m", counts_meaning, positive, true},
+           Key{"counts_per_turn", "", "counts per full turn of a hinge", positive},
+           1 / (2 * std::numbers::pi), std::nullopt, c.counts_per_unit);
   const auto index = static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
   const bool slider = index < names.kinds.size() && names.kinds[index] == DeviceJointKind::slider;
   v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
@@ -105,14 +101,16 @@ void visit_max_speed(V& v, double& max_speed) {
 
 template <class V>
 void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
-  visit_sensor_node(v, names, e.joint, e.bus, e.node_id, e.profile);
-  visit_calibration(v, "sign", names, e.joint, e.calibration);
+  visit_sensor_node(v, names, "CANopen node-ID", e.joint, e.bus, e.node_id, e.profile);
+  visit_calibration(v, "sign", "counts per unit of the joint coordinate; or give `counts_per_turn`", names,
+                    e.joint, e.calibration);
   visit_max_speed(v, e.max_speed);
 }
 
 template <class V>
 void visit_drive(V& v, const RigNames& names, DriveParams& d) {
-  visit_sensor_node(v, names, d.joint, d.bus, d.node_id, d.profile);
+  visit_sensor_node(v, names, "CANopen node-ID; of an ODrive 1 to 62, of a moteus its id", d.joint, d.bus,
+                    d.node_id, d.profile);
   choose(v, Key{"protocol", "", "what it speaks, see docs/new-device.md; each protocol has a bus of its own"},
          drive_protocol_names, d.protocol);
   const BusProtocol protocol = bus_protocol(d.protocol);
@@ -136,7 +134,11 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
           d.status_every_nth_sync);
   v.check(protocol.canopen || d.status_every_nth_sync == 1, "status_every_nth_sync",
           "must be 1 with this protocol: the drive answers every request");
-  visit_calibration(v, "counts_sign", names, d.joint, d.calibration);
+  visit_calibration(
+      v, "counts_sign",
+      "counts per unit of the joint coordinate; or give `counts_per_turn`; an ODrive and a moteus have "
+      "100000 counts per turn of the motor",
+      names, d.joint, d.calibration);
   visit_max_speed(v, d.max_speed);
 }
 
@@ -148,7 +150,7 @@ void visit_button(V& v, const RigNames& names, ButtonParams& b) {
           "hold: pressed it takes hold of the nearest body, pressed again it lets go; clutch: of a relative "
           "device, closed while pressed"},
       button_use_names, b.use);
-  visit_node(v, names, b.bus, b.node_id);
+  visit_node(v, names, "CANopen node-ID", b.bus, b.node_id);
   v.value(Key{"bit", "", "of the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);
   v.value(Key{"active_low", "", "pressed is 0"}, b.active_low);
 }

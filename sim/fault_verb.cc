@@ -16,8 +16,9 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1,
      .min = 0,
      .max = 1,
-     .reaction = "single frames: the last sample is held, the last command too. All of an encoder's: "
-                 "`sample_stale`; of a drive's: `drive_silent`, and its own watchdog stops the motor"},
+     .reaction =
+         "single frames: the last sample is held, the last command too. Three in a row of an encoder's: "
+         "`sample_stale`; of a drive's: `drive_silent`, and its own watchdog stops the motor"},
     {.verb = FaultVerb::duplicate,
      .name = "duplicate",
      .place = FaultPlace::bus_or_node,
@@ -60,6 +61,8 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .meaning = "the sensor shows a place that far off, for one sample or for the duration",
      .value = "rad or m",
      .default_value = 1,
+     .min = -1e3,
+     .max = 1e3,
      .is_event = true,
      .reaction = "one sample: it is not used, that step holds the last one. Three of five: "
                  "`sample_implausible`"},

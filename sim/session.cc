@@ -21,6 +21,7 @@ PoseError worst(const PoseError& a, const PoseError& b) noexcept {
 }  // namespace
 
 Session::Session(const SceneConfig& scene, Motion motion) : scene_(scene), motion_(std::move(motion)) {
+  if (scene_.device && scene_.device->rig) scene_.device->rig->cycle_s = scene_.step;
   const auto period_ns = static_cast<double>(std::llround(scene.step * 1e9));
   gather_ns_ = static_cast<Nanoseconds>(gather_share * period_ns) / gather_polls * gather_polls;
 }
@@ -73,8 +74,7 @@ void Session::connect(std::unique_ptr<RigLink> buses, std::vector<std::string>& 
                      "' describes no buses, encoders and joints: add them, or run it with --bus direct");
     return;
   }
-  RigParams rig = *scene_.device->rig;
-  rig.cycle_s = scene_.step;
+  const RigParams& rig = *scene_.device->rig;
   for (const std::string& error : validate(rig)) errors.push_back(error);
   if (scene_.device->kind == DeviceKind::admittance)
     errors.push_back("admittance devices run with --bus direct for now");

@@ -120,7 +120,9 @@ class Session {
   }
   /// Mean load of each simulated bus so far, percent; empty without one.
   std::vector<double> bus_load_percent() const;
-  /// Time on the buses' clock at which the motion begins, after boot().
+  /// Time on the buses' clock at which this period began, or the last one; 0 without a bus.
+  Nanoseconds bus_time_ns() const noexcept { return t_bus_ns_; }
+  /// The same at which the motion began, after the first boot.
   Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
   /// Steps are timed by this; by default they are not.
   void set_step_clock(Nanoseconds (*now)() noexcept) noexcept { step_clock_ = now; }

@@ -47,9 +47,7 @@ void Session::restart() {
   phase_ = RunPhase::off;
   if (!rig_) return;
   earlier_rigs_ = rig_counters();
-  RigParams rig = *scene_.device->rig;
-  rig.cycle_s = scene_.step;
-  rig_.emplace(rig, link_->buses());
+  rig_.emplace(*scene_.device->rig, link_->buses());
   let_go_ = true;
 }
 
@@ -68,7 +66,7 @@ void Session::shut_down() noexcept {
 void Session::boot_cycle() noexcept {
   static_cast<void>(exchange());
   static_cast<void>(command({}));
-  motion_start_ns_ = t_bus_ns_;
+  if (cycle_ == 0) motion_start_ns_ = t_bus_ns_;
   if (rig_->state() == RigState::ready && rig_->arm()) {
     phase_ = RunPhase::running;
   } else if (rig_->state() == RigState::fault || --periods_left_ <= 0) {

@@ -6,6 +6,13 @@ namespace godobject {
 
 using odrive::Command;
 
+namespace {
+
+// No two drives' clocks agree: their cyclic messages do not come all at once.
+constexpr Nanoseconds phase_step_ns = 1'370'000;
+
+}  // namespace
+
 void SimOdrive::poll(Nanoseconds now) noexcept {
   for (ReceivedFrame received; bus_.try_receive(received);) on_frame(received.frame, now);
   if (closed_loop() && now >= t_fed_ns_ + watchdog_ns) fail(odrive::error_watchdog);
@@ -29,7 +36,8 @@ void SimOdrive::power_cycle(Nanoseconds now) noexcept {
   error_ = 0;
   torque_mode_ = false;
   torque_Nm_ = 0;
-  t_heartbeat_ns_ = t_torques_ns_ = now;
+  t_heartbeat_ns_ = now + phase_step_ns * node_id();
+  t_torques_ns_ = t_heartbeat_ns_ + phase_step_ns;
 }
 
 void SimOdrive::set_clock_error(double ppm, Nanoseconds) noexcept { clock_rate_ = 1 + 1e-6 * ppm; }

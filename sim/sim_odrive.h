@@ -13,7 +13,7 @@ class SimOdrive final : public SimNode, public SimMotor {
   static constexpr Nanoseconds watchdog_ns = 20'000'000;  // axis.config.watchdog_timeout
 
   /// bus: must outlive it and be opened by the caller.
-  SimOdrive(CanBus& bus, const DriveParams& params) noexcept : bus_(bus), params_(params) {}
+  SimOdrive(CanBus& bus, const DriveParams& params) noexcept : bus_(bus), params_(params) { power_cycle(0); }
 
   void poll(Nanoseconds now) noexcept override;
   Nanoseconds next_timer() const noexcept override;

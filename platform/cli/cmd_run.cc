@@ -1,6 +1,8 @@
 // godobject run: a scene, its device and its motion, for a while.
+#include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <memory>
 
 #include "platform/cli/option_checks.h"
@@ -8,6 +10,7 @@
 #include "platform/cli/run_options.h"
 #include "platform/cli/run_report.h"
 #include "platform/cli/verbs.h"
+#include "platform/clock.h"
 
 namespace godobject {
 namespace {
@@ -23,42 +26,66 @@ bool write_report(const std::string& path, const RunReport& report) {
   return !file.fail();
 }
 
-ExitCode run(const RunOptions& options) {
+/// On real buses the stamps of frames are those of the monotonic clock; logs have the time of day.
+Nanoseconds log_origin_ns() {
+  const auto day = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(day).count() - MonotonicClock{}.now();
+}
+
+ExitCode run(RunOptions options) {
   PreparedRun prepared = prepare(options);
   print_lines(stderr, "note: ", prepared.notes);
   print_lines(stderr, "", prepared.errors);
   if (!prepared.session) return ExitCode::usage;
 
   Session& session = *prepared.session;
-  RunFiles files(options.trace, options.record, session.scene());
-  const std::optional<RunResult> result = options.realtime ? run_realtime(session, prepared.num_cycles, files)
-                                                           : run_fast(session, prepared.num_cycles, files);
+  std::optional<RunLink> real;
+  if (prepared.link) {
+    options.realtime = true;
+    real.emplace(*prepared.link, prepared.buses, *session.scene().device->rig, prepared.profiles);
+    const std::vector<std::string> closed = open_buses(real->link, real->plan, real->rig);
+    print_lines(stderr, "", closed);
+    if (!closed.empty()) return ExitCode::not_available;
+  }
+  RunFiles files(options.trace, options.record, session.scene(), real ? log_origin_ns() : 0);
+  const std::optional<RunResult> result =
+      options.realtime ? run_realtime(session, prepared.plan, files, real ? &*real : nullptr)
+                       : run_fast(session, prepared.plan, files);
   if (!result) {
     std::fputs("--realtime: this machine lets the program start no thread\n", stderr);
     return ExitCode::not_available;
   }
-  RunReport report = make_report(options, session, *result, files.close());
+  RunReport report = make_report(options, prepared, *result, files.close());
   if (!options.report.empty() && !write_report(options.report, report))
     report.faults.push_back({.name = "file_incomplete", .text = options.report + " could not be written"});
   print_summary(stdout, report);
   return report.faults.empty() ? ExitCode::ok : ExitCode::fault;
 }
 
-void add_options(CLI::App& verb, RunOptions& options, bool& fast) {
+void add_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("SCENE", options.scene, "scene file (TOML), see docs/scenes.md")->required();
   auto* realtime = verb.add_flag("--realtime", options.realtime,
                                  "one cycle a period on a real-time thread, with a live status line");
-  verb.add_flag("--fast", fast,
+  verb.add_flag("--fast", options.fast,
                 "simulated clock, as fast as the machine allows, bit-identical each time (default)")
       ->excludes(realtime);
   verb.add_option("--duration", options.duration,
                   "s; default: the motion file's end, else the scene's duration")
       ->check(number_above(0, 1e6));
-  verb.add_option_function<std::string>(
-          "--bus",
-          [&](const std::string& bus) { options.bus = bus == "sim" ? BusChoice::sim : BusChoice::direct; },
-          "sim: through simulated encoders, wires and drives (default); direct: the motion as it is")
-      ->check(CLI::IsMember({"sim", "direct"}));
+  verb.add_option(
+          "--bus", options.buses,
+          "sim: through simulated encoders, wires and drives (default); direct: the motion as it is; an "
+          "address (socketcan:can0, slcan:/dev/ttyACM0, pty, replay:FILE) or, for each bus of the scene, "
+          "NAME=ADDRESS: a real device, see docs/running.md")
+      ->type_name("BUS")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb.add_option(
+          "--rearm", options.rearm,
+          "after a fault of the device. never: no torque any more (default); auto: once its buses are back "
+          "its nodes are set up, booted and ARMED again")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Rearm>{{"never", Rearm::never}, {"auto", Rearm::automatic}}));
   verb.add_option(
       "--motion", options.motion,
       "CSV of the target's poses or the device's joints over time, and of letting go and the clutch");
@@ -76,9 +103,8 @@ void add_options(CLI::App& verb, RunOptions& options, bool& fast) {
 void add_run(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand("run", "Run a scene.");
   const auto options = std::make_shared<RunOptions>();
-  const auto fast = std::make_shared<bool>();  // says what is the default
-  add_options(*verb, *options, *fast);
-  verb->callback([options, fast, &code] { code = run(*options); });
+  add_options(*verb, *options);
+  verb->callback([options, &code] { code = run(*options); });
 }
 
 }  // namespace godobject

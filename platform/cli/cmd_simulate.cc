@@ -37,11 +37,12 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   Simulation& simulation = *prepared.simulation;
   const StopSignals stop;
   prctl(PR_SET_TIMERSLACK, 1UL);  // ns: answers to SYNC are fractions of a millisecond apart
-  LineInput input(STDIN_FILENO);
+  std::optional<LineInput> input;
+  if (options.control) input.emplace(STDIN_FILENO);
   std::vector<pollfd> descriptors;
   for (const int fd : simulation.descriptors())
     descriptors.push_back({.fd = fd, .events = POLLIN, .revents = 0});
-  if (options.control) descriptors.push_back({.fd = STDIN_FILENO, .events = POLLIN, .revents = 0});
+  if (input) descriptors.push_back({.fd = STDIN_FILENO, .events = POLLIN, .revents = 0});
   announce(simulation);
   const Nanoseconds start = MonotonicClock{}.now();
   const double end_s = options.duration.value_or(std::numeric_limits<double>::infinity());
@@ -49,11 +50,11 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   for (std::string line; !quit && !stop.requested();) {
     simulation.step(MonotonicClock{}.now() - start);
     if (1e-9 * static_cast<double>(simulation.now()) >= end_s) break;
-    while (options.control && !quit && input.try_line(line)) {
+    while (input && !quit && input->try_line(line)) {
       std::puts(answer(line, prepared.rig, simulation, quit).c_str());
       std::fflush(stdout);
     }
-    if (options.control) descriptors.back().fd = input.descriptor();
+    if (input) descriptors.back().fd = input->descriptor();
     wait(descriptors, start + simulation.next_event());
   }
 }

@@ -38,12 +38,23 @@ inline constexpr std::array<CoreFaultText, 4> core_fault_texts{{
       "fewer spheres, or a composition with room for more: godobject check prints what the scene has"}},
 }};
 
-enum class RunFault : std::size_t { not_ready, unreachable, file_incomplete, records_lost };
+enum class RunFault : std::size_t {
+  not_ready,
+  not_set_up,
+  recovered,
+  unreachable,
+  file_incomplete,
+  records_lost,
+};
 
 /// In the order of RunFault.
-inline constexpr std::array<FaultText, 4> run_fault_texts{{
+inline constexpr std::array<FaultText, 6> run_fault_texts{{
     {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
      "check power, cables and bit rates; see boot_timeout"},
+    {"not_set_up", "a node could not be commissioned; no cycle was run",
+     "the line says device, object, what happened and the line of its profile"},
+    {"recovered", "with --rearm auto: the device was lost and armed again",
+     "see the faults that are named with it"},
     {"unreachable", "the motion left the workspace of the device, or met a singular configuration",
      "move the device's base, or scale the motion"},
     {"file_incomplete", "a trace, record or report could not be written in full", "is the disk full?"},

@@ -102,7 +102,8 @@ BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
   return plan;
 }
 
-std::unique_ptr<LinuxLink> make_link(const BusPlan& plan, const RigParams& rig, bool everything) {
+std::unique_ptr<LinuxLink> make_link(const BusPlan& plan, const RigParams& rig, double step,
+                                     bool everything) {
   const std::vector<std::vector<CanFilter>> filters = rig_filters(rig);
   std::vector<std::unique_ptr<LinuxBus>> buses;
   for (std::size_t i = 0; i < plan.addresses.size(); ++i) {
@@ -111,7 +112,7 @@ std::unique_ptr<LinuxLink> make_link(const BusPlan& plan, const RigParams& rig, 
     if (!everything) settings.filters = filters[i];
     buses.push_back(make_bus(plan.addresses[i], settings));
   }
-  return std::make_unique<LinuxLink>(std::move(buses), std::llround(1e9 * rig.cycle_s));
+  return std::make_unique<LinuxLink>(std::move(buses), std::llround(1e9 * step));
 }
 
 std::vector<std::string> open_buses(LinuxLink& link, const BusPlan& plan, const RigParams& rig) {

@@ -23,8 +23,8 @@ struct BusPlan {
 BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
                    std::vector<std::string>& errors, std::vector<std::string>& notes);
 
-/// The buses of the plan, closed. everything: also the frames that the rig does not listen to.
-std::unique_ptr<LinuxLink> make_link(const BusPlan& plan, const RigParams& rig, bool everything);
+/// The buses of the plan, closed. step: s. everything: also the frames that the rig does not listen to.
+std::unique_ptr<LinuxLink> make_link(const BusPlan& plan, const RigParams& rig, double step, bool everything);
 
 /// Opens all that are closed. One line for each that does not open: bus, address, why, what to do.
 std::vector<std::string> open_buses(LinuxLink& link, const BusPlan& plan, const RigParams& rig);

@@ -12,8 +12,9 @@ std::vector<std::string> bus_names(const SceneConfig& scene) {
 
 }  // namespace
 
-RunFiles::RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene)
-    : trace_path_(trace), record_path_(record), driven_(driven_bodies(scene)) {
+RunFiles::RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene,
+                   Nanoseconds log_origin_ns)
+    : trace_path_(trace), record_path_(record), log_origin_ns_(log_origin_ns), driven_(driven_bodies(scene)) {
   for (const JointConfig& joint : scene.joints) children_.push_back(*body_named(scene, joint.child));
   bodies_.resize(scene.bodies.size());
   pulls_.resize(driven_.size());

@@ -13,20 +13,25 @@ namespace godobject {
 
 class RunFiles {
  public:
-  /// Empty paths: not wanted.
-  RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene);
+  /// Empty paths: not wanted. log_origin_ns is added to the times of frames.
+  RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene,
+           Nanoseconds log_origin_ns);
 
   bool wants_cycles() const noexcept { return trace_.has_value(); }
   bool wants_frames() const noexcept { return record_.has_value(); }
   void add(const CycleRecord& record);
   void add(const BusFrame& frame) {
-    if (record_) record_->add(frame);
+    if (!record_) return;
+    BusFrame logged = frame;
+    logged.received.t_ns += log_origin_ns_;
+    record_->add(logged);
   }
   /// Names of the files that are not complete.
   std::vector<std::string> close();
 
  private:
   std::string trace_path_, record_path_;
+  Nanoseconds log_origin_ns_;
   std::vector<std::size_t> driven_, children_;  // bodies with a target; of each joint
   std::vector<TraceBody> bodies_;               // the row being written
   std::vector<TraceDriven> pulls_;

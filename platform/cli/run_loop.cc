@@ -14,8 +14,8 @@
 namespace godobject {
 namespace {
 
-constexpr double boot_limit_s =
-    10;  // of bus time; the rig's own boot_timeout_s is shorter and says which node
+// Of bus time; the rig's own boot_timeout_s is shorter and says which node.
+constexpr double boot_limit_s = 10;
 // About three seconds at 1 kHz: so long may the disk stall. Of long chains less.
 constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
 constexpr std::size_t cycle_ring_bytes = 64u << 20;
@@ -45,22 +45,10 @@ Ring<CycleEntry> make_cycle_ring(const Session& session) {
   return Ring<CycleEntry>(std::min(cycle_ring, cycle_ring_bytes / bytes), entry);
 }
 
-/// To the point where the first cycle can run, in this thread.
-bool boot(Session& session, RunFiles& files) {
+void prepare(Session& session, RunFiles& files) {
   session.set_step_clock([]() noexcept { return MonotonicClock{}.now(); });
   if (files.wants_frames()) session.set_bus_observer(observer_into(files));
-  if (!session.boot(boot_limit_s)) {
-    session.shut_down();
-    return false;
-  }
   files.add(session.at_start());
-  return true;
-}
-
-/// In this thread: the simulated buses have a clock of their own.
-void shut_down(Session& session, RunFiles& files) {
-  if (files.wants_frames()) session.set_bus_observer(observer_into(files));
-  session.shut_down();
 }
 
 /// The ring's other end: to the files and the status line.
@@ -90,70 +78,119 @@ class Drain {
   BusFrame frame_;
 };
 
+/// The real-time thread, once for every time the session is started, and this thread beside it.
+class RealtimeRun {
+ public:
+  RealtimeRun(Session& session, const RunPlan& plan, RunFiles& files, const std::atomic<bool>& stop)
+      : session_(session),
+        files_(files),
+        cycles_(make_cycle_ring(session)),
+        frames_(frame_ring),
+        drain_(cycles_, frames_, files),
+        cycle_(session, plan, stop, cycles_),
+        loop_(clock_, std::llround(1e9 * session.scene().step)) {}
+
+  /// From start to end of the session. False where no thread can be started.
+  bool run() {
+    if (files_.wants_frames()) session_.set_bus_observer(observer_into(frames_));
+    session_.start(boot_limit_s);
+    ended_ = false;
+    std::promise<std::vector<RtStep>> thread_setup;
+    std::thread thread;
+    try {
+      thread = std::thread([&] {
+        thread_setup.set_value(set_up_rt_thread());
+        loop_.run(cycle_);
+        ended_.store(true, std::memory_order_release);
+      });
+    } catch (const std::system_error&) {
+      return false;
+    }
+    show(thread_setup.get_future().get());
+    while (!ended_.load(std::memory_order_acquire)) {
+      drain_.run();
+      std::this_thread::sleep_for(drain_interval);
+    }
+    thread.join();
+    drain_.end();
+    if (files_.wants_frames()) session_.set_bus_observer(observer_into(files_));
+    return true;
+  }
+
+  RunCycle& cycle() noexcept { return cycle_.cycle(); }
+  void add_to(RunResult& result) const {
+    result.setup = setup_;
+    result.statistics = cycle_.statistics();
+    result.timing = loop_.statistics();
+    result.lost_cycles = cycles_.lost();
+    result.lost_frames = frames_.lost();
+  }
+
+ private:
+  /// Once: it is the same for each thread.
+  void show(const std::vector<RtStep>& of_thread) {
+    if (!setup_.empty()) return;
+    setup_ = process_.steps();
+    setup_.insert(setup_.end(), of_thread.begin(), of_thread.end());
+    std::fputs(("real-time set-up\n" + rt_table(setup_)).c_str(), stderr);
+  }
+
+  Session& session_;
+  RunFiles& files_;
+  Ring<CycleEntry> cycles_;
+  Ring<BusFrame> frames_;
+  Drain drain_;
+  RtProcess process_;
+  RealtimeCycle cycle_;
+  MonotonicClock clock_;
+  Cyclic<MonotonicClock> loop_;
+  std::vector<RtStep> setup_;
+  std::atomic<bool> ended_{false};
+};
+
 }  // namespace
 
-RunResult run_fast(Session& session, std::uint64_t num_cycles, RunFiles& files) {
+RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
   const StopSignals stop;
   RunResult result;
-  result.ready = boot(session, files);
-  if (!result.ready) return result;
+  prepare(session, files);
+  RunCycle cycle(session, plan, stop.requested());
+  Recoveries recoveries(session, cycle, plan, nullptr, stop.requested());
   const MonotonicClock clock;
-  CycleRecord record;
-  for (std::uint64_t i = 0; i < num_cycles && !stop.requested(); ++i) {
-    const Nanoseconds start = clock.now();
-    session.cycle(record);
-    result.timing.compute_ns.add(clock.now() - start);
-    result.statistics.add(record);
-    files.add(record);
-  }
-  session.shut_down();
+  CycleRecord record = session.at_start();
+  do {
+    session.start(boot_limit_s);
+    while (!cycle.ended()) {
+      const Nanoseconds start = clock.now();
+      if (!cycle.run(record)) continue;
+      result.timing.compute_ns.add(clock.now() - start);
+      files.add(record);
+    }
+  } while (recoveries.again());
+  result.statistics = cycle.statistics();
+  result.recoveries = recoveries.list();
+  result.ready = result.statistics.cycles > 0;
   result.stopped_by = stop.name();
   return result;
 }
 
-std::optional<RunResult> run_realtime(Session& session, std::uint64_t num_cycles, RunFiles& files) {
+std::optional<RunResult> run_realtime(Session& session, const RunPlan& plan, RunFiles& files,
+                                      const RunLink* real) {
   const StopSignals stop;
   RunResult result;
-  result.ready = boot(session, files);
-  if (!result.ready) return result;
-  Ring<CycleEntry> cycles = make_cycle_ring(session);
-  Ring<BusFrame> frames(frame_ring);
-  if (files.wants_frames()) session.set_bus_observer(observer_into(frames));
-
-  const RtProcess process;
-  RealtimeCycle cycle(session, num_cycles, stop.requested(), cycles);
-  MonotonicClock clock;
-  const auto loop = std::make_unique<Cyclic<MonotonicClock>>(clock, std::llround(1e9 * session.scene().step));
-  std::promise<std::vector<RtStep>> thread_setup;
-  std::atomic<bool> ended{false};
-  std::thread thread;
-  try {
-    thread = std::thread([&] {
-      thread_setup.set_value(set_up_rt_thread());
-      loop->run(cycle);
-      ended.store(true, std::memory_order_release);
-    });
-  } catch (const std::system_error&) {
-    shut_down(session, files);
-    return std::nullopt;
-  }
-
-  result.setup = process.steps();
-  for (RtStep& step : thread_setup.get_future().get()) result.setup.push_back(std::move(step));
-  std::fputs(("real-time set-up\n" + rt_table(result.setup)).c_str(), stderr);
-  Drain drain(cycles, frames, files);
-  while (!ended.load(std::memory_order_acquire)) {
-    drain.run();
-    std::this_thread::sleep_for(drain_interval);
-  }
-  thread.join();
-  drain.end();
-  shut_down(session, files);
+  prepare(session, files);
+  if (real) result.not_set_up = bring_up(*real, stop.requested());
   result.stopped_by = stop.name();
-  result.statistics = cycle.statistics();
-  result.timing = loop->statistics();
-  result.lost_cycles = cycles.lost();
-  result.lost_frames = frames.lost();
+  if (!result.not_set_up.empty() || stop.requested()) return result;
+  const auto run = std::make_unique<RealtimeRun>(session, plan, files, stop.requested());
+  Recoveries recoveries(session, run->cycle(), plan, real, stop.requested());
+  do {
+    if (!run->run()) return std::nullopt;
+  } while (recoveries.again());
+  run->add_to(result);
+  result.recoveries = recoveries.list();
+  result.ready = result.statistics.cycles > 0;
+  result.stopped_by = stop.name();
   return result;
 }
 

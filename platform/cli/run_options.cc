@@ -12,6 +12,7 @@
 
 #include "platform/cli/bus_load_text.h"
 #include "sim/key.h"
+#include "sim/profile_toml.h"
 #include "sim/scene_toml.h"
 
 namespace godobject {
@@ -98,11 +99,32 @@ std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& 
   return std::move(result.motion);
 }
 
-BusChoice choose_bus(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
-  if (options.bus) return *options.bus;
-  if (has_rig(scene)) return BusChoice::sim;
-  run.notes.push_back("scene '" + scene.name + "' describes no buses: it runs with --bus direct");
-  return BusChoice::direct;
+void check_real_buses(const RunOptions& options, PreparedRun& run) {
+  if (run.buses.choice != BusChoice::real) {
+    if (options.rearm != Rearm::never && run.buses.choice == BusChoice::direct)
+      run.errors.push_back("--rearm: with --bus direct there is no device to arm");
+    return;
+  }
+  if (options.fast)
+    run.errors.push_back(
+        "--fast: it runs on a simulated clock, and the nodes on a real bus keep time of their own: leave it "
+        "out");
+  if (!options.motion.empty())
+    run.notes.push_back(
+        "--motion: on real buses the device says where its handles are; the file's switches count");
+}
+
+/// The session on the planned buses.
+Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
+                           PreparedRun& run) {
+  if (run.buses.choice != BusChoice::real) return Session::make(scene, std::move(motion), run.buses.choice);
+  auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.record.empty());
+  run.link = link.get();
+  RigProfilesResult profiles =
+      load_profiles(*scene.device->rig, fs::path(options.scene).parent_path().string());
+  add(run.errors, profiles.errors);
+  run.profiles = std::move(profiles.profiles);
+  return Session::make(scene, std::move(motion), std::move(link));
 }
 
 /// What to name in a complaint about the scene as it would run: --step where it is only wrong with that.
@@ -138,15 +160,17 @@ PreparedRun prepare(const RunOptions& options) {
 
   const SceneConfig scene_of_file = *loaded.scene;
   SceneConfig& scene = *loaded.scene;
-  const BusChoice bus = choose_bus(options, scene, run);
-  check_record(options, bus, scene, run.errors);
+  run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
+  check_real_buses(options, run);
+  check_record(options, run.buses.choice, scene, run.errors);
   apply_overrides(options, scene);
   std::optional<Motion> motion = load_motion(options, scene, run);
   if (!motion || !run.errors.empty()) return run;
 
   const double duration = options.duration.value_or(motion->end().value_or(scene.duration));
-  run.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step)));
-  Session::Made made = Session::make(scene, *std::move(motion), bus);
+  run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
+              .rearm = options.rearm};
+  Session::Made made = make_session(options, scene, *std::move(motion), run);
   const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
                               validate(*scene_of_file.device->rig).empty();
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);

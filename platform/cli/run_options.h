@@ -8,14 +8,18 @@
 #include <vector>
 
 #include "hal/bus_load.h"
-#include "sim/session.h"
+#include "hal/node_profile.h"
+#include "platform/cli/run_buses.h"
+#include "platform/cli/run_cycle.h"
 
 namespace godobject {
 
 struct RunOptions {
-  std::string scene;  // path
-  bool realtime = false;
-  std::optional<BusChoice> bus;    // by default sim where the scene describes buses
+  std::string scene;               // path
+  bool realtime = false;           // on real buses always
+  bool fast = false;               // asked for, rather than by default
+  std::vector<std::string> buses;  // see plan_buses()
+  Rearm rearm = Rearm::never;
   std::optional<double> duration;  // s
   std::optional<double> step;      // s
   std::string integrator;          // empty: the scene's; the same goes for the paths below
@@ -25,7 +29,10 @@ struct RunOptions {
 
 struct PreparedRun {
   std::unique_ptr<Session> session;  // null where there are errors
-  std::uint64_t num_cycles = 0;
+  RunPlan plan;
+  BusPlan buses;
+  LinuxLink* link = nullptr;        // the session's, where its buses are real; they are closed
+  RigProfiles profiles;             // of the nodes on them
   std::vector<BusLoad> bus_loads;   // what the scene's buses carry at worst; empty with --bus direct
   std::vector<std::string> errors;  // "file:line:column: what", "file: what" or "--option: what"
   std::vector<std::string> notes;

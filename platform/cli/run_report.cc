@@ -1,5 +1,8 @@
 #include "platform/cli/run_report.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdio>
 #include <sstream>
 
 namespace godobject {
@@ -21,16 +24,41 @@ void add_core_faults(const RunStatistics& statistics, std::vector<FaultReport>& 
                         .cycles = statistics.fault_cycles[i]});
 }
 
-/// Rig::fault_text() has one line per set bit, in the order of the bits.
-void add_rig_faults(const Rig& rig, std::vector<FaultReport>& faults) {
+/// Rig::fault_text() has one line per set bit, in the order of the bits; troubles: what the buses say, which
+/// explains bus_down and send_refused.
+void add_rig_faults(const Rig& rig, const std::vector<std::string>& troubles,
+                    std::vector<FaultReport>& faults) {
   std::istringstream lines(rig.fault_text());
   for (const RigFaultText& text : rig_fault_texts()) {
     if (!any(rig.faults() & text.fault)) continue;
     FaultReport fault{.name = std::string(text.name), .text = ""};
     std::getline(lines, fault.text);
     fault.text.erase(0, fault.name.size() + 1);
+    if (text.fault == RigFault::bus_down || text.fault == RigFault::send_refused)
+      for (const std::string& trouble : troubles) fault.text += " " + trouble;
     faults.push_back(std::move(fault));
   }
+}
+
+/// Faults of a device that was armed again, which its present rig knows nothing of.
+void add_recoveries(const std::vector<Recovery>& recoveries, std::vector<FaultReport>& faults) {
+  for (const Recovery& recovery : recoveries) {
+    if (!recovery.recovered_after_s) continue;
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(), "seen at %.3f s, armed again after %.3f s: ", recovery.seen_s,
+                  *recovery.recovered_after_s);
+    FaultReport fault{.name = std::string(text_of(RunFault::recovered).name),
+                      .text = text.data() + recovery.named};
+    std::ranges::replace(fault.text, '\n', ' ');
+    for (const std::string& trouble : recovery.troubles) fault.text += trouble + " ";
+    faults.push_back(std::move(fault));
+  }
+}
+
+void add_not_ready(const RunReport& report, std::vector<FaultReport>& faults) {
+  for (const std::string& node : report.result.not_set_up)
+    faults.push_back({.name = std::string(text_of(RunFault::not_set_up).name), .text = node});
+  if (faults.empty() && report.result.stopped_by.empty()) add_run_fault(RunFault::not_ready, faults);
 }
 
 void add_file_faults(const RunReport& report, const std::vector<std::string>& incomplete_files,
@@ -48,18 +76,37 @@ void add_file_faults(const RunReport& report, const std::vector<std::string>& in
   lost(report.options.record, report.result.lost_frames);
 }
 
+std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig) {
+  std::vector<BusReport> reports;
+  const std::vector<double> measured = run.session->bus_load_percent();
+  const std::vector<BusLoad> computed = bus_load(rig, simulated_load(rig));
+  for (std::size_t i = 0; i < computed.size(); ++i)
+    reports.push_back({.computed = computed[i],
+                       .address = run.link ? run.buses.texts[i] : "",
+                       .measured_percent = run.link ? std::nullopt : std::optional(measured[i]),
+                       .counters = run.session->host_buses()[i]->counters()});
+  return reports;
+}
+
 }  // namespace
 
-RunReport make_report(const RunOptions& options, const Session& session, const RunResult& result,
+RunReport make_report(const RunOptions& options, const PreparedRun& run, const RunResult& result,
                       const std::vector<std::string>& incomplete_files) {
-  RunReport report{.options = options, .session = session, .result = result, .buses = {}, .faults = {}};
+  const Session& session = *run.session;
+  RunReport report{.options = options,
+                   .session = session,
+                   .result = result,
+                   .link_timing = run.link ? &run.link->timing() : nullptr,
+                   .buses = {},
+                   .faults = {}};
   if (const Rig* rig = session.rig()) {
-    const std::vector<double> measured = session.bus_load_percent();
-    const RigParams& rig_params = *session.scene().device->rig;
-    const std::vector<BusLoad> computed = bus_load(rig_params, simulated_load(rig_params));
-    for (std::size_t i = 0; i < computed.size(); ++i) report.buses.push_back({computed[i], measured[i]});
-    add_rig_faults(*rig, report.faults);
-    if (!result.ready && report.faults.empty()) add_run_fault(RunFault::not_ready, report.faults);
+    const RigParams& params = *session.scene().device->rig;
+    report.buses = bus_reports(run, params);
+    add_recoveries(result.recoveries, report.faults);
+    const std::vector<std::string> troubles =
+        run.link ? bus_troubles(*run.link, run.buses, params) : std::vector<std::string>{};
+    add_rig_faults(*rig, troubles, report.faults);
+    if (!result.ready) add_not_ready(report, report.faults);
   }
   if (!session.reachable()) add_run_fault(RunFault::unreachable, report.faults);
   add_core_faults(result.statistics, report.faults);

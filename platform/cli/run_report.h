@@ -21,22 +21,27 @@ struct FaultReport {
 
 struct BusReport {
   BusLoad computed;
-  double measured_percent = 0;  // mean since the bus was started
+  std::string address;                     // empty: simulated
+  std::optional<double> measured_percent;  // mean since the bus was started; of simulated ones
+  BusCounters counters;
 };
 
 struct RunReport {
   const RunOptions& options;
   const Session& session;
   const RunResult& result;
+  const LinkTiming* link_timing = nullptr;  // of real buses
   std::vector<BusReport> buses;
   std::vector<FaultReport> faults;
 };
 
 /// incomplete_files: outputs that could not be written in full.
-RunReport make_report(const RunOptions& options, const Session& session, const RunResult& result,
+RunReport make_report(const RunOptions& options, const PreparedRun& run, const RunResult& result,
                       const std::vector<std::string>& incomplete_files);
 
 std::string hash_text(std::uint64_t hash);
+/// "sim", "direct" or "real".
+std::string_view name_of(BusChoice bus) noexcept;
 
 nlohmann::ordered_json to_json(const RunReport& report);
 void print_summary(std::FILE* out, const RunReport& report);

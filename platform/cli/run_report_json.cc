@@ -28,11 +28,42 @@ Json to_json(const PoseErrorStatistics& e) {
   return {{"rms_m", e.rms().m}, {"max_m", e.max().m}, {"rms_rad", e.rms().rad}, {"max_rad", e.max().rad}};
 }
 
+Json text_or_null(std::string_view text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json to_json(const BusCounters& c) {
+  return {{"sent", c.sent},
+          {"received", c.received},
+          {"send_refused", c.send_refused},
+          {"send_dropped", c.send_dropped},
+          {"receive_overflow", c.receive_overflow},
+          {"error_frames", c.error_frames},
+          {"bus_off_events", c.bus_off_events},
+          {"restarts", c.restarts},
+          {"last_error", name_of(c.last_error)},
+          {"transmit_error_counter", c.transmit_error_counter},
+          {"receive_error_counter", c.receive_error_counter}};
+}
+
 Json to_json(const BusReport& bus) {
   return {{"name", bus.computed.bus},
-          {"measured_percent", bus.measured_percent},
+          {"address", text_or_null(bus.address)},
+          {"measured_percent", or_null(bus.measured_percent)},
           {"nominal_percent", bus.computed.nominal_percent},
-          {"worst_percent", bus.computed.worst_percent}};
+          {"worst_percent", bus.computed.worst_percent},
+          {"counters", to_json(bus.counters)}};
+}
+
+Json to_json(const Recovery& recovery) {
+  return {{"seen_s", recovery.seen_s},
+          {"named", recovery.named},
+          {"troubles", recovery.troubles},
+          {"boots", recovery.boots},
+          {"recovered_after_s", or_null(recovery.recovered_after_s)}};
 }
 
 Json to_json(const RtStep& step) {
@@ -72,8 +103,6 @@ Json answers(const RigCounters& c) {
           {"foreign", c.foreign}};
 }
 
-Json text_or_null(std::string_view text) { return text.empty() ? Json(nullptr) : Json(text); }
-
 Json limits(const RunStatistics& statistics) {
   Json hit = Json::object();
   for (std::size_t i = 0; i < limit_names.size(); ++i)
@@ -83,6 +112,11 @@ Json limits(const RunStatistics& statistics) {
 
 }  // namespace
 
+std::string_view name_of(BusChoice bus) noexcept {
+  constexpr std::array<std::string_view, 3> names{"sim", "direct", "real"};
+  return names[static_cast<std::size_t>(bus)];
+}
+
 nlohmann::ordered_json to_json(const RunReport& report) {
   const RunOptions& options = report.options;
   const SceneConfig& scene = report.session.scene();
@@ -90,7 +124,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   Json json{{"scene", scene.name},
             {"scene_file", options.scene},
             {"mode", options.realtime ? "realtime" : "fast"},
-            {"bus_mode", report.session.bus() == BusChoice::sim ? "sim" : "direct"},
+            {"bus_mode", name_of(report.session.bus())},
             {"stopped_by", text_or_null(report.result.stopped_by)},
             {"integrator", scene.integrator},
             {"composition", report.session.engine().composition().name},
@@ -99,15 +133,23 @@ nlohmann::ordered_json to_json(const RunReport& report) {
             {"motion_start_on_bus_s", 1e-9 * static_cast<double>(report.session.motion_start_ns())},
             {"timing", timing(report.result.timing, statistics.step_ns)}};
   if (report.session.follows()) {
+    json["truth"] = report.session.bus() == BusChoice::real
+                        ? "none: errors are against what the core was told"
+                        : "where the handle is";
     json["following"] = to_json(statistics.following);
-    json["sensing"] = to_json(statistics.sensing);
+    if (report.session.bus() != BusChoice::real) json["sensing"] = to_json(statistics.sensing);
     if (report.session.bus() == BusChoice::sim) {
       json["exact_following"] = to_json(statistics.exact_following);
       json["encoders"] = to_json(statistics.encoders);
     }
   }
   json["bus"] = to_array(report.buses);
-  if (const Rig* rig = report.session.rig()) json["answers"] = answers(rig->counters());
+  if (report.link_timing) {
+    json["added_latency_us"] = to_json(report.link_timing->added_latency_ns);
+    json["sync_jitter_us"] = to_json(report.link_timing->sync_jitter_ns);
+  }
+  if (report.session.rig()) json["answers"] = answers(report.session.rig_counters());
+  json["recoveries"] = to_array(report.result.recoveries);
   json["limits"] = limits(statistics);
   json["faults"] = to_array(report.faults);
   json["lost"] = {{"cycles", report.result.lost_cycles}, {"frames", report.result.lost_frames}};

@@ -25,8 +25,10 @@ void print_error(std::FILE* out, const char* label, const PoseErrorStatistics& e
 void print_errors(std::FILE* out, const RunReport& report) {
   if (!report.session.follows()) return;
   const RunStatistics& statistics = report.result.statistics;
+  if (report.session.bus() == BusChoice::real)
+    std::fprintf(out, "  %-26s none is known: errors are against what the core was told\n", "truth");
   print_error(out, "following error", statistics.following);
-  if (report.session.bus() == BusChoice::direct || statistics.following.count() == 0) return;
+  if (report.session.bus() != BusChoice::sim || statistics.following.count() == 0) return;
   print_error(out, "  with no encoders", statistics.exact_following);
   print_error(out, "  encoders add", statistics.encoders);
   print_error(out, "sensing error", statistics.sensing);
@@ -51,6 +53,29 @@ void print_faults(std::FILE* out, const std::vector<FaultReport>& faults) {
     if (fault.cycles > 0) std::fprintf(out, " (%" PRIu64 " cycles)", fault.cycles);
     std::fputc('\n', out);
   }
+}
+
+void print_bus(std::FILE* out, const BusReport& bus) {
+  const char* const name = bus.computed.bus.c_str();
+  if (bus.measured_percent)
+    std::fprintf(out, "  %-26s %s: %.1f %% measured, %.1f %% worst case\n", "bus load", name,
+                 *bus.measured_percent, bus.computed.worst_percent);
+  else
+    std::fprintf(out, "  %-26s %s: %s, %.1f %% worst case\n", "bus", name, bus.address.c_str(),
+                 bus.computed.worst_percent);
+  const BusCounters& c = bus.counters;
+  std::fprintf(out,
+               "  %-26s %s: %" PRIu64 " sent, %" PRIu64 " received, %" PRIu64 " refused, %" PRIu64
+               " overflowed, %" PRIu64 " error frames, %" PRIu64 " bus-off, TEC %d, REC %d\n",
+               "frames", name, c.sent, c.received, c.send_refused, c.receive_overflow, c.error_frames,
+               c.bus_off_events, int{c.transmit_error_counter}, int{c.receive_error_counter});
+}
+
+void print_recoveries(std::FILE* out, const RunReport& report) {
+  for (const Recovery& recovery : report.result.recoveries)
+    if (!recovery.recovered_after_s)
+      std::fprintf(out, "  %-26s at %.3f s, not armed again, %d boots tried\n", "device lost",
+                   recovery.seen_s, recovery.boots);
 }
 
 void print_files(std::FILE* out, const RunOptions& options) {
@@ -79,15 +104,20 @@ void print_summary(std::FILE* out, const RunReport& report) {
     std::fprintf(out, "  %-26s %" PRIu64 " (%" PRIu64 " cycles late, %" PRIu64 " periods skipped)\n",
                  "missed deadlines", result.timing.missed(), result.timing.late, result.timing.skipped);
   print_timing(out, "wake-up", result.timing.wake_ns);
-  print_timing(out, "compute (with simulation)", result.timing.compute_ns);
+  print_timing(out, report.link_timing ? "cycle" : "compute (with simulation)", result.timing.compute_ns);
   print_timing(out, "  the step alone", result.statistics.step_ns);
   print_errors(out, report);
-  for (const BusReport& bus : report.buses)
-    std::fprintf(out, "  %-26s %s: %.1f %% measured, %.1f %% worst case\n", "bus load",
-                 bus.computed.bus.c_str(), bus.measured_percent, bus.computed.worst_percent);
-  if (const Rig* rig = report.session.rig())
+  if (report.link_timing) {
+    print_timing(out, "added latency", report.link_timing->added_latency_ns);
+    print_timing(out, "SYNC jitter", report.link_timing->sync_jitter_ns);
+  }
+  for (const BusReport& bus : report.buses) print_bus(out, bus);
+  if (report.session.rig()) {
+    const RigCounters counters = report.session.rig_counters();
     std::fprintf(out, "  %-26s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers",
-                 rig->counters().incomplete_syncs, rig->counters().syncs);
+                 counters.incomplete_syncs, counters.syncs);
+  }
+  print_recoveries(out, report);
   print_limits(out, result.statistics);
   print_faults(out, report.faults);
   if (report.options.realtime)

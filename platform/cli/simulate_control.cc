@@ -41,16 +41,19 @@ std::string answer(std::string_view command, const RigParams& rig, Simulation& s
     quit = true;
   } else {
     reply =
-        error("'" + std::string(command) +
-              "': expected fault VERB [bus=NAME] [node=ID] [value=X] [duration=S] [at=S], clear, status or "
+        error(std::string(command) +
+              ": expected fault VERB [bus=NAME] [node=ID] [value=X] [duration=S] [at=S], clear, status or "
               "quit");
   }
   return reply.dump();
 }
 
-LineInput::LineInput(int descriptor) noexcept : descriptor_(descriptor) {
-  fcntl(descriptor, F_SETFL, fcntl(descriptor, F_GETFL) | O_NONBLOCK);
+LineInput::LineInput(int descriptor) noexcept
+    : descriptor_(descriptor), former_flags_(fcntl(descriptor, F_GETFL)) {
+  fcntl(descriptor, F_SETFL, former_flags_ | O_NONBLOCK);
 }
+
+LineInput::~LineInput() { fcntl(descriptor_, F_SETFL, former_flags_); }
 
 bool LineInput::try_line(std::string& line) {
   std::array<char, 256> buffer{};

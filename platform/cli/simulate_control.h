@@ -12,10 +12,13 @@ namespace godobject {
 /// "fault VERB key=value ...", "clear", "status", "quit". `quit` is set by the last of them. Allocates.
 std::string answer(std::string_view command, const RigParams& rig, Simulation& simulation, bool& quit);
 
-/// Whole lines from a descriptor, without waiting for them.
+/// Whole lines from a descriptor, without waiting for them: while it lives, reading there does not block.
 class LineInput {
  public:
   explicit LineInput(int descriptor) noexcept;
+  ~LineInput();
+  LineInput(const LineInput&) = delete;
+  LineInput& operator=(const LineInput&) = delete;
 
   /// False: no line is complete yet. A line longer than the buffer is cut.
   [[nodiscard]] bool try_line(std::string& line);
@@ -24,6 +27,7 @@ class LineInput {
 
  private:
   int descriptor_;
+  int former_flags_;
   bool ended_ = false;
   std::string text_;
 };

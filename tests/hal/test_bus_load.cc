@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 namespace godobject {
 namespace {
 
-constexpr BusLoadParams cyclic_only{.heartbeat_period_s = 0, .drive_event_period_s = 0};
+constexpr BusLoadParams cyclic_only{
+    .heartbeat_period_s = 0, .drive_event_period_s = 0, .button_event_period_s = 0};
 
 RigParams rig_of(int num_encoders, int num_drives) {
   RigParams rig;
@@ -69,6 +71,39 @@ TEST(BusLoad, SplitsTheRigByBusAndSortsByPriority) {
   const std::uint32_t by_priority[] = {0x080, 0x181, 0x180 + 32, 0x200 + 32};
   ASSERT_EQ(loads[0].messages.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(loads[0].messages[i].cob_id, by_priority[i]);
+}
+
+// Moteus drives at 1 kHz on 1M/5M: 24 bytes extended there, 24 bytes standard back.
+TEST(BusLoad, CountsCanFdAtBothRates) {
+  for (const auto& [drives, nominal, worst] :
+       {std::tuple{3, 51.3, 60.6}, {4, 68.4, 80.8}, {5, 85.5, 101.0}}) {
+    RigParams rig = rig_of(0, drives);
+    rig.buses[0].data_bit_rate = 5e6;
+    for (int i = 0; i < drives; ++i) {
+      rig.drives[static_cast<std::size_t>(i)].protocol = DriveProtocol::moteus;
+      rig.drives[static_cast<std::size_t>(i)].node_id = static_cast<std::uint8_t>(1 + i);
+    }
+    const BusLoad load = bus_load(rig, cyclic_only)[0];
+    EXPECT_NEAR(load.nominal_percent, nominal, 0.5);
+    EXPECT_NEAR(load.worst_percent, worst, 0.5);
+    EXPECT_EQ(load.messages.size(), 2u * static_cast<unsigned>(drives));  // no SYNC, no heartbeats
+    EXPECT_TRUE(load.messages.front().extended);                          // 8001h begins with eleven zeros
+  }
+}
+
+// 23 % of a torque command and an estimate, 5.5 % for asking, and what the drive sends by itself.
+TEST(BusLoad, CountsAnOdrivesRequest) {
+  RigParams rig = rig_of(0, 1);
+  rig.drives[0].protocol = DriveProtocol::odrive;
+  const BusLoad load = bus_load(rig, {})[0];
+  EXPECT_NEAR(load.worst_percent, 0.1 * (95 + 135 + 55 + 135 / 10.0 + 135 / 100.0), 1e-9);
+}
+
+TEST(BusLoad, CountsTheButtonsOfANodeOnce) {
+  RigParams rig = rig_of(1, 0);
+  rig.buttons = {{.node_id = 9, .bit = 0}, {.node_id = 9, .bit = 1}};
+  const BusLoad load = bus_load(rig, {.heartbeat_period_s = 0.1, .button_event_period_s = 0.05})[0];
+  EXPECT_NEAR(load.worst_percent, 0.1 * (55 + 95 + 65 / 50.0 + 3 * 65 / 100.0), 1e-9);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "hal/cia401.h"
 #include "hal/cia402.h"
 #include "hal/cia406.h"
 
@@ -66,7 +67,8 @@ class RigTest : public testing::Test {
   }
   void answer_encoder() { receive(cia406::make_position(1, encoder_counts), now + answer_ns); }
   void answer_drive() {
-    const unsigned statusword = cia402::encode_state(drive_state) | cia402::status_follows_command;
+    const unsigned statusword =
+        cia402::encode_state(drive_state) | (drive_follows ? cia402::status_follows_command : 0u);
     receive(cia402::make_status(
                 2, {.statusword = static_cast<std::uint16_t>(statusword), .position_counts = drive_counts}),
             now + answer_ns);
@@ -120,6 +122,7 @@ class RigTest : public testing::Test {
   std::int32_t drive_counts = 0;
   cia402::DriveState drive_state = cia402::DriveState::switch_on_disabled;
   bool drive_is_dead = false;
+  bool drive_follows = true;
   bool send_heartbeats = true;
   cia402::Command last_command;
   Wrench F;
@@ -307,6 +310,45 @@ TEST_F(RigTest, DriveThatLeavesOperationEnabled) {
   EXPECT_EQ(command.target_torque_per_mille, 0);
 }
 
+TEST_F(RigTest, TorqueWaitsForADriveThatFollows) {
+  drive_follows = false;
+  rig.start(now);
+  heartbeats();
+  cycles(50);
+  EXPECT_EQ(rig.state(), RigState::enabling);
+  EXPECT_EQ(drive_state, cia402::DriveState::operation_enabled);
+  drive_follows = true;
+  cycles(Rig::settle_cycles);
+  EXPECT_EQ(rig.state(), RigState::enabling);
+  drive_follows = false;
+  cycle();
+  drive_follows = true;
+  cycles(Rig::settle_cycles);
+  EXPECT_EQ(rig.state(), RigState::enabling);
+  cycle();
+  EXPECT_EQ(rig.state(), RigState::ready);
+  EXPECT_EQ(last_command.target_torque_per_mille, 0);
+  ASSERT_TRUE(rig.arm());
+  drive_follows = false;
+  cycle();
+  EXPECT_EQ(rig.faults(), RigFault::drive_not_enabled);
+}
+
+TEST_F(RigTest, QuickStopIsAskedForUntilTheFaultIsCleared) {
+  boot_and_arm();
+  F.f = Vec3(0, 0, -0.2);
+  cycles(3);
+  ASSERT_NE(last_command.target_torque_per_mille, 0);
+  rig.quick_stop();
+  cycles(3);
+  EXPECT_EQ(last_command.controlword, cia402::quick_stop);
+  EXPECT_EQ(last_command.target_torque_per_mille, 0);
+  EXPECT_EQ(rig.faults(), RigFault::quick_stop);
+  rig.clear_faults(now);
+  cycle();
+  EXPECT_EQ(last_command.controlword, cia402::enable_operation);
+}
+
 TEST_F(RigTest, SilentDriveThatIsAlsoTheJointsSensor) {
   boot_and_arm();
   for (int k = 0; k < 5; ++k) {
@@ -411,6 +453,47 @@ TEST_F(SlowStatusTest, CompleteDoesNotWaitForAnAnswerThatIsNotDue) {
     EXPECT_EQ(rig.complete(), k < 2) << k;
     finish_cycle();
   }
+}
+
+RigParams with_buttons() {
+  RigParams params = two_joints();
+  params.buttons = {{.node_id = 3, .bit = 2},
+                    {.use = ButtonUse::clutch, .node_id = 3, .bit = 0, .active_low = true}};
+  return params;
+}
+
+class ButtonTest : public RigTest {
+ protected:
+  ButtonTest() : RigTest(with_buttons()) {}
+};
+
+TEST_F(ButtonTest, AreInputsOfOneNodeThatTheRigWaitsFor) {
+  EXPECT_TRUE(rig.has_button(ButtonUse::hold) && rig.has_button(ButtonUse::clutch));
+  rig.start(now);
+  heartbeats();
+  receive(canopen::make_heartbeat(3, canopen::NmtState::operational), now);
+  cycles(10);
+  EXPECT_EQ(rig.state(), RigState::booting);
+  receive(cia401::make_inputs(3, 0b001), now);
+  cycles(10);
+  EXPECT_NE(rig.state(), RigState::booting);
+  EXPECT_FALSE(sample.buttons.hold || sample.buttons.clutch);
+  receive(cia401::make_inputs(3, 0b100), now);
+  cycle();
+  EXPECT_TRUE(sample.buttons.hold && sample.buttons.clutch);
+  receive(cia401::make_inputs(3, 0b001), now);
+  cycle();
+  EXPECT_FALSE(sample.buttons.hold || sample.buttons.clutch);
+}
+
+TEST_F(ButtonTest, LostButtonNodeIsNamed) {
+  rig.start(now);
+  heartbeats();
+  receive(canopen::make_heartbeat(3, canopen::NmtState::operational), now);
+  receive(cia401::make_inputs(3, 0), now);
+  cycles(650);
+  EXPECT_EQ(rig.faults(), RigFault::heartbeat_lost);
+  EXPECT_NE(rig.fault_text().find("node 3, button"), std::string::npos) << rig.fault_text();
 }
 
 TEST(RigFault, EveryBitHasItsTextsInOrder) {

@@ -34,6 +34,14 @@ TEST(RigValidate, AcceptsBranchesFromAnyEarlierJointAndTheBase) {
   EXPECT_THAT(validate(rig), IsEmpty());
 }
 
+TEST(RigValidate, AcceptsOtherDrivesOnABusOfTheirOwnAndButtonsOfOneNode) {
+  RigParams rig = good_rig();
+  rig.drives[1].protocol = DriveProtocol::moteus;
+  rig.buses[1].data_bit_rate = 5e6;
+  rig.buttons = {{.node_id = 5, .bit = 0}, {.node_id = 5, .bit = 1}};
+  EXPECT_THAT(validate(rig), IsEmpty());
+}
+
 struct BrokenRule {
   const char* says;
   std::function<void(RigParams&)> break_it;
@@ -99,6 +107,36 @@ const BrokenRule broken_rules[] = {
     {"max_speed is nan, must be > 0",
      [](RigParams& r) { r.encoders[0].max_speed = std::numeric_limits<double>::quiet_NaN(); }},
     {"torque_rated_Nm is 0", [](RigParams& r) { r.drives[0].torque_rated_Nm = 0; }},
+    {"bus 'can1': data_bit_rate is 500000, must be bit_rate..8e6",
+     [](RigParams& r) { r.buses[1].data_bit_rate = 5e5; }},
+    {"bus 'can1' has no data_bit_rate: protocol moteus needs CAN FD",
+     [](RigParams& r) { r.drives[1].protocol = DriveProtocol::moteus; }},
+    {"drive of joint 'pitch': node_id is 63, must be 1..62 with protocol odrive",
+     [](RigParams& r) {
+       r.drives[1].protocol = DriveProtocol::odrive;
+       r.drives[1].node_id = 63;
+     }},
+    {"encoder of joint 'yaw': its bus has drives that are no CANopen nodes",
+     [](RigParams& r) { r.drives[0].protocol = DriveProtocol::odrive; }},
+    {"drive of joint 'pitch': bus 'can0' has drives of another protocol",
+     [](RigParams& r) {
+       r.drives[1].bus = 0;
+       r.drives[1].node_id = 9;
+       r.drives[1].protocol = DriveProtocol::odrive;
+     }},
+    {"status_every_nth_sync is 2, must be 1: it answers every request",
+     [](RigParams& r) {
+       r.drives[1].protocol = DriveProtocol::odrive;
+       r.drives[1].status_every_nth_sync = 2;
+     }},
+    {"button of node 1: node_id 1 is taken by another device",
+     [](RigParams& r) { r.buttons = {{.node_id = 1}}; }},
+    {"button of node 5: bit is 8, must be 0..7",
+     [](RigParams& r) { r.buttons = {{.node_id = 5, .bit = 8}}; }},
+    {"button of node 5: bit 3 is another button too",
+     [](RigParams& r) {
+       r.buttons = {{.node_id = 5, .bit = 3}, {.node_id = 5, .bit = 3}};
+     }},
     {"torque_max_Nm is 4", [](RigParams& r) { r.drives[0].torque_max_Nm = 4; }},
     {"torque_rate_Nm_per_s is -1", [](RigParams& r) { r.drives[0].torque_rate_Nm_per_s = -1; }},
     {"joint_per_motor_rad is 0", [](RigParams& r) { r.drives[0].joint_per_motor_rad = 0; }},

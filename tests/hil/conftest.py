@@ -4,9 +4,11 @@ import shutil
 from pathlib import Path
 from types import SimpleNamespace
 
+import can
 import pytest
 
 import godobject_hil as hil
+from slcan_bus import SlcanBus
 
 HERE = Path(__file__).parent
 BUS = "can0"  # of the scene
@@ -70,11 +72,11 @@ def start_simulated(program, scene, tier, motion):
     if tier == "pty":
         simulator = hil.Simulator(program, scene, ["--bus", "pty", "--tap", "pty", *arguments])
         address = "slcan:" + simulator.buses[BUS]
-        outside = dict(interface="slcan", channel=simulator.taps[BUS], bitrate=1000000, sleep_after_open=0)
+        outside = SlcanBus(simulator.taps[BUS])
     else:
         simulator = hil.Simulator(program, scene, ["--bus", f"{BUS}=socketcan:vcan0", *arguments])
         address = "socketcan:vcan0"
-        outside = dict(interface="socketcan", channel="vcan0")
+        outside = can.Bus(interface="socketcan", channel="vcan0")
     return simulator, address, outside
 
 
@@ -84,10 +86,10 @@ def rig(request, program, scene, tier, motion):
     hardware = request.config.getoption("--hardware")
     if hardware:
         simulator, address = None, f"socketcan:{hardware}"
-        outside = dict(interface="socketcan", channel=hardware)
+        outside = can.Bus(interface="socketcan", channel=hardware)
     else:
         simulator, address, outside = start_simulated(program, scene, tier, motion)
-    outsider = hil.Outsider(**outside)
+    outsider = hil.Outsider(outside)
     yield SimpleNamespace(simulator=simulator, outsider=outsider, address=f"{BUS}={address}")
     outsider.close()
     if simulator:

@@ -5,7 +5,7 @@ import godobject_hil as hil
 
 # What is played, and which faults the run must name: one of them at least; none where the rig rides it out.
 REACTIONS = [
-    ("drop bus=can0 node=1 value=0.1", set()),
+    ("drop bus=can0 node=1 value=0.02", set()),
     ("drop bus=can0 node=1 duration=1", {"sample_stale"}),
     ("drop bus=can0 node=11 duration=1", {"drive_silent"}),
     ("duplicate bus=can0", set()),
@@ -20,7 +20,7 @@ REACTIONS = [
     ("nan bus=can0 node=1 duration=1", {"sample_implausible"}),
     ("reboot-node bus=can0 node=1", {"node_restarted"}),
     ("reboot-node bus=can0 node=11 duration=0.5", {"drive_silent"}),
-    ("emcy bus=can0 node=1 value=20480", {"emergency"}),
+    ("emcy bus=can0 node=1 value=0x5000", {"emergency"}),
     ("emcy bus=can0 node=11", {"emergency", "drive_not_enabled"}),
     ("bus-off bus=can0 node=1", {"sample_stale"}),
     ("bus-off bus=can0", {"sample_stale", "drive_silent", "bus_down"}),

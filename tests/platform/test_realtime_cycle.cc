@@ -3,7 +3,8 @@
 
 #include <memory>
 
-#include "platform/cli/run_loop.h"
+#include "platform/cli/candump_log.h"
+#include "platform/cli/run_cycle.h"
 #include "sim/scene_toml.h"
 #include "tests/support/allocation_guard.h"
 
@@ -27,7 +28,7 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
   }
   Session::Made made = Session::make(*loaded.scene, motion, GetParam().second);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
-  ASSERT_TRUE(made.session->boot(5));
+  made.session->start(5);
 
   constexpr std::uint64_t num_cycles = 1000;
   Ring<CycleEntry> cycles(num_cycles, entry_of(*made.session));
@@ -39,7 +40,8 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
                                       },
                                   .context = &frames});
   const std::atomic<bool> stop{false};
-  const auto cycle = std::make_unique<RealtimeCycle>(*made.session, num_cycles, stop, cycles);
+  const auto cycle =
+      std::make_unique<RealtimeCycle>(*made.session, RunPlan{.num_cycles = num_cycles}, stop, cycles);
 
   AllocationGuard guard;
   while ((*cycle)(0)) continue;

@@ -157,5 +157,66 @@ TEST(DeviceKeys, ATreeWithHandlesLoadsBackAsItself) {
   }
 }
 
+const std::string moteus_bus = "[[bus]]\nname = \"can1\"\ndata_bit_rate = 5e6\n";
+const std::string classic_bus = "[[bus]]\nname = \"can1\"\n";
+
+std::string with_bus(const std::string& bus, const std::string& tables) {
+  std::string text = scene(serial);
+  text.insert(text.find("[device]"), bus);
+  return text + tables;
+}
+std::string drive(const std::string& of_joint, const std::string& more) {
+  return "[[device.drive]]\njoint = \"" + of_joint + "\"\ncounts_per_turn = 1e6\n" + more;
+}
+std::string button(int node_id, int bit, const std::string& more = "") {
+  return "[[device.button]]\nbus = \"can0\"\nnode_id = " + std::to_string(node_id) +
+         "\nbit = " + std::to_string(bit) + "\n" + more;
+}
+
+TEST(DeviceKeys, ProtocolsProfilesAndButtonsLoadBackAsThemselves) {
+  const std::string text =
+      with_bus(moteus_bus, drive("a", "bus = \"can1\"\nprotocol = \"moteus\"\nnode_id = 1\n") +
+                               drive("b", "bus = \"can0\"\nprofile = \"epos4\"\nnode_id = 21\n") +
+                               button(9, 0) + button(9, 3, "use = \"clutch\"\nactive_low = true\n"));
+  const LoadResult first = load(text);
+  ASSERT_THAT(first.errors, IsEmpty());
+  const std::string printed = effective_config_toml(*first.scene);
+  const LoadResult back = load(printed);
+  ASSERT_THAT(back.errors, IsEmpty()) << printed;
+  EXPECT_EQ(effective_config_toml(*back.scene), printed);
+  const RigParams& rig = *back.scene->device->rig;
+  EXPECT_EQ(rig.buses[1].data_bit_rate, 5e6);
+  EXPECT_EQ(rig.drives[0].protocol, DriveProtocol::moteus);
+  EXPECT_EQ(rig.drives[1].profile, "epos4");
+  ASSERT_EQ(rig.buttons.size(), 2u);
+  EXPECT_TRUE(rig.buttons[1].use == ButtonUse::clutch && rig.buttons[1].active_low);
+  EXPECT_EQ(rig.buttons[1].bit, 3);
+  EXPECT_THAT(validate(rig), IsEmpty());
+}
+
+TEST(DeviceKeys, ProtocolsThatDoNotFitAreRefused) {
+  const auto errors = [](const std::string& bus, const std::string& more) {
+    return load(with_bus(bus, drive("a", "bus = \"can1\"\n" + more))).errors;
+  };
+  const std::string odrive = "protocol = \"odrive\"\nnode_id = ";
+  EXPECT_THAT(load(scene(serial) + drive("a", "bus = \"can0\"\n" + odrive + "10\n")).errors,
+              ElementsAre(HasSubstr("bus 'can0' has devices of more than one protocol")));
+  EXPECT_THAT(errors(classic_bus, "protocol = \"moteus\"\nnode_id = 1\n"),
+              ElementsAre(HasSubstr("bus 'can1' carries CAN FD: give it a data_bit_rate")));
+  EXPECT_THAT(errors(classic_bus, odrive + "63\n"),
+              ElementsAre(HasSubstr("'node_id' must be at most 62 with this protocol")));
+  EXPECT_THAT(errors(classic_bus, odrive + "10\nprofile = \"x\"\n"),
+              ElementsAre(HasSubstr("'profile' has no meaning with this protocol")));
+  EXPECT_THAT(load(with_bus("[[bus]]\nname = \"can1\"\ndata_bit_rate = 5e5\n", "")).errors,
+              ElementsAre(HasSubstr("'data_bit_rate' is below bit_rate")));
+}
+
+TEST(DeviceKeys, ButtonsHaveAnInputOfTheirOwn) {
+  EXPECT_THAT(load(scene(serial) + button(9, 1) + button(9, 1)).errors,
+              ElementsAre(HasSubstr("'bit' is that of an earlier button")));
+  EXPECT_THAT(load(scene(serial) + button(2, 1)).errors,
+              ElementsAre(HasSubstr("'node_id' is taken by the host or by another device")));
+}
+
 }  // namespace
 }  // namespace godobject

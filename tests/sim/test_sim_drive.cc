@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -295,6 +296,80 @@ TEST(SimDrive, CommandsOfTheWrongSizeAreRefusedWithAnEmergency) {
     rig.cycle();
     EXPECT_EQ(rig.drive.applied_torque_Nm(), 0);
     EXPECT_EQ(rig.emergencies.back().error_code, code);
+  }
+}
+
+// Modes beyond CST. The motor is where the test puts it.
+
+template <class T>  // of the object's size
+void set(Rig& rig, canopen::ObjectAddress object, T value) {
+  std::array<std::uint8_t, sizeof(T)> bytes{};
+  ByteWriter(bytes).put(value);
+  ASSERT_EQ(rig.drive.objects().write(object, bytes), sdo::AbortCode::none);
+}
+
+void motion_cycle(Rig& rig, cia402::CommandKind kind, std::int32_t target) {
+  const Nanoseconds start = rig.wire.now();
+  rig.send(canopen::make_sync());
+  rig.send(cia402::make_motion_command(
+      node, {.kind = kind, .controlword = cia402::enable_operation, .target = target}));
+  rig.run_to(start + ms);
+}
+
+TEST(SimDrive, VelocityAndPositionTargetsPullTheMotor) {
+  for (const cia402::CommandKind kind : {cia402::CommandKind::velocity, cia402::CommandKind::position}) {
+    Rig rig;
+    set(rig, {0x6060, 0}, static_cast<std::int8_t>(cia402::mode_of(kind)));
+    rig.enable();
+    for (const int sign : {1, -1}) {
+      for (int i = 0; i < 3; ++i) motion_cycle(rig, kind, sign * 200);
+      EXPECT_GT(sign * rig.drive.applied_torque_Nm(), 0);
+      for (int i = 0; i < 3; ++i) motion_cycle(rig, kind, sign * 1'000'000);
+      EXPECT_DOUBLE_EQ(rig.drive.applied_torque_Nm(), sign * 0.05);  // torque_max_Nm
+    }
+    for (int i = 0; i < 3; ++i) motion_cycle(rig, kind, 0);
+    EXPECT_EQ(rig.drive.applied_torque_Nm(), 0);
+    for (int i = 0; i < 3; ++i) rig.cycle(torque(300));
+    EXPECT_EQ(rig.drive.applied_torque_Nm(), 0);  // torque is not its mode
+  }
+}
+
+TEST(SimDrive, HomingMakesThisThePositionOf607Ch) {
+  Rig rig;
+  rig.drive.set_joint(0.5, 0);
+  set(rig, {0x6060, 0}, std::int8_t{6});
+  set(rig, {0x607C, 0}, std::int32_t{1000});
+  cia402::Homing homing(100 * ms);
+  rig.cycle();
+  for (int i = 0; i < 50 && !homing.finished(); ++i)
+    rig.cycle(cia402::Command{.controlword = homing.step(rig.status.statusword, rig.wire.now())});
+  EXPECT_EQ(homing.result(), cia402::Homing::Result::complete);
+  rig.cycle();
+  EXPECT_EQ(rig.status.position_counts, 1000);
+  rig.drive.set_joint(0.6, 0);
+  rig.cycle();
+  EXPECT_EQ(rig.status.position_counts, 1100);
+}
+
+TEST(SimDrive, HomingByAMethodItDoesNotHaveFails) {
+  Rig rig;
+  set(rig, {0x6060, 0}, std::int8_t{6});
+  set(rig, {0x6098, 0}, cia402::homing_at_index_positive);
+  cia402::Homing homing(100 * ms);
+  rig.cycle();
+  for (int i = 0; i < 50 && !homing.finished(); ++i)
+    rig.cycle(cia402::Command{.controlword = homing.step(rig.status.statusword, rig.wire.now())});
+  EXPECT_EQ(homing.result(), cia402::Homing::Result::failed);
+}
+
+TEST(SimDrive, QuickStopEndsAsItsOptionSays) {
+  for (const std::int16_t option : {std::int16_t{2}, std::int16_t{6}}) {
+    Rig rig;
+    set(rig, {0x605A, 0}, option);
+    rig.enable();
+    for (int i = 0; i < 6; ++i) rig.cycle(cia402::Command{.controlword = cia402::quick_stop});
+    EXPECT_EQ(rig.drive.drive_state(),
+              option == 2 ? DriveState::switch_on_disabled : DriveState::quick_stop_active);
   }
 }
 

@@ -24,14 +24,14 @@ inline std::ostream& operator<<(std::ostream& out, const FaultReaction& reaction
 }
 
 inline constexpr std::array fault_reactions{
-    FaultReaction{"drop bus=can0 node=1 value=0.1", RigFault::none},
+    FaultReaction{"drop bus=can0 node=1 value=0.005", RigFault::none},
     FaultReaction{"drop bus=can0 node=1", RigFault::sample_stale, cycles_of_silence},
     FaultReaction{"drop bus=can1 node=1", RigFault::drive_silent, cycles_of_silence},
     FaultReaction{"drop", RigFault::sample_stale | RigFault::drive_silent, cycles_of_silence},
     FaultReaction{"duplicate", RigFault::none},
     FaultReaction{"delay bus=can0 value=3e-4", RigFault::none},
     FaultReaction{"delay bus=can0 value=0.01", RigFault::sample_stale, cycles_of_silence},
-    FaultReaction{"corrupt value=0.1", RigFault::none},
+    FaultReaction{"corrupt value=0.05", RigFault::none},
     FaultReaction{"corrupt bus=can0 node=1 value=1", RigFault::sample_stale, cycles_of_silence},
     FaultReaction{"stuck bus=can0 node=1", RigFault::none},
     FaultReaction{"spike bus=can0 node=1", RigFault::none},

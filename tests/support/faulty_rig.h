@@ -22,9 +22,9 @@ mass = 0.1
 inertia = [3e-5, 3e-5, 3e-5]
 [body.coupling]
 stiffness = 200.0
-damping_ratio = 1.0
+damping_ratio = 1.4
 rotational_stiffness = 0.1
-rotational_damping_ratio = 1.0
+rotational_damping_ratio = 1.4
 [body.feedback]
 stiffness = 100.0
 damping = 1.0
@@ -44,7 +44,9 @@ name = "elbow"
 kind = "hinge"
 position = [0.1, 0.0, 0.0]
 axis = [0.0, 1.0, 0.0]
-[device.handle]
+[[device.handle]]
+body = "tool"
+joint = "elbow"
 position = [0.1, 0.0, 0.0]
 [[device.encoder]]
 joint = "turret"
