@@ -5,6 +5,7 @@
 #include <csignal>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 
 #include "hal/candump.h"
 #include "platform/cli/run_loop.h"
@@ -29,8 +30,14 @@ SceneConfig patient_scene() {
   rig.stale_after_s = 2;
   rig.heartbeat_timeout_s = 5;
   rig.boot_timeout_s = 9;
-  for (EncoderParams& encoder : rig.encoders) encoder.max_speed = 1e4;
-  for (DriveParams& drive : rig.drives) drive.max_speed = 1e4;
+  for (EncoderParams& encoder : rig.encoders) {
+    encoder.max_speed = 100;
+    encoder.calibration.modulus_counts = 1u << 30;
+  }
+  for (DriveParams& drive : rig.drives) {
+    drive.max_speed = 100;
+    drive.torque_max_Nm = 0.005;  // too little to shake the hand, however late it comes
+  }
   return scene;
 }
 
@@ -79,9 +86,9 @@ class RunOnBuses : public ProgramTest {
     auto link = std::make_unique<LinuxLink>(std::move(buses), std::llround(1e9 * scene_.step));
     link_ = link.get();
     Session::Made made = Session::make(scene_, motion_, std::move(link));
-    ASSERT_THAT(made.errors, IsEmpty());
+    if (!made.session) throw std::runtime_error(made.errors.front());
     session_ = std::move(made.session);
-    ASSERT_THAT(open_buses(*link_, plan_, rig()), IsEmpty());
+    if (!open_buses(*link_, plan_, rig()).empty()) throw std::runtime_error("a cable does not open");
   }
   RunResult run(const RunPlan& plan, const std::string& record = "") {
     RunFiles files("", record, scene_, 0);
