@@ -7,10 +7,10 @@ namespace godobject {
 
 LinuxLink::LinuxLink(std::vector<std::unique_ptr<LinuxBus>> buses, Nanoseconds period) : period_ns_(period) {
   for (std::unique_ptr<LinuxBus>& bus : buses) {
-    watched_.push_back(std::make_unique<WatchedBus>(std::move(bus), watched_.size()));
-    ports_.push_back(watched_.back().get());
+    ends_.push_back(std::make_unique<End>(std::move(bus), ends_.size()));
+    ports_.push_back(&ends_.back()->paced);
   }
-  polled_.resize(watched_.size());
+  polled_.resize(ends_.size());
 }
 
 Nanoseconds LinuxLink::begin_cycle(double /*motion_time*/) noexcept {
@@ -19,8 +19,10 @@ Nanoseconds LinuxLink::begin_cycle(double /*motion_time*/) noexcept {
   // Whole periods left out are counted by the loop.
   if (since_last < period_ns_ + period_ns_ / 2) timing_.sync_jitter_ns.add(std::abs(since_last - period_ns_));
   t_cycle_ns_ = now;
-  for (std::size_t i = 0; i < watched_.size(); ++i)
-    polled_[i] = {.fd = watched_[i]->bus().descriptor(), .events = POLLIN, .revents = 0};
+  for (std::size_t i = 0; i < ends_.size(); ++i) {
+    ends_[i]->paced.advance_to(now);
+    polled_[i] = {.fd = bus(i).descriptor(), .events = POLLIN, .revents = 0};
+  }
   return now;
 }
 
@@ -42,12 +44,12 @@ void LinuxLink::end_cycle() noexcept {
 }
 
 void LinuxLink::set_observer(const BusObserver& observer) noexcept {
-  for (const std::unique_ptr<WatchedBus>& bus : watched_) bus->set_observer(observer);
+  for (const std::unique_ptr<End>& end : ends_) end->watched.set_observer(observer);
 }
 
 Nanoseconds LinuxLink::t_received_ns() const noexcept {
   Nanoseconds latest = 0;
-  for (const std::unique_ptr<WatchedBus>& bus : watched_) latest = std::max(latest, bus->t_received_ns());
+  for (const std::unique_ptr<End>& end : ends_) latest = std::max(latest, end->watched.t_received_ns());
   return latest;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hal/rig_link.h"
-#include "hal/rig_node.h"
+#include "hal/transmit_slots.h"
 #include "platform/histogram.h"
 #include "platform/watched_bus.h"
 
@@ -32,14 +32,26 @@ class LinuxLink final : public RigLink {
   void end_cycle() noexcept override;
   void set_observer(const BusObserver& observer) noexcept override;
 
-  std::size_t num_buses() const noexcept { return watched_.size(); }
-  LinuxBus& bus(std::size_t index) noexcept { return watched_[index]->bus(); }
+  std::size_t num_buses() const noexcept { return ends_.size(); }
+  LinuxBus& bus(std::size_t index) noexcept { return ends_[index]->watched.bus(); }
+  /// At set-up: frames with this standard identifier are worth sending for so long after they were made, and
+  /// only the newest of them. False: PacedCanBus has no slot left.
+  [[nodiscard]] bool add_slot(std::size_t bus, std::uint32_t id, Nanoseconds lifetime) noexcept {
+    return ends_[bus]->paced.add_slot(id, lifetime);
+  }
   const LinkTiming& timing() const noexcept { return timing_; }
 
  private:
+  /// What the rig sends goes through both; what a full bus does not take waits in the second.
+  struct End {
+    End(std::unique_ptr<LinuxBus> bus, std::size_t index) : watched(std::move(bus), index), paced(watched) {}
+    WatchedBus watched;
+    PacedCanBus paced;
+  };
+
   Nanoseconds t_received_ns() const noexcept;
 
-  std::vector<std::unique_ptr<WatchedBus>> watched_;
+  std::vector<std::unique_ptr<End>> ends_;
   std::vector<CanBus*> ports_;
   std::vector<pollfd> polled_;  // one per bus; a negative descriptor is not waited for
   Nanoseconds period_ns_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/canopen.h"
 #include "platform/rig_filters.h"
 
 namespace godobject {
@@ -78,6 +79,21 @@ void plan_real_buses(std::span<const std::string> given, const SceneConfig& scen
   }
 }
 
+/// A SYNC or a command of the last cycle is worth nothing in this one. What finds no slot waits in the queue of
+/// the rest, as do commands with extended identifiers (moteus).
+void add_slots(LinuxLink& link, const RigParams& rig, Nanoseconds period) {
+  constexpr std::uint32_t odrive_set_torque = 0x00E;
+  for (std::size_t i = 0; i < rig.buses.size(); ++i)
+    static_cast<void>(link.add_slot(i, canopen::make_sync().id, period / 2));
+  for (const DriveParams& drive : rig.drives) {
+    if (drive.protocol == DriveProtocol::moteus) continue;
+    const std::uint32_t id = drive.protocol == DriveProtocol::odrive
+                                 ? std::uint32_t{drive.node_id} << 5 | odrive_set_torque
+                                 : canopen::rpdo_cob_id(1, drive.node_id);
+    static_cast<void>(link.add_slot(drive.bus, id, period));
+  }
+}
+
 std::string trouble_of(LinuxLink& link, const BusPlan& plan, const RigParams& rig, std::size_t i) {
   return "bus " + rig.buses[i].name + " (" + plan.texts[i] + "): " + link.bus(i).trouble();
 }
@@ -112,7 +128,10 @@ std::unique_ptr<LinuxLink> make_link(const BusPlan& plan, const RigParams& rig, 
     if (!everything) settings.filters = filters[i];
     buses.push_back(make_bus(plan.addresses[i], settings));
   }
-  return std::make_unique<LinuxLink>(std::move(buses), std::llround(1e9 * step));
+  const Nanoseconds period = std::llround(1e9 * step);
+  auto link = std::make_unique<LinuxLink>(std::move(buses), period);
+  add_slots(*link, rig, period);
+  return link;
 }
 
 std::vector<std::string> open_buses(LinuxLink& link, const BusPlan& plan, const RigParams& rig) {
