@@ -17,9 +17,9 @@ TEST(Crc16, CheckValuesOfTheCatalogue) {
 
 TEST(Crc16, NdiMessages) {
   const std::pair<std::string_view, std::uint16_t> messages[] = {
-      {"RESET", 0xBE6F},    {"OKAY", 0xA896},       {"INIT:", 0xE3A5},    {"TSTART:", 0x5423},
-      {"TSTART:80", 0x1B0B}, {"TSTOP:", 0x2C14},    {"BX:0001", 0xC26D},  {"BX:0801", 0x00EC},
-      {"TX:0001", 0x031A},  {"PHSR:00", 0x20FF},    {"PINIT:01", 0x31EA}, {"PENA:01D", 0x6D3B},
+      {"RESET", 0xBE6F},      {"OKAY", 0xA896},     {"INIT:", 0xE3A5},    {"TSTART:", 0x5423},
+      {"TSTART:80", 0x1B0B},  {"TSTOP:", 0x2C14},   {"BX:0001", 0xC26D},  {"BX:0801", 0x00EC},
+      {"TX:0001", 0x031A},    {"PHSR:00", 0x20FF},  {"PINIT:01", 0x31EA}, {"PENA:01D", 0x6D3B},
       {"COMM:50000", 0x0048}, {"APIREV:0", 0xC4C5}, {"VER:0", 0x65EE}};
   for (const auto& [text, crc] : messages) EXPECT_EQ(crc16<crc16_arc>(bytes_of(text)), crc) << text;
 }
