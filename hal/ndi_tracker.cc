@@ -12,9 +12,10 @@ constexpr Nanoseconds ms = 1'000'000;
 constexpr Nanoseconds reset_patience = 2500 * ms;
 constexpr Nanoseconds setup_patience = 5000 * ms;  // INIT and PINIT take seconds on some trackers
 constexpr Nanoseconds poll_patience = 500 * ms;
-constexpr Nanoseconds settle = 200 * ms;     // after a change of the bit rate; the API asks for 100
-constexpr Nanoseconds quiet = 30 * ms;       // for the rest of a broken reply to pass
-constexpr Nanoseconds poll_period = 1 * ms;  // at least, so that a fast line is not flooded
+constexpr Nanoseconds settle = 200 * ms;      // after a change of the bit rate; the API asks for 100
+constexpr Nanoseconds quiet = 8 * ms;         // after a broken reply: its rest may follow
+constexpr Nanoseconds most_quiet = 300 * ms;  // the longest reply at 9600 bit/s
+constexpr Nanoseconds poll_period = 1 * ms;   // at least, so that a fast line is not flooded
 constexpr Nanoseconds retry_period = 5000 * ms;
 constexpr int max_tries = 3;
 constexpr int max_passes = 4;  // a port with two tools shows the second one after the first is initialised
@@ -184,6 +185,7 @@ void NdiTracker::on_silence(Nanoseconds now) noexcept {
 void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
   awaiting_ = false;
   not_before_ = now + quiet;
+  quiet_until_ = now + most_quiet;
   if (step_ == Step::send_break) return go(Step::set_rate);
   if (step_ == Step::poll) {
     tries_ = 0;  // it does answer
@@ -197,6 +199,7 @@ void NdiTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) n
   for (const std::uint8_t byte : bytes) {
     if (awaiting_ && !reply_began_) t_reply_ = now;
     reply_began_ = true;
+    if (!awaiting_ && now < quiet_until_) not_before_ = std::max(not_before_, now + quiet);
     const Event event = receiver_.push(byte);
     if (event == Event::more || !awaiting_) continue;
     if (event == Event::bad_crc || event == Event::too_long) {

@@ -82,6 +82,7 @@ class NdiTracker final : public Tracker {
   bool by_default_rate_ = true;      // this attempt begins with a break at 9600 bit/s
   Nanoseconds deadline_ = 0;         // of the reply
   Nanoseconds not_before_ = 0;       // of the next command
+  Nanoseconds quiet_until_ = 0;      // the rest of a broken reply is waited out until then at most
   Nanoseconds t_reply_ = 0;          // of its first byte
   Nanoseconds boot_deadline_ = 0;    // to be tracking
   int tries_ = 0;                    // of this step

@@ -156,7 +156,8 @@ void SimNdi::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexc
 }
 
 void SimNdi::answer(std::string_view command, std::string_view parameters, Nanoseconds now) noexcept {
-  const bool poses = command == "TX" || (command == "BX" && !text_only_);
+  const bool poses = command == "TX" || command == "BX";
+  if (command == "BX" && text_only_) return send_error(error::invalid_command, now);
   if (command == "COMM") return send_text("OKAY", now);
   if (command == "VER") return send_text("Simulated Control Firmware\nNDI S/N: none\n", now);
   if (command == "INIT") {
