@@ -31,8 +31,8 @@ void Tracker::enter(TrackerState state, const char* format, ...) noexcept {
   va_end(arguments);
 }
 
-void Tracker::line_lost(const std::string& why, Nanoseconds now) noexcept {
-  enter(TrackerState::opening, "%s", why.c_str());
+void Tracker::line_lost(const std::string& why, bool too_long, Nanoseconds now) noexcept {
+  enter(too_long ? TrackerState::failed : TrackerState::opening, "%s", why.c_str());
   expire(now + stale_after_ns_ + 1);
 }
 

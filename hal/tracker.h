@@ -90,8 +90,8 @@ class Tracker {
   /// Asked for after every receive() and every few milliseconds, until there is none.
   virtual LineRequest next(Nanoseconds now) noexcept = 0;
 
-  /// The line is not there (any more). `why`: what the operating system says.
-  void line_lost(const std::string& why, Nanoseconds now) noexcept;
+  /// The line is not there (any more). `why`: what the operating system says. `too_long`: nobody should go on waiting.
+  void line_lost(const std::string& why, bool too_long, Nanoseconds now) noexcept;
   /// Marks samples that have become too old.
   void expire(Nanoseconds now) noexcept;
   const TrackerReport& report() const noexcept { return report_; }
