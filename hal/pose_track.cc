@@ -28,11 +28,11 @@ void PoseTrack::push(const Pose& X, Nanoseconds t, Nanoseconds now) noexcept {
     if (X.q.dot(before.X.q) < 0) added.X.q.coeffs() = -X.q.coeffs();
     added.knot = std::max(t + period / 2, before.knot + period / 4);
   }
-  if (size_ >= 2) {
+  if (size_ >= 3) {  // the first sample has no knot of its own yet
     // Until this sample came, the path had to last that ends at the knot of the one before the last.
     const Nanoseconds needed = now - sample(1).knot;
     const auto excess = static_cast<double>(wanted_delay_ - needed);
-    wanted_delay_ = size_ == 2
+    wanted_delay_ = size_ == 3
                         ? needed
                         : std::max<Nanoseconds>(needed, wanted_delay_ - std::llround(forgetting * excess));
   }
