@@ -204,7 +204,8 @@ TEST(PoseTrack, NeitherPoseNorTwistJumps) {
       EXPECT_LT((played.target.V_WD.w - last.target.V_WD.w).norm(), 2e-2);
     }
     if (i > 500) {
-      EXPECT_LT((played.target.X_WD.p - last.target.X_WD.p).norm(), 1e-3);
+      // While it learns that samples are later it comes to rest and catches up, 0.3 m/s being the speed.
+      EXPECT_LT((played.target.X_WD.p - last.target.X_WD.p).norm(), 2e-3);
       EXPECT_LT(played.target.X_WD.q.angularDistance(last.target.X_WD.q), 1e-2);
     }
     last = played;
