@@ -33,8 +33,7 @@ void send() {  // COBS; shorter than 254 bytes, so without full blocks
   size_t code = 0, n = 1;
   for (size_t i = 0; i < size; ++i) {
     if (payload[i] != 0) { wire[n++] = payload[i]; continue; }
-    wire[code] = n - code;
-    code = n++;
+    wire[code] = n - code, code = n++;
   }
   wire[code] = n - code, wire[n++] = 0;
   Serial.write(wire, n);
@@ -43,7 +42,8 @@ void send() {  // COBS; shorter than 254 bytes, so without full blocks
 void setup() {
   Serial.begin(kBaud);
   for (int i = 0; i < kEncoders; ++i) {
-    for (int pin : {kPinA[i], kPinB[i]}) { pinMode(pin, INPUT_PULLUP); attachInterrupt(digitalPinToInterrupt(pin), handlers[i], CHANGE); }
+    for (int pin : {kPinA[i], kPinB[i]})
+      pinMode(pin, INPUT_PULLUP), attachInterrupt(digitalPinToInterrupt(pin), handlers[i], CHANGE);
     last[i] = levels(i);
   }
 }
@@ -52,8 +52,7 @@ void loop() {
   if (int32_t(micros() - next) < 0) return;
   next += kPeriod_us;
   size = 0, put(0x01, 1), put(sequence++, 1);
-  noInterrupts();
-  put(micros(), 4);
+  noInterrupts(), put(micros(), 4);
   for (int i = 0; i < kEncoders; ++i) put(counts[i], 4);
   put(status, 2);
   status = status & ~0x0002, interrupts();

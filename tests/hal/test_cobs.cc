@@ -95,16 +95,16 @@ TEST(Cobs, TooLargeIsReportedAndTheNextFrameRead) {
     wire.insert(wire.end(), 254, 0x55);
   }
   wire.push_back(0);
-  const Bytes next = encoded({7});
+  const Bytes next = encoded({7, 8});
   wire.insert(wire.end(), next.begin(), next.end());
   const Decoded all = decoded(wire);
   EXPECT_EQ(all.too_large, 1);
-  EXPECT_EQ(all.frames, std::vector<Bytes>({{7}}));
+  EXPECT_EQ(all.frames, std::vector<Bytes>({{7, 8}}));
 }
 
 TEST(Cobs, ZerosBetweenFramesAreNothing) {
-  const Decoded all = decoded({0, 0, 0x02, 0x07, 0, 0, 0});
-  EXPECT_EQ(all.frames, std::vector<Bytes>({{7}}));
+  const Decoded all = decoded({0, 0, 0x03, 0x07, 0x08, 0, 0, 0});
+  EXPECT_EQ(all.frames, std::vector<Bytes>({{7, 8}}));
   EXPECT_EQ(all.cut_off + all.too_large, 0);
 }
 
