@@ -66,8 +66,8 @@ TEST(Cobs, EverySizeComesBack) {
 
 TEST(Cobs, BothFormsAfterAFullBlockAreRead) {
   const Bytes payload(254, 0x55);
-  Bytes without(1, 0xFF);
-  without.insert(without.end(), payload.begin(), payload.end());
+  Bytes without(255, 0x55);
+  without[0] = 0xFF;
   Bytes with = without;
   with.push_back(0x01);
   without.push_back(0);
