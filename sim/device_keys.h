@@ -9,6 +9,7 @@
 #include "sim/device_from_joints.h"
 #include "sim/hold_keys.h"
 #include "sim/scene.h"
+#include "sim/tracker_keys.h"
 #include "sim/visit.h"
 
 namespace godobject {
@@ -373,6 +374,7 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   if (visit_rig(v, d.rig.has_value(), scene, holdable_bodies(scene, d), rig)) d.rig = rig;
   plain_table(v, TableKey{"plant", "The simulated mechanics of the device and the hand that holds it."},
               [&](auto& t) { visit_plant(t, d.plant); });
+  visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);
 }
 
 }  // namespace godobject

@@ -1,0 +1,51 @@
+// The two CRC-16 of our serial lines, one routine each way round.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace godobject {
+
+/// How a CRC-16 shifts. Neither of ours has a final exclusive-or.
+struct Crc16Kind {
+  std::uint16_t polynomial = 0;  // bit-reversed when `reflected`
+  std::uint16_t initial = 0;
+  bool reflected = false;
+};
+
+/// CRC-16/ARC, of the NDI Combined API: x16 + x15 + x2 + 1. Check value of "123456789": BB3D.
+inline constexpr Crc16Kind crc16_arc{.polynomial = 0xA001, .initial = 0x0000, .reflected = true};
+/// CRC-16/CCITT-FALSE, of the encoder board: x16 + x12 + x5 + 1. Check value of "123456789": 29B1.
+inline constexpr Crc16Kind crc16_ccitt{.polynomial = 0x1021, .initial = 0xFFFF, .reflected = false};
+
+/// The CRC of every single byte.
+template <Crc16Kind kind>
+consteval std::array<std::uint16_t, 256> crc16_table() {
+  std::array<std::uint16_t, 256> table{};
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    unsigned crc = kind.reflected ? byte : byte << 8;
+    for (int bit = 0; bit < 8; ++bit) {
+      const bool out = (crc & (kind.reflected ? 1u : 0x8000u)) != 0;
+      crc = (kind.reflected ? crc >> 1 : crc << 1) ^ (out ? kind.polynomial : 0u);
+    }
+    table[byte] = static_cast<std::uint16_t>(crc);
+  }
+  return table;
+}
+
+/// CRC of the bytes; `so_far` goes on with an earlier part.
+template <Crc16Kind kind>
+constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes,
+                              std::uint16_t so_far = kind.initial) noexcept {
+  constexpr auto table = crc16_table<kind>();
+  unsigned crc = so_far;
+  for (const std::uint8_t byte : bytes) {
+    crc = kind.reflected ? (crc >> 8) ^ table[(crc ^ byte) & 0xFFu]
+                         : ((crc << 8) & 0xFFFFu) ^ table[(crc >> 8) ^ byte];
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
+}  // namespace godobject

@@ -1,0 +1,402 @@
+#include "hal/ndi_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace godobject {
+namespace {
+
+constexpr Nanoseconds ms = 1'000'000;
+constexpr Nanoseconds reset_patience = 2500 * ms;
+constexpr Nanoseconds setup_patience = 5000 * ms;  // INIT and PINIT take seconds on some trackers
+constexpr Nanoseconds poll_patience = 500 * ms;
+constexpr Nanoseconds settle = 200 * ms;      // after a change of the bit rate; the API asks for 100
+constexpr Nanoseconds quiet = 8 * ms;         // after a broken reply: its rest may follow
+constexpr Nanoseconds most_quiet = 300 * ms;  // the longest reply at 9600 bit/s
+constexpr Nanoseconds poll_period = 1 * ms;   // at least, so that a fast line is not flooded
+constexpr Nanoseconds retry_period = 5000 * ms;
+constexpr int max_tries = 3;
+constexpr int max_passes = 4;  // a port with two tools shows the second one after the first is initialised
+
+constexpr std::uint16_t poll_options = ndi::option::transforms | ndi::option::also_out_of_volume;
+
+constexpr std::array step_names{"slow down", "break", "COMM",   "set rate", "INIT",  "PHSR:01",
+                                "PHF",       "PHRQ",  "PVWR",   "PHSR:02",  "PINIT", "PHSR:03",
+                                "PHINF",     "PENA",  "TSTART", "poll"};
+
+const char* name_of(auto step) noexcept { return step_names[static_cast<std::size_t>(step)]; }
+
+std::optional<unsigned> hex_digit(char c) noexcept {
+  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
+  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::uint8_t> ndi_handle(std::string_view tool) noexcept {
+  if (tool.size() != 2) return std::nullopt;
+  const auto high = hex_digit(tool[0]), low = hex_digit(tool[1]);
+  if (!high || !low) return std::nullopt;
+  return static_cast<std::uint8_t>(*high << 4 | *low);
+}
+
+std::unique_ptr<Tracker> make_ndi_tracker(const TrackerParams& params, ToolDefinitions definitions,
+                                          std::vector<std::string>& errors) {
+  const std::string where = "tracker '" + params.name + "': ";
+  if (!ndi::comm_digit(params.baud))
+    errors.push_back(where + "no NDI tracker has " + std::to_string(params.baud) +
+                     " bit/s: choose 9600, 14400, 19200, 38400, 57600, 115200, 230400, 921600 or 1228739");
+  for (std::size_t i = 0; i < params.tools.size(); ++i) {
+    const std::string& tool = params.tools[i].tool;
+    if (!ndi_handle(tool) && (definitions[i].empty() || definitions[i].size() > 0x10000))
+      errors.push_back(
+          where + "tool '" + tool +
+          "' is neither the two digits of a port handle nor a tool definition file that can be read");
+  }
+  if (!errors.empty()) return nullptr;
+  return std::make_unique<NdiTracker>(params, std::move(definitions));
+}
+
+NdiTracker::NdiTracker(const TrackerParams& params, ToolDefinitions definitions)
+    : Tracker(params), definitions_(std::move(definitions)) {
+  for (std::size_t i = 0; i < params_.tools.size(); ++i) {
+    if (definitions_[i].empty()) handles_[i] = ndi_handle(params_.tools[i].tool);
+  }
+}
+
+void NdiTracker::opened(Nanoseconds now) noexcept {
+  use_text_ = plain_start_ = false;
+  by_default_rate_ = true;
+  boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
+  restart(now);
+}
+
+/// From the beginning, with the line as it is.
+void NdiTracker::restart(Nanoseconds now) noexcept {
+  for (std::size_t i = 0; i < params_.tools.size(); ++i) {
+    if (!definitions_[i].empty()) handles_[i].reset();
+  }
+  enabled_ = {};
+  refused_[0] = '\0';
+  tool_ = address_ = 0;
+  passes_ = 0;
+  go(by_default_rate_ ? Step::slow_down : Step::follow_rate);
+  not_before_ = now;
+  if (report_.state != TrackerState::failed)
+    enter(TrackerState::initialising, "resetting the tracker on %.60s", params_.port.c_str());
+}
+
+/// An attempt has failed. The next one takes the other way to begin: a line without breaks (USB, a network port) is
+/// left at its rate.
+void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
+  if (was_tracking()) {
+    ++report_.counters.restarts;
+    boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
+  }
+  by_default_rate_ = !by_default_rate_ || was_tracking();
+  const Step at = step_;
+  if (now < boot_deadline_) {
+    report_.state = TrackerState::initialising;
+    restart(now);
+    return;
+  }
+  enter(TrackerState::failed, "%s: %s; tried again every 5 s", name_of(at), why);
+  restart(now);
+  not_before_ = now + retry_period;
+}
+
+void NdiTracker::go(Step step) noexcept {
+  step_ = step;
+  tries_ = 0;
+  awaiting_ = false;
+}
+
+ndi::Command NdiTracker::command() const noexcept {
+  const std::uint8_t handle = at_ < listed_.size ? listed_.handles[at_].handle : std::uint8_t{0};
+  switch (step_) {
+    case Step::set_rate: {
+      const std::array<char, 5> rate{*ndi::comm_digit(params_.baud), '0', '0', '0', '0'};
+      return ndi::make_command("COMM", {rate.data(), rate.size()});
+    }
+    case Step::initialise: return ndi::make_command("INIT", "");
+    case Step::list_used: return ndi::make_command("PHSR", "01");
+    case Step::free_handle: return ndi::make_handle_command("PHF", handle);
+    case Step::request_handle: return ndi::make_command("PHRQ", "*********1****");  // any passive tool
+    case Step::write_definition:
+      return ndi::make_write_command(*handles_[tool_], address_, definitions_[tool_]);
+    case Step::list_uninitialised: return ndi::make_command("PHSR", "02");
+    case Step::initialise_handle: return ndi::make_handle_command("PINIT", handle);
+    case Step::list_disabled: return ndi::make_command("PHSR", "03");
+    case Step::read_plate: return ndi::make_handle_command("PHINF", handle, "0001");
+    case Step::enable_handle: return ndi::make_handle_command("PENA", handle, "D");  // a moving tool
+    case Step::start: return ndi::make_command("TSTART", plain_start_ ? "" : "80");  // frames from zero
+    case Step::poll: return ndi::make_command(use_text_ ? "TX" : "BX", "0801");
+    default: return {};
+  }
+}
+
+Nanoseconds NdiTracker::patience() const noexcept {
+  if (step_ == Step::send_break) return reset_patience;
+  return step_ == Step::poll ? poll_patience : setup_patience;
+}
+
+LineRequest NdiTracker::send(Nanoseconds now) noexcept {
+  receiver_.reset();
+  awaiting_ = true;
+  reply_began_ = false;
+  deadline_ = now + patience();
+  ++tries_;
+  if (step_ == Step::send_break) return {.kind = LineRequest::Kind::serial_break};
+  command_ = command();
+  not_before_ = now + poll_period;
+  return {.kind = LineRequest::Kind::send, .bytes = command_.bytes()};
+}
+
+LineRequest NdiTracker::next(Nanoseconds now) noexcept {
+  expire(now);
+  if (awaiting_ && now >= deadline_) on_silence(now);
+  if (awaiting_ || now < not_before_) return {};
+  switch (step_) {
+    case Step::slow_down:
+      go(Step::send_break);
+      return {.kind = LineRequest::Kind::set_baud, .baud = ndi::default_baud};
+    case Step::follow_rate:
+      go(Step::initialise);
+      not_before_ = now + settle;
+      return {.kind = LineRequest::Kind::set_baud, .baud = params_.baud};
+    default: return send(now);
+  }
+}
+
+void NdiTracker::on_silence(Nanoseconds now) noexcept {
+  awaiting_ = false;
+  if (step_ == Step::send_break) {
+    go(Step::set_rate);  // perhaps it has not understood the break, but listens
+    return;
+  }
+  ++report_.counters.timeouts;
+  const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;
+  if (tries_ >= allowed) give_up_or_restart("no reply: is the tracker switched on, and this its port?", now);
+}
+
+void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
+  awaiting_ = false;
+  not_before_ = now + quiet;
+  quiet_until_ = now + most_quiet;
+  if (step_ == Step::send_break) return go(Step::set_rate);
+  if (step_ == Step::poll) {
+    tries_ = 0;  // it does answer
+  } else if (tries_ >= max_tries) {
+    give_up_or_restart("replies are not readable: check cable and baud", now);
+  }
+}
+
+void NdiTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
+  using Event = ndi::ReplyReceiver::Event;
+  for (const std::uint8_t byte : bytes) {
+    if (awaiting_ && !reply_began_) t_reply_ = now;
+    reply_began_ = true;
+    if (!awaiting_ && now < quiet_until_) not_before_ = std::max(not_before_, now + quiet);
+    const Event event = receiver_.push(byte);
+    if (event == Event::more || !awaiting_) continue;
+    if (event == Event::bad_crc || event == Event::too_long) {
+      ++report_.counters.bad_crc;
+      on_lost_reply(now);
+    } else if (event == Event::binary) {
+      on_poses(event, receiver_.content(), now);
+    } else {
+      on_text(receiver_.content(), now);
+    }
+  }
+}
+
+void NdiTracker::on_text(std::span<const std::uint8_t> text, Nanoseconds now) noexcept {
+  const ndi::TextReply reply = ndi::classify(text);
+  awaiting_ = false;
+  switch (reply.kind) {
+    case ndi::ReplyKind::reset:
+      if (step_ == Step::send_break) return go(Step::set_rate);
+      return give_up_or_restart("the tracker was reset", now);
+    case ndi::ReplyKind::error: return on_error(reply.code, now);
+    case ndi::ReplyKind::warning:
+      enter(report_.state, "%s: %s", name_of(step_), ndi::warning_text(reply.code));
+      return on_okay(now);
+    case ndi::ReplyKind::okay: return on_okay(now);
+    case ndi::ReplyKind::data: return on_data(text, now);
+  }
+}
+
+/// What does not stop the others: a tool that is refused stays disabled.
+void NdiTracker::on_error(std::uint8_t code, Nanoseconds now) noexcept {
+  constexpr std::uint8_t invalid_command = 0x01, bad_crc = 0x04;
+  if (code == bad_crc && tries_ < max_tries) return;  // sent again
+  switch (step_) {
+    case Step::free_handle:
+    case Step::initialise_handle:
+    case Step::enable_handle:
+      refuse("%s of port handle %02X: %s", name_of(step_), listed_.handles[at_].handle,
+             ndi::error_text(code));
+      return next_handle();
+    case Step::read_plate: return go(Step::enable_handle);
+    case Step::request_handle:
+    case Step::write_definition:
+      refuse("%s of tool '%.30s': %s", name_of(step_), params_.tools[tool_].tool.c_str(),
+             ndi::error_text(code));
+      ++tool_;
+      return next_definition();
+    case Step::start:
+      if (plain_start_) break;
+      plain_start_ = true;
+      return go(Step::start);
+    case Step::poll:
+      if (use_text_ || code != invalid_command) break;
+      use_text_ = true;
+      return go(Step::poll);
+    default: break;
+  }
+  give_up_or_restart(ndi::error_text(code), now);
+}
+
+void NdiTracker::refuse(const char* format, ...) noexcept {
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(refused_.data(), refused_.size(), format, arguments);
+  va_end(arguments);
+}
+
+void NdiTracker::on_okay(Nanoseconds now) noexcept {
+  switch (step_) {
+    case Step::set_rate: return go(Step::follow_rate);
+    case Step::initialise: return go(Step::list_used);
+    case Step::free_handle:
+    case Step::initialise_handle: return next_handle();
+    case Step::enable_handle:
+      if (const auto tool = tool_of(listed_.handles[at_].handle)) enabled_[*tool] = true;
+      return next_handle();
+    case Step::write_definition:
+      address_ += ndi::block_size;
+      if (address_ < definitions_[tool_].size()) return go(Step::write_definition);
+      ++tool_;
+      return next_definition();
+    case Step::start: return go(Step::poll);
+    default: ++report_.counters.malformed; return on_lost_reply(now);
+  }
+}
+
+void NdiTracker::on_data(std::span<const std::uint8_t> text, Nanoseconds now) noexcept {
+  switch (step_) {
+    case Step::list_used:
+    case Step::list_uninitialised:
+    case Step::list_disabled: return on_handles(text, now);
+    case Step::request_handle: {
+      const auto handle = ndi_handle({reinterpret_cast<const char*>(text.data()), text.size()});
+      if (!handle) break;
+      handles_[tool_] = handle;
+      address_ = 0;
+      return go(Step::write_definition);
+    }
+    case Step::read_plate: {
+      ndi::ToolPlate plate;
+      if (ndi::parse_phinf(text, plate) != ParseResult::ok) break;
+      enter(report_.state, "port handle %02X: %s %s", listed_.handles[at_].handle, plate.manufacturer.data(),
+            plate.serial.data());
+      return go(Step::enable_handle);
+    }
+    case Step::poll: return on_poses(ndi::ReplyReceiver::Event::text, text, now);
+    default: break;
+  }
+  ++report_.counters.malformed;
+  on_lost_reply(now);
+}
+
+void NdiTracker::on_handles(std::span<const std::uint8_t> text, Nanoseconds now) noexcept {
+  if (ndi::parse_phsr(text, listed_) != ParseResult::ok) {
+    ++report_.counters.malformed;
+    return on_lost_reply(now);
+  }
+  at_ = 0;
+  if (step_ == Step::list_used) {
+    step_ = Step::free_handle;
+  } else if (step_ == Step::list_uninitialised) {
+    if (++passes_ > max_passes) listed_.size = 0;
+    step_ = Step::initialise_handle;
+  } else {
+    step_ = Step::read_plate;
+  }
+  --at_;
+  next_handle();
+}
+
+/// The next of the listed handles that this step is for, or what comes after the last.
+void NdiTracker::next_handle() noexcept {
+  const bool enabling = step_ == Step::read_plate || step_ == Step::enable_handle;
+  do {
+    ++at_;
+  } while (enabling && at_ < listed_.size && !tool_of(listed_.handles[at_].handle));
+  if (at_ < listed_.size) return go(enabling ? Step::read_plate : step_);
+  if (step_ == Step::free_handle) return next_definition();
+  if (enabling) return go(Step::start);
+  go(listed_.size > 0 ? Step::list_uninitialised : Step::list_disabled);
+}
+
+/// The next tool with a definition, or what comes after the last.
+void NdiTracker::next_definition() noexcept {
+  while (tool_ < params_.tools.size() && definitions_[tool_].empty()) ++tool_;
+  go(tool_ < params_.tools.size() ? Step::request_handle : Step::list_uninitialised);
+}
+
+std::optional<std::size_t> NdiTracker::tool_of(std::uint8_t handle) const noexcept {
+  const auto end = handles_.begin() + static_cast<std::ptrdiff_t>(params_.tools.size());
+  const auto found = std::find(handles_.begin(), end, std::optional(handle));
+  if (found == end) return std::nullopt;
+  return static_cast<std::size_t>(found - handles_.begin());
+}
+
+void NdiTracker::on_poses(ndi::ReplyReceiver::Event event, std::span<const std::uint8_t> content,
+                          Nanoseconds now) noexcept {
+  awaiting_ = false;
+  const bool binary = event == ndi::ReplyReceiver::Event::binary;
+  ndi::PoseReply reply;
+  if (step_ != Step::poll || binary == use_text_ ||
+      (binary ? ndi::parse_bx(content, poll_options, reply) : ndi::parse_tx(content, poll_options, reply)) !=
+          ParseResult::ok) {
+    ++report_.counters.malformed;
+    return on_lost_reply(now);
+  }
+  tries_ = 0;
+  for (const ndi::HandlePose& pose : reply.all()) take(pose, t_reply_);
+  std::size_t num_enabled = 0;
+  for (std::size_t i = 0; i < params_.tools.size(); ++i) {
+    if (!enabled_[i]) not_measured(i, ToolState::disabled, t_reply_);
+    if (enabled_[i]) ++num_enabled;
+  }
+  if (const char* const trouble = ndi::system_status_text(reply.system_status)) {
+    enter(TrackerState::tracking, "%s", trouble);
+  } else if (!was_tracking()) {
+    const bool all = num_enabled == params_.tools.size();
+    enter(TrackerState::tracking, "%zu of %zu tools enabled%s%s", num_enabled, params_.tools.size(),
+          all ? "" : ": ",
+          all                   ? ""
+          : refused_[0] != '\0' ? refused_.data()
+                                : "the others are not plugged in");
+  }
+}
+
+void NdiTracker::take(const ndi::HandlePose& pose, Nanoseconds t) noexcept {
+  const auto tool = tool_of(pose.handle);
+  if (!tool) return;
+  switch (pose.status) {
+    case ndi::HandleStatus::valid: {
+      const bool outside = (pose.port_bits & ndi::port_status::out_of_volume) != 0;
+      return measured(*tool, pose.X_TH, pose.frame, pose.error_m,
+                      outside ? ToolState::out_of_volume : ToolState::valid, t);
+    }
+    case ndi::HandleStatus::missing: return not_measured(*tool, ToolState::missing, t);
+    case ndi::HandleStatus::disabled: return not_measured(*tool, ToolState::disabled, t);
+  }
+}
+
+}  // namespace godobject

@@ -1,0 +1,163 @@
+#include "hal/polhemus.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+
+#include "hal/polhemus_tracker.h"
+#include "tests/support/polhemus_recording.h"
+#include "tests/support/shared_data.h"
+
+namespace godobject::polhemus {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+using Event = RecordReceiver::Event;
+constexpr Nanoseconds ms = 1'000'000;
+
+Bytes wire_of(const Record& record) {
+  std::array<std::uint8_t, max_record_size> buffer{};
+  const std::span<const std::uint8_t> bytes = make_record(record, buffer);
+  return {bytes.begin(), bytes.end()};
+}
+
+Record record_at(int i, Model model = Model::fastrak) {
+  const double angle = 0.01 * i;
+  return {.model = model,
+          .station = 1,
+          .X_TH = {.p = Vec3(0.3, -0.1 + 1e-4 * i, 0.2), .q = Quat(std::cos(angle), 0, std::sin(angle), 0)},
+          .t_ms = static_cast<std::uint32_t>(4 * i)};
+}
+
+TEST(Polhemus, BytesOnTheWire) {
+  Record record{.station = 2, .error = ' ', .X_TH = {.p = Vec3(0.0254, -0.0508, 0), .q = Quat::Identity()}};
+  Bytes expected{'0', '2', ' ', 0, 0, 0x80, 0x3F, 0, 0, 0x00, 0xC0};
+  expected.resize(15);                                  // z = 0
+  expected.insert(expected.end(), {0, 0, 0x80, 0x3F});  // w = 1
+  expected.resize(31);
+  expected.push_back(' ');
+  EXPECT_EQ(wire_of(record), expected);
+  record.model = Model::liberty;
+  record.t_ms = 0x01020304;
+  const Bytes liberty = wire_of(record);
+  ASSERT_EQ(liberty.size(), 41u);
+  EXPECT_EQ(Bytes(liberty.begin(), liberty.begin() + 8), (Bytes{'L', 'Y', 2, 'C', ' ', 0, 33, 0}));
+  EXPECT_EQ(Bytes(liberty.end() - 5, liberty.end()), (Bytes{4, 3, 2, 1, ' '}));
+}
+
+TEST(Polhemus, InitCommands) {
+  std::string fastrak, liberty;
+  for (std::size_t i = 0; const auto command = init_command(Model::fastrak, i, 2); ++i)
+    fastrak.append(command->data.data(), command->size);
+  for (std::size_t i = 0; const auto command = init_command(Model::liberty, i, 2); ++i)
+    liberty.append(command->data.data(), command->size);
+  EXPECT_EQ(fastrak, "cUO1,2,11,0\rO2,2,11,0\rfC");
+  EXPECT_EQ(liberty, "PU0\rO1,2,7,8,0\rO2,2,7,8,0\rF1\rC\r");
+}
+
+TEST(Polhemus, RecordingsComeBackThroughTheWire) {
+  const auto files = test::files_with(test::shared_file("data/polhemus_fastrak_hand"), ".traj");
+  if (files.empty()) GTEST_SKIP() << "no recorded Polhemus poses";
+  EXPECT_EQ(files.size(), 12u);
+  for (const Model model : {Model::fastrak, Model::liberty}) {
+    for (const auto& file : files) {
+      RecordReceiver receiver;
+      const std::vector<Pose> poses = test::read_matrices(file);
+      EXPECT_GE(poses.size(), 363u);
+      std::size_t count = 0;
+      for (const Pose& pose : poses) {
+        for (const std::uint8_t byte : wire_of({.model = model, .X_TH = pose})) {
+          const Event event = receiver.push(byte);
+          EXPECT_NE(event, Event::malformed);
+          if (event != Event::record) continue;
+          ++count;
+          EXPECT_LT((receiver.record().X_TH.p - pose.p).norm(), 1e-6);
+          EXPECT_LT(receiver.record().X_TH.q.angularDistance(pose.q), 1e-6);
+        }
+      }
+      EXPECT_EQ(count, poses.size()) << file;
+    }
+  }
+}
+
+TEST(Polhemus, InStepAgainAfterALostByte) {
+  for (const Model model : {Model::fastrak, Model::liberty}) {
+    const std::size_t size = wire_of(record_at(0, model)).size();
+    for (std::size_t lost = 0; lost < size; ++lost) {
+      RecordReceiver receiver;
+      int records = 0, malformed = 0;
+      for (int i = 0; i < 8; ++i) {
+        Bytes wire = wire_of(record_at(i, model));
+        if (i == 2) wire.erase(wire.begin() + static_cast<std::ptrdiff_t>(lost));
+        for (const std::uint8_t byte : wire) {
+          const Event event = receiver.push(byte);
+          if (event == Event::malformed) ++malformed;
+          if (event != Event::record) continue;
+          ++records;
+          EXPECT_NEAR(receiver.record().X_TH.p.x(), 0.3, 1e-6) << lost;
+        }
+      }
+      EXPECT_GE(records, 6) << lost;
+      EXPECT_EQ(malformed, 1) << lost;
+    }
+  }
+}
+
+/// The tracker at the host, set up for continuous records from `now` on.
+std::unique_ptr<Tracker> tracking_tracker(Nanoseconds& now) {
+  TrackerParams params;
+  params.protocol = TrackerProtocol::polhemus;
+  params.tools.push_back({.body = "tool", .tool = "1", .X_TH = {}});
+  std::unique_ptr<Tracker> tracker = make_tracker(params, {}).tracker;
+  tracker->opened(now);
+  for (; tracker->report().state != TrackerState::tracking && now < 5000 * ms; now += 10 * ms) {
+    static_cast<void>(tracker->next(now));
+    tracker->receive(wire_of(record_at(0)), now);
+  }
+  return tracker;
+}
+
+TEST(PolhemusTracker, ACorruptedRecordIsRefusedOrNear) {
+  // Without a CRC a wrong low bit of a position passes. How far off it can be is bounded.
+  Nanoseconds now = 0;
+  double worst = 0;
+  for (std::size_t at = 0; at < fastrak_size; ++at) {
+    for (int bit = 0; bit < 8; ++bit) {
+      const auto tracker = tracking_tracker(now = 0);
+      ASSERT_EQ(tracker->report().state, TrackerState::tracking);
+      Bytes wire = wire_of(record_at(1));
+      wire[at] = static_cast<std::uint8_t>(wire[at] ^ (1u << bit));
+      tracker->receive(wire, now += 10 * ms);
+      tracker->receive(wire_of(record_at(2)), now += 10 * ms);
+      const ToolSample& sample = tracker->report().tools[0];
+      worst = std::max(worst, (sample.X_TH.p - record_at(2).X_TH.p).norm());
+    }
+  }
+  EXPECT_LT(worst, 0.25);
+}
+
+TEST(PolhemusTracker, ARealJumpIsAcceptedAfterAWhile) {
+  Nanoseconds now = 0;
+  const auto tracker = tracking_tracker(now);
+  Record far = record_at(1);
+  far.X_TH.p += Vec3(1, 0, 0);
+  const std::uint64_t before = tracker->report().counters.malformed;
+  for (int i = 0; i < 4; ++i) tracker->receive(wire_of(far), now += 10 * ms);
+  EXPECT_NEAR(tracker->report().tools[0].X_TH.p.x(), 1.3, 1e-6);
+  EXPECT_EQ(tracker->report().counters.malformed - before, 2u);
+}
+
+TEST(Polhemus, AnyBytesAreSurvived) {
+  std::mt19937 random(5);
+  const std::string_view alphabet = "0123 LYPAUC!%\x01\x02";
+  RecordReceiver receiver;
+  for (int i = 0; i < 500'000; ++i) {
+    const auto byte = static_cast<std::uint8_t>(
+        i / 1000 % 2 == 0 ? random() : static_cast<unsigned>(alphabet[random() % alphabet.size()]));
+    static_cast<void>(receiver.push(byte));
+  }
+}
+
+}  // namespace
+}  // namespace godobject::polhemus

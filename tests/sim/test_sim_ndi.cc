@@ -1,0 +1,205 @@
+#include "sim/sim_ndi.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/support/simulated_tracker.h"
+
+namespace godobject {
+namespace {
+
+using test::SimulatedTracker;
+
+const Pose here{.p = Vec3(0.1, -0.2, -1.5), .q = Quat(0.5, 0.5, -0.5, 0.5)};
+
+/// A wired tool and a passive one, whose definition is 700 bytes.
+struct Polaris : SimulatedTracker {
+  explicit Polaris(std::vector<std::string> tools = {"0A", "probe.rom"}, TrackerParams params = {})
+      : SimulatedTracker(make_host(tools, params), nullptr) {
+    far = std::make_unique<SimNdi>(tracker->params(), 60, 1);
+    for (std::size_t i = 0; i < tools.size(); ++i) far->set_pose(i, here);
+  }
+  static std::unique_ptr<Tracker> make_host(const std::vector<std::string>& tools, TrackerParams params) {
+    const TrackerParams named = test::tracker_params(TrackerProtocol::ndi, tools);
+    params.port = named.port;
+    params.tools = named.tools;
+    ToolDefinitions definitions(tools.size());
+    for (std::size_t i = 0; i < tools.size(); ++i)
+      if (tools[i].size() > 2) definitions[i].assign(700, 0x5A);
+    MadeTracker made = make_tracker(params, definitions);
+    EXPECT_TRUE(made.errors.empty());
+    return std::move(made.tracker);
+  }
+  SimNdi& sim() { return static_cast<SimNdi&>(*far); }
+};
+
+TEST(SimNdi, FromResetToPosesOfTwoTools) {
+  Polaris rig;
+  ASSERT_TRUE(rig.track()) << rig.tracker->report().text.data();
+  EXPECT_EQ(rig.breaks, 1);
+  EXPECT_EQ(rig.baud, 115'200u);
+  EXPECT_EQ(rig.sim().definition_size(1), 704u) << "700 bytes in blocks of 64";
+  rig.run(1);
+  for (const std::size_t i : {0u, 1u}) {
+    EXPECT_EQ(rig.tool(i).state, ToolState::valid);
+    EXPECT_LT((rig.tool(i).X_TH.p - here.p).norm(), 1e-6);
+    EXPECT_LT(rig.tool(i).X_TH.q.angularDistance(here.q), 1e-6);
+    EXPECT_NEAR(rig.tool(i).number, 60, 3);
+  }
+  EXPECT_GT(rig.tracker->report().counters.repeated, 500u) << "polled every 2 ms, measured every 16";
+  EXPECT_EQ(rig.tracker->report().counters.bad_crc, 0u);
+  EXPECT_EQ(rig.tracker->report().counters.lost_frames, 0u);
+}
+
+TEST(SimNdi, TextAndBinaryRepliesAgree) {
+  ndi::PoseReply reply;
+  reply.num_handles = 3;
+  reply.handles[0] = {.handle = 1, .status = ndi::HandleStatus::valid, .X_TH = here, .error_m = 3e-4};
+  reply.handles[0].frame = 0xFFFFFFFF;
+  reply.handles[1] = {.handle = 2, .status = ndi::HandleStatus::missing, .X_TH = {}};
+  reply.handles[2] = {.handle = 3, .status = ndi::HandleStatus::disabled, .X_TH = {}};
+  std::array<std::uint8_t, 512> bytes{};
+  ndi::ReplyReceiver receiver;
+  ndi::ReplyReceiver::Event event{};
+  ndi::PoseReply tx, bx;
+  for (const std::uint8_t byte : make_tx_reply(reply, bytes)) event = receiver.push(byte);
+  ASSERT_EQ(event, ndi::ReplyReceiver::Event::text);
+  ASSERT_EQ(ndi::parse_tx(receiver.content(), ndi::option::transforms, tx), ParseResult::ok);
+  for (const std::uint8_t byte : make_bx_reply(reply, bytes)) event = receiver.push(byte);
+  ASSERT_EQ(event, ndi::ReplyReceiver::Event::binary);
+  ASSERT_EQ(ndi::parse_bx(receiver.content(), ndi::option::transforms, bx), ParseResult::ok);
+  ASSERT_EQ(tx.num_handles, 3u);
+  ASSERT_EQ(bx.num_handles, 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(tx.handles[i].handle, bx.handles[i].handle);
+    EXPECT_EQ(tx.handles[i].status, bx.handles[i].status);
+    EXPECT_EQ(tx.handles[i].frame, bx.handles[i].frame);
+    EXPECT_LT((tx.handles[i].X_TH.p - bx.handles[i].X_TH.p).norm(), 1e-5);
+    EXPECT_LT(tx.handles[i].X_TH.q.angularDistance(bx.handles[i].X_TH.q), 2e-4);
+    EXPECT_NEAR(tx.handles[i].error_m, bx.handles[i].error_m, 1e-7);
+  }
+}
+
+TEST(SimNdi, OldFirmwareIsPolledWithText) {
+  Polaris rig;
+  rig.sim().set_text_only(true);
+  ASSERT_TRUE(rig.track()) << rig.tracker->report().text.data();
+  EXPECT_EQ(rig.tool(0).state, ToolState::valid);
+  EXPECT_LT((rig.tool(0).X_TH.p - here.p).norm(), 1e-5);
+}
+
+TEST(SimNdi, ALineWithoutBreaks) {
+  Polaris rig;
+  rig.understands_breaks = false;
+  ASSERT_TRUE(rig.track()) << rig.tracker->report().text.data();
+}
+
+TEST(SimNdi, AToolIsMissingAndTheOtherIsNot) {
+  Polaris rig;
+  ASSERT_TRUE(rig.track());
+  rig.far->faults.missing[0] = true;
+  rig.run(0.5);
+  EXPECT_EQ(rig.tracker->report().state, TrackerState::tracking);
+  EXPECT_EQ(rig.tool(0).state, ToolState::missing);
+  EXPECT_EQ(rig.tool(1).state, ToolState::valid);
+  rig.far->faults.missing[0] = false;
+  rig.far->faults.out_of_volume[1] = true;
+  rig.run(0.1);
+  EXPECT_EQ(rig.tool(0).state, ToolState::valid);
+  EXPECT_EQ(rig.tool(1).state, ToolState::out_of_volume);
+}
+
+TEST(SimNdi, AToolThatIsNotPluggedInIsDisabled) {
+  Polaris rig;
+  rig.far->faults.disabled[0] = true;
+  ASSERT_TRUE(rig.track());
+  rig.run(0.1);
+  EXPECT_EQ(rig.tool(0).state, ToolState::disabled);
+  EXPECT_EQ(rig.tool(1).state, ToolState::valid);
+  EXPECT_NE(std::string(rig.tracker->report().text.data()).find("1 of 2"), std::string::npos);
+}
+
+TEST(SimNdi, UnpluggedWhileTracking) {
+  Polaris rig;
+  ASSERT_TRUE(rig.track());
+  rig.far->faults.disabled[0] = true;
+  rig.run(0.1);
+  EXPECT_EQ(rig.tool(0).state, ToolState::disabled);
+  EXPECT_EQ(rig.tool(1).state, ToolState::valid);
+}
+
+TEST(SimNdi, NoiseOnTheLineCostsRepliesAndNeverGivesAPose) {
+  Polaris rig;
+  rig.far->faults.corrupt_probability = 0.05;
+  ASSERT_TRUE(rig.track(60)) << rig.tracker->report().text.data();
+  rig.run_until(
+      [&] {
+        for (const std::size_t i : {0u, 1u}) {
+          EXPECT_TRUE(rig.tool(i).number == 0 || (rig.tool(i).X_TH.p - here.p).norm() < 1e-6);
+        }
+        return false;
+      },
+      20);
+  EXPECT_EQ(rig.tracker->report().state, TrackerState::tracking);
+  EXPECT_GT(rig.tracker->report().counters.bad_crc, 20u);
+  EXPECT_GT(rig.tool(0).number, 900u);
+}
+
+TEST(SimNdi, SilenceMakesStaleAndIsRecoveredFrom) {
+  Polaris rig;
+  ASSERT_TRUE(rig.track());
+  rig.far->faults.silent = true;
+  rig.run(0.15);
+  EXPECT_EQ(rig.tool(0).state, ToolState::stale) << "after stale_after, 0.1 s";
+  EXPECT_TRUE(rig.run_until([&] { return rig.tracker->report().state == TrackerState::initialising; }, 3));
+  EXPECT_EQ(rig.tracker->report().counters.restarts, 1u);
+  rig.far->faults.silent = false;
+  ASSERT_TRUE(rig.track(20)) << rig.tracker->report().text.data();
+  rig.run(0.1);
+  EXPECT_EQ(rig.tool(0).state, ToolState::valid);
+  EXPECT_EQ(rig.tool(1).state, ToolState::valid);
+}
+
+TEST(SimNdi, NobodyThereIsAFailureWithARemedyAndIsTriedAgain) {
+  Polaris rig;
+  rig.far->faults.silent = true;
+  EXPECT_TRUE(rig.run_until([&] { return rig.tracker->report().state == TrackerState::failed; }, 30));
+  EXPECT_GT(rig.now, 10'000'000'000) << "not before boot_timeout";
+  EXPECT_NE(std::string(rig.tracker->report().text.data()).find("switched on"), std::string::npos);
+  rig.far->faults.silent = false;
+  EXPECT_TRUE(rig.track(30));
+}
+
+TEST(SimNdi, APowerCycleIsSeenAtOnce) {
+  Polaris rig;
+  ASSERT_TRUE(rig.track());
+  rig.far->serial_break(rig.now);  // forgets everything and says RESET
+  rig.run(0.05);
+  EXPECT_EQ(rig.tracker->report().counters.restarts, 1u);
+  EXPECT_TRUE(rig.track());
+}
+
+TEST(SimNdi, LateRepliesAreTakenAsLate) {
+  Polaris rig;
+  ASSERT_TRUE(rig.track());
+  rig.far->faults.delay = 40'000'000;
+  rig.run(2);
+  EXPECT_EQ(rig.tracker->report().state, TrackerState::tracking);
+  EXPECT_GT(rig.tracker->report().counters.lost_frames, 20u) << "polled at 25 Hz, measured at 60";
+  EXPECT_LT(rig.now - rig.tool(0).t_ns, 45'000'000);
+}
+
+TEST(SimNdi, SetUpIsRefusedWithReasons) {
+  TrackerParams params = test::tracker_params(TrackerProtocol::ndi, {"0A", "probe.rom"});
+  EXPECT_EQ(make_tracker(params, {}).errors.size(), 1u) << "no definition";
+  params.baud = 12345;
+  EXPECT_EQ(make_tracker(params, {}).errors.size(), 2u);
+  params.tools.clear();
+  EXPECT_EQ(make_tracker(params, {}).errors.size(), 1u);
+  params = test::tracker_params(TrackerProtocol::polhemus, {"0A"});
+  EXPECT_EQ(make_tracker(params, {}).errors.size(), 1u);
+}
+
+}  // namespace
+}  // namespace godobject
