@@ -224,6 +224,9 @@ class Host(Process):
         """Names of the faults that came up in the run, which has ended."""
         return {fault["name"] for fault in self.report()["faults"]}
 
+    def fault_text(self):
+        return "\n".join(f"{fault['name']}: {fault['text']}" for fault in self.report()["faults"])
+
 
 def read_candump(path):
     """(interface, id, data) for each frame of a candump log."""
