@@ -104,7 +104,8 @@ TEST_F(SimulateTest, MotionBeginsWithTheFirstSync) {
   EXPECT_EQ(simulation_->motion_time(), 0);
   buses_[1]->arrived.push_back(canopen::make_sync());
   run_until(30 * ms);
-  EXPECT_NEAR(simulation_->motion_time(), 0.010, 1e-5);
+  EXPECT_NEAR(simulation_->motion_time(), 0.010, 1.1e-3)
+      << "it is seen with the next event, at most a period later";
 }
 
 TEST_F(SimulateTest, TapHearsTheHostAndSpeaksAsANode) {
