@@ -29,7 +29,6 @@ void visit_fault(V& v, const RigParams* rig, FaultConfig& f) {
   v.value(Key{"duration", "s", "without: to the end, or once where the verb is an event", positive},
           f.duration);
   v.value(Key{"value", "see docs/faults.md", "0: the verb's own default"}, f.value);
-  if (!f.tracker.empty()) return;
   v.check(rig != nullptr, "verb", "needs a [device] with buses");
   if (!rig) return;
   const FaultResult found = resolve(f, *rig);

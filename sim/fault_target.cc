@@ -84,6 +84,7 @@ std::string set(FaultConfig& fault, std::string_view key, std::string_view value
 FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   const std::optional<FaultVerb> verb = fault_verb_named(config.verb);
   if (!verb) return {{}, "there is no verb " + quoted(config.verb) + ": there are " + verb_names()};
+  if (!config.tracker.empty()) return {{}, "no tracker is simulated: faults are of buses and nodes"};
   const FaultVerbText& text = text_of(*verb);
   SimFault fault;
   fault.verb = *verb;

@@ -13,6 +13,7 @@
 #include "platform/cli/stop_signals.h"
 #include "platform/cli/verbs.h"
 #include "platform/clock.h"
+#include "platform/rt_setup.h"
 
 namespace godobject {
 namespace {
@@ -36,6 +37,9 @@ void announce(const Simulation& simulation) {
 void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   Simulation& simulation = *prepared.simulation;
   const StopSignals stop;
+  const std::optional<RtProcess> process =
+      options.realtime ? std::optional<RtProcess>(std::in_place) : std::nullopt;
+  if (options.realtime) std::fputs(("real-time set-up\n" + rt_table(set_up_rt_thread())).c_str(), stderr);
   prctl(PR_SET_TIMERSLACK, 1UL);  // ns: answers to SYNC are fractions of a millisecond apart
   std::optional<LineInput> input;
   if (options.control) input.emplace(STDIN_FILENO);
@@ -96,6 +100,8 @@ void add_options(CLI::App& verb, SimulateOptions& options) {
           "docs/faults.md); "
           "none (default)")
       ->check(CLI::IsMember({"-", "none"}));
+  verb.add_flag("--realtime", options.realtime,
+                "with a real-time priority: answers come in time on a busy machine");
   verb.add_flag("--start-now", options.start_now, "the motion begins at once instead of with the first SYNC");
   verb.add_option("--report", options.report, "JSON to write at the end: what `status` says");
 }

@@ -18,7 +18,8 @@ struct SimulateOptions {
   std::string motion, faults, report;  // paths; empty: the scene's own, none, none
   std::optional<double> duration;      // s; none: until it is stopped
   bool control = false;                // commands on standard input
-  bool start_now = false;              // the motion does not wait for the first SYNC
+  bool realtime = false;
+  bool start_now = false;  // the motion does not wait for the first SYNC
 };
 
 struct PreparedSimulation {

@@ -176,7 +176,7 @@ class Simulator(Process):
     """`godobject simulate`, with commands on its standard input."""
 
     def __init__(self, program, scene, arguments):
-        super().__init__([program, "simulate", scene, "--control", "-", *arguments], stdin=subprocess.PIPE,
+        super().__init__([program, "simulate", scene, "--realtime", "--control", "-", *arguments], stdin=subprocess.PIPE,
                          stdout=subprocess.PIPE, bufsize=1)
         self.buses, self.taps = {}, {}
         for line in self.popen.stdout:
@@ -214,7 +214,7 @@ class Host(Process):
     def __init__(self, program, scene, buses, folder, arguments=()):
         self.report_path, self.record_path = Path(folder) / "report.json", Path(folder) / "record.log"
         addresses = [word for bus in buses for word in ("--bus", bus)]
-        super().__init__([program, "run", scene, "--realtime", *addresses, "--report", self.report_path,
+        super().__init__([program, "run", scene, *addresses, "--report", self.report_path,
                           "--record", self.record_path, *arguments], stdout=subprocess.DEVNULL)
 
     def report(self):
@@ -223,6 +223,9 @@ class Host(Process):
     def faults(self):
         """Names of the faults that came up in the run, which has ended."""
         return {fault["name"] for fault in self.report()["faults"]}
+
+    def fault_text(self):
+        return "\n".join(f"{fault['name']}: {fault['text']}" for fault in self.report()["faults"])
 
 
 def read_candump(path):

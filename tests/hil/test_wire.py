@@ -47,12 +47,13 @@ def test_every_node_answers_every_sync_once(host, outsider):
         assert answers[hil.RPDO1, node] == pytest.approx(len(cycles), rel=0.05)
 
 
-def test_sync_keeps_its_period(host, outsider):
-    syncs = [cycle[0].time for cycle in some_cycles(outsider, 500)]
+def test_sync_keeps_its_period(host, outsider, tier):
+    syncs = [cycle[0].time for cycle in some_cycles(outsider, 1000)]
     periods = [b - a for a, b in zip(syncs, syncs[1:])]
-    assert median(periods) == pytest.approx(PERIOD_S, rel=0.2)
-    # On average over the whole time: whole periods that were left out make it longer, never shorter.
-    assert (syncs[-1] - syncs[0]) / len(periods) >= 0.95 * PERIOD_S
+    if tier != "pty":  # there the times are those at which the outsider came to read: only their mean counts
+        assert median(periods) == pytest.approx(PERIOD_S, rel=0.05)
+    # Whole periods that were left out make it longer, never shorter.
+    assert 0.95 * PERIOD_S <= (syncs[-1] - syncs[0]) / len(periods) < 1.5 * PERIOD_S
 
 
 def test_host_sends_its_heartbeat(host, outsider):
@@ -60,35 +61,26 @@ def test_host_sends_its_heartbeat(host, outsider):
                       "heartbeat of the host", outsider.mark())
 
 
-class TestTorque:
-    """A hand that pulls the turret to one side, away from a body that is still on its way, feels torque to the
-    other side."""
-
-    @pytest.fixture(params=(1, -1), ids=("left", "right"))
-    def side(self, request):
-        return request.param
-
-    @pytest.fixture
-    def motion(self, side, tmp_path):
-        path = tmp_path / "hand.csv"
-        rows = [(0, 0), (2, 0)] + [(2 + 0.25 * i, side * 0.5 * (i % 2)) for i in range(1, 80)]
-        path.write_text("t,turret,elbow\n" + "".join(f"{t},{q},0\n" for t, q in rows))
-        return path
-
-    def test_is_against_the_hand(self, side, host, outsider, simulator):
-        def towards(sign):
-            """Of the commands to the turret while the hand moves by itself to that side."""
-            return [f.target_per_mille for f in outsider.since(0, kind=hil.RPDO1, node=DRIVES[0])
-                    if f.target_per_mille * sign > 20]
-
-        hil.wait_for(lambda: towards(-side), 20, "torque against the hand's pull")
-        first = next(f for f in outsider.since(0, kind=hil.RPDO1, node=DRIVES[0]) if abs(f.target_per_mille) > 20)
-        assert first.target_per_mille * side < 0
-        # What the drive reports that it makes has the sign that it was commanded.
-        reported = outsider.wait_for(
-            lambda f: f.kind == hil.TPDO1 and f.node == DRIVES[0] and abs(f.actual_per_mille) > 20, 5,
-            "torque in the drive's status")
-        assert reported.actual_per_mille * side < 0
+def test_torque_is_against_the_hand(host, outsider):
+    """A hand that speeds up to one side feels the body stay behind: torque to the other side."""
+    lag, least = 25, 20  # cycles between the positions whose second difference is taken; counts
+    against, along = Counter(), Counter()
+    for _ in range(15):
+        cycles = some_cycles(outsider, 300)
+        for node, drive in zip(ENCODERS, DRIVES):
+            positions = [next((f.position_counts for f in c if (f.kind, f.node) == (hil.TPDO1, node)), None)
+                         for c in cycles]
+            torques = [next((f.target_per_mille for f in c if (f.kind, f.node) == (hil.RPDO1, drive)), 0)
+                       for c in cycles]
+            for p, q, r, torque in zip(positions, positions[lag:], positions[2 * lag:], torques[lag:]):
+                if None in (p, q, r) or abs(torque) < 5 or abs(p - 2 * q + r) < least:
+                    continue
+                speeds_up = p - 2 * q + r > 0
+                (against if speeds_up == (torque < 0) else along)[drive, speeds_up] += 1
+        if len(against) == 4 and min(against.values()) > 30:  # both joints, both ways
+            break
+    assert len(against) == 4, f"torque was only seen on {sorted(against)}"
+    assert sum(along.values()) < 0.1 * sum(against.values()), f"along: {along}, against: {against}"
 
 
 def test_record_is_what_an_outsider_hears(start_host, outsider, tmp_path):

@@ -1,0 +1,155 @@
+// The simulated rig behind real buses, on buses and a clock of the test's own.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "hal/canopen.h"
+#include "platform/cli/simulate_control.h"
+#include "platform/cli/simulation.h"
+#include "tests/support/faulty_rig.h"
+
+namespace godobject {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+constexpr Nanoseconds ms = 1'000'000;
+
+/// A real bus as far as the bridge can see.
+class FakeBus final : public LinuxBus {
+ public:
+  bool open() noexcept override { return true; }
+  void close() noexcept override {}
+  SendResult try_send(const CanFrame& frame) noexcept override {
+    if (answer == SendResult::queued) sent.push_back(frame);
+    return answer;
+  }
+  bool try_receive(ReceivedFrame& out) noexcept override {
+    if (arrived.empty()) return false;
+    out = {.frame = arrived.front(), .t_ns = 0};
+    arrived.pop_front();
+    return true;
+  }
+  BusState state() const noexcept override { return BusState::error_active; }
+  BusCounters counters() const noexcept override { return {}; }
+  int descriptor() const noexcept override { return -1; }
+  std::string trouble() const override { return ""; }
+
+  std::deque<CanFrame> arrived;
+  std::vector<CanFrame> sent;
+  SendResult answer = SendResult::queued;
+};
+
+class SimulateTest : public testing::Test {
+ protected:
+  SimulateTest() : scene_(test::two_joints()), motion_(scene_) {
+    std::vector<OfferedBus> offered;
+    for (const bool is_tap : {false, true}) {
+      for (std::size_t wire = 0; wire < 2; ++wire) {
+        auto bus = std::make_unique<FakeBus>();
+        (is_tap ? taps_ : buses_).push_back(bus.get());
+        offered.push_back({.name = scene_.device->rig->buses[wire].name,
+                           .address = "fake",
+                           .wire = wire,
+                           .is_tap = is_tap,
+                           .bus = std::move(bus)});
+      }
+    }
+    simulation_ = std::make_unique<Simulation>(scene_, motion_, std::move(offered), true);
+  }
+
+  void run_until(Nanoseconds t) {
+    while (now_ < t) {
+      now_ = std::min(t, std::max(now_ + 1000, simulation_->next_event()));
+      simulation_->step(now_);
+    }
+  }
+  nlohmann::json say(const std::string& line) {
+    return nlohmann::json::parse(answer(line, *scene_.device->rig, *simulation_, quit_));
+  }
+
+  SceneConfig scene_;
+  Motion motion_;
+  std::vector<FakeBus*> buses_, taps_;
+  std::unique_ptr<Simulation> simulation_;
+  Nanoseconds now_ = 0;
+  bool quit_ = false;
+};
+
+auto has_id(std::uint32_t id) { return testing::Field(&CanFrame::id, id); }
+
+TEST_F(SimulateTest, NodesBootOnTheBus) {
+  run_until(2 * ms);
+  EXPECT_THAT(buses_[0]->sent, Contains(has_id(canopen::heartbeat_cob_id(1))));
+  EXPECT_THAT(buses_[1]->sent, Contains(has_id(canopen::heartbeat_cob_id(2))));
+}
+
+TEST_F(SimulateTest, AnswersSyncAfterTheFramesOwnTimeOnTheWire) {
+  buses_[0]->arrived.push_back(canopen::make_nmt(canopen::NmtCommand::start, 0));
+  run_until(5 * ms);
+  buses_[0]->sent.clear();
+  buses_[0]->arrived.push_back(canopen::make_sync());
+  run_until(5 * ms + 40'000);
+  EXPECT_TRUE(buses_[0]->sent.empty()) << "SYNC alone takes 44 bits at least";
+  run_until(6 * ms);
+  EXPECT_THAT(buses_[0]->sent, Contains(has_id(canopen::tpdo_cob_id(1, 1))));
+  EXPECT_THAT(buses_[0]->sent, Contains(has_id(canopen::tpdo_cob_id(1, 2))));
+}
+
+TEST_F(SimulateTest, MotionBeginsWithTheFirstSync) {
+  run_until(20 * ms);
+  EXPECT_EQ(simulation_->motion_time(), 0);
+  buses_[1]->arrived.push_back(canopen::make_sync());
+  run_until(30 * ms);
+  EXPECT_NEAR(simulation_->motion_time(), 0.010, 1.1e-3)
+      << "it is seen with the next event, at most a period later";
+}
+
+TEST_F(SimulateTest, TapHearsTheHostAndSpeaksAsANode) {
+  buses_[0]->arrived.push_back(canopen::make_nmt(canopen::NmtCommand::start, 0));
+  taps_[0]->arrived.push_back({.id = 0x123, .size = 1});
+  run_until(2 * ms);
+  EXPECT_THAT(taps_[0]->sent, Contains(has_id(canopen::nmt_cob_id)));
+  EXPECT_THAT(taps_[0]->sent, Not(Contains(has_id(0x123))));
+  EXPECT_THAT(buses_[0]->sent, Contains(has_id(0x123)));
+  EXPECT_THAT(taps_[1]->sent, Not(Contains(has_id(0x123))));
+}
+
+TEST_F(SimulateTest, FrameWaitsForAFullBusButNotForEver) {
+  buses_[0]->answer = SendResult::full;
+  run_until(5 * ms);
+  buses_[0]->answer = SendResult::queued;
+  run_until(6 * ms);
+  EXPECT_THAT(buses_[0]->sent, SizeIs(2)) << "the boot-up messages of both nodes";
+  buses_[0]->answer = SendResult::full;
+  run_until(400 * ms);
+  EXPECT_GT(simulation_->to_json()["buses"][0]["dropped"], 0);
+}
+
+TEST_F(SimulateTest, PlaysFaultsByWord) {
+  EXPECT_EQ(say("fault unplug bus=can0 node=1")["ok"], true);
+  run_until(10 * ms);
+  const nlohmann::json status = say("status");
+  ASSERT_THAT(status["faults"], SizeIs(1));
+  EXPECT_EQ(status["faults"][0]["verb"], "unplug");
+  EXPECT_EQ(status["faults"][0]["bus"], "can0");
+  EXPECT_EQ(say("clear")["ok"], true);
+  EXPECT_TRUE(say("status")["faults"].empty());
+}
+
+TEST_F(SimulateTest, RefusesWhatItDoesNotKnow) {
+  for (const char* line : {"", "fault", "fault dorp", "fault drop bus=can9", "jump", "fault stuck"}) {
+    const nlohmann::json reply = say(line);
+    EXPECT_EQ(reply["ok"], false) << line;
+    EXPECT_FALSE(reply["error"].get<std::string>().empty()) << line;
+  }
+  EXPECT_FALSE(quit_);
+  EXPECT_EQ(say("quit")["ok"], true);
+  EXPECT_TRUE(quit_);
+}
+
+}  // namespace
+}  // namespace godobject
