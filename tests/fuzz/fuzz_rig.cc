@@ -2,31 +2,10 @@
 #include <array>
 
 #include "hal/rig.h"
-#include "tests/fuzz/decode.h"
+#include "tests/fuzz/taking_bus.h"
 
 namespace godobject {
 namespace {
-
-/// Hands over the frames of the input; takes everything.
-class FuzzBus final : public CanBus {
- public:
-  bool open() noexcept override { return true; }
-  void close() noexcept override {}
-  SendResult try_send(const CanFrame&) noexcept override { return SendResult::queued; }
-  bool try_receive(ReceivedFrame& out) noexcept override {
-    if (left == 0) return false;
-    --left;
-    out = {.frame = fuzz::frame_of(*in),
-           .t_ns = now + static_cast<std::int16_t>(in->word()) * Nanoseconds{1000}};
-    return true;
-  }
-  BusState state() const noexcept override { return BusState::error_active; }
-  BusCounters counters() const noexcept override { return {}; }
-
-  fuzz::Input* in = nullptr;
-  Nanoseconds now = 0;
-  int left = 0;
-};
 
 RigParams hinge_with_encoder_and_drive() {
   RigParams rig;
@@ -45,7 +24,7 @@ RigParams hinge_with_encoder_and_drive() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace godobject;
   static const RigParams params = hinge_with_encoder_and_drive();
-  FuzzBus bus;
+  fuzz::TakingBus bus;
   CanBus* const buses[] = {&bus};
   Rig rig(params, buses);
   fuzz::Input in(data, size);
