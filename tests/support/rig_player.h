@@ -51,8 +51,8 @@ class RigPlayer {
     const Nanoseconds start = clock.now();
     while (!stop_) {
       const Nanoseconds now = clock.now() - start;
+      rig_.run_wires(now);  // first: a frame that is put on an idle wire begins when the wire was run last
       for (std::size_t i = 0; i < cables.size(); ++i) take(i);
-      rig_.run_wires(now);
       rig_.run_plant(now, 1e-9 * static_cast<double>(now));
       for (std::size_t i = 0; i < cables.size(); ++i) give(i, start);
       std::this_thread::sleep_for(std::chrono::microseconds(100));

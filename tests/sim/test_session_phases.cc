@@ -1,0 +1,88 @@
+// A run's phases, period by period, on simulated buses: what follows what, and what a restart keeps.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "sim/scene_toml.h"
+#include "sim/session.h"
+
+namespace godobject {
+namespace {
+
+class SessionPhases : public testing::Test {
+ protected:
+  SessionPhases() {
+    const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml");
+    Session::Made made = Session::make(*loaded.scene, Motion(*loaded.scene), BusChoice::sim);
+    session_ = std::move(made.session);
+    record_ = session_->at_start();
+  }
+  /// Periods until the phase is another one; steps among them.
+  int run_phase(int limit = 20'000) {
+    const RunPhase phase = session_->phase();
+    int steps = 0;
+    for (int i = 0; i < limit && session_->phase() == phase; ++i) steps += session_->advance(record_) ? 1 : 0;
+    return steps;
+  }
+
+  std::unique_ptr<Session> session_;
+  CycleRecord record_;
+};
+
+TEST_F(SessionPhases, FollowOneAnother) {
+  EXPECT_EQ(session_->phase(), RunPhase::off);
+  session_->start(5);
+  EXPECT_EQ(session_->phase(), RunPhase::booting);
+  EXPECT_EQ(run_phase(), 0);
+  ASSERT_EQ(session_->phase(), RunPhase::running);
+  EXPECT_EQ(session_->rig()->state(), RigState::armed);
+  EXPECT_EQ(run_phase(700), 700);
+  session_->stop();
+  EXPECT_EQ(session_->phase(), RunPhase::running_down);
+  EXPECT_EQ(run_phase(), 0);
+  EXPECT_EQ(session_->phase(), RunPhase::closing);
+  EXPECT_EQ(session_->rig()->state(), RigState::off);
+  EXPECT_EQ(run_phase(), 0);
+  EXPECT_EQ(session_->phase(), RunPhase::ended);
+  EXPECT_FALSE(session_->advance(record_));
+}
+
+TEST_F(SessionPhases, StoppedWhileBootingNeverArms) {
+  session_->start(5);
+  for (int i = 0; i < 3; ++i) session_->advance(record_);
+  session_->stop();
+  session_->shut_down();
+  EXPECT_EQ(session_->phase(), RunPhase::ended);
+  EXPECT_EQ(record_.cycle, 0u);
+}
+
+TEST_F(SessionPhases, BootIsGivenUpAfterItsLimit) {
+  session_->start(2e-3);
+  run_phase();
+  EXPECT_EQ(session_->phase(), RunPhase::running_down);
+}
+
+/// The engine stays as it is; the coupling rises by the ramp anew.
+TEST_F(SessionPhases, RestartEngagesByTheRamp) {
+  ASSERT_TRUE(session_->boot(5));
+  run_phase(900);
+  ASSERT_FALSE(has(record_.limited, Limited::ramp));
+  const std::uint64_t syncs = session_->rig_counters().syncs;
+  session_->shut_down();
+  const std::uint64_t hash = session_->engine().state_hash();
+  session_->restart();
+  EXPECT_EQ(session_->phase(), RunPhase::off);
+  ASSERT_TRUE(session_->boot(5));
+  EXPECT_EQ(session_->engine().state_hash(), hash);
+  EXPECT_GT(session_->rig_counters().syncs, syncs) << "those of the first rig count";
+  session_->advance(record_);
+  EXPECT_EQ(record_.cycle, 901u);
+  EXPECT_FALSE(record_.engaged);
+  session_->advance(record_);
+  EXPECT_TRUE(record_.engaged);
+  EXPECT_TRUE(has(record_.limited, Limited::ramp));
+  EXPECT_EQ(record_.rig_faults, RigFault::none);
+}
+
+}  // namespace
+}  // namespace godobject
