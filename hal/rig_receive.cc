@@ -65,6 +65,8 @@ void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttributio
     ++counters_.malformed;
     return;
   }
+  // a frame that came twice is no second measurement: its time is, and that would make it a jump
+  if (answer.sync <= encoder.answered_sync) return;
   encoder.encoder.update(position_counts, answer.t_ns);
   encoder.answered_sync = answer.sync;
 }

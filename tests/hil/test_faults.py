@@ -2,6 +2,7 @@
 import pytest
 
 import godobject_hil as hil
+from conftest import wait_until_enabled
 
 # What is played, and which faults the run must name: one of them at least; none where the rig rides it out.
 REACTIONS = [
@@ -39,25 +40,42 @@ QUIET_S = 0.3  # with no torque for so long it is not just passing through zero
 
 
 @pytest.mark.parametrize("words, expected", REACTIONS, ids=[words.replace(" ", "-") for words, _ in REACTIONS])
-def test_fault_has_its_documented_reaction(words, expected, host, simulator):
-    hil.wait_for(lambda: simulator.torque_Nm() > 0, 10, "torque before the fault")
-    started = simulator.fault(words)["t_s"]
-
-    def quiet():
-        status = simulator.status()
-        return status if status["t_s"] - last_torque_s(status) > QUIET_S else None
-
-    if expected:
-        status = hil.wait_for(quiet, 10, "motors at zero")
-    else:
-        hil.wait_for(lambda: simulator.status()["t_s"] > started + 1, 5, "a second")
-    assert host.stop() is not None, "godobject run did not end by itself"
+def test_fault_has_its_documented_reaction(words, expected, start_host, outsider, simulator):
+    for attempt in range(3):
+        mark = outsider.mark()
+        host = start_host()
+        wait_until_enabled(outsider, host, mark)
+        zero_after_s = play(words, expected, simulator)
+        assert host.stop() is not None, "godobject run did not end by itself"
+        simulator.clear()
+        if not held_up(host):
+            break
     if not expected:
         assert host.faults() == set(), host.fault_text()
         return
     assert host.faults() & expected, host.fault_text()
     if "heartbeat_lost" not in expected:  # that one takes its time-out
-        assert last_torque_s(status) < started + ZERO_WITHIN_S
+        assert zero_after_s < ZERO_WITHIN_S
+
+
+def play(words, expected, simulator):
+    """The time from the fault to the last torque, where there is to be a reaction."""
+    hil.wait_for(lambda: simulator.torque_Nm() > 0, 10, "torque before the fault")
+    started = simulator.fault(words)["t_s"]
+    if not expected:
+        hil.wait_for(lambda: simulator.status()["t_s"] > started + 1, 5, "a second")
+        return None
+
+    def quiet():
+        status = simulator.status()
+        return status if status["t_s"] - last_torque_s(status) > QUIET_S else None
+
+    return last_torque_s(hil.wait_for(quiet, 10, "motors at zero")) - started
+
+
+def held_up(host):
+    """A drive heard nothing for the 20 ms of its watchdog: a busy machine does that, without any fault played."""
+    return host.faults() == {"emergency"} and "0x8250" in host.fault_text()
 
 
 def last_torque_s(status):

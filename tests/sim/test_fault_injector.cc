@@ -50,6 +50,14 @@ TEST(FaultInjector, SpikeWithoutDurationIsOneSample) {
   EXPECT_EQ(device.rig.encoder(0).counters().implausible, before + 1);
 }
 
+TEST(FaultInjector, LateCopiesOfAnAnswerAreNoNewSamples) {
+  test::FaultyRig device;
+  ASSERT_TRUE(device.boot());
+  device.play("delay bus=can0 value=8e-4");
+  device.play("duplicate bus=can0 node=1");
+  EXPECT_FALSE(device.cycles_to_fault(500)) << device.rig.fault_text();
+}
+
 TEST(FaultInjector, StuckSensorShowsWhereItWas) {
   test::FaultyRig device;
   ASSERT_TRUE(device.boot());

@@ -1,0 +1,55 @@
+// Frames that come twice, as bridges, gateways and faults make them.
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <vector>
+
+#include "hal/cia406.h"
+#include "tests/support/simulated_rig.h"
+
+namespace godobject {
+namespace {
+
+constexpr Nanoseconds us = 1000;
+
+/// Takes everything, gives what it is told.
+class ScriptedBus final : public CanBus {
+ public:
+  bool open() noexcept override { return true; }
+  void close() noexcept override {}
+  SendResult try_send(const CanFrame&) noexcept override { return SendResult::queued; }
+  bool try_receive(ReceivedFrame& out) noexcept override {
+    if (frames.empty()) return false;
+    out = frames.front();
+    frames.pop_front();
+    return true;
+  }
+  BusState state() const noexcept override { return BusState::error_active; }
+  BusCounters counters() const noexcept override { return {}; }
+
+  std::deque<ReceivedFrame> frames;
+};
+
+TEST(RigCopies, LateCopyOfAnAnswerIsNoJump) {
+  const RigParams params = test::arm_rig_params();
+  ScriptedBus encoders, drives;
+  const std::vector<CanBus*> buses{&encoders, &drives};
+  Rig rig(params, buses);
+  rig.start(0);
+  const auto answer = [&](std::uint8_t node, std::uint32_t counts, Nanoseconds t) {
+    encoders.frames.push_back({.frame = cia406::make_position(node, counts), .t_ns = t});
+  };
+  rig.sync(0);
+  answer(1, 1000, 200 * us);
+  rig.receive(300 * us);
+  rig.sync(1000 * us);
+  answer(2, 1000,
+         1100 * us);  // was on the wire when SYNC was queued: SYNC may have ended any time until then
+  answer(1, 1000, 1200 * us);  // the copy, read as late as answers to this SYNC are
+  answer(1, 1040, 1300 * us);  // 15 rad/s in 1 ms, but 150 in the time from copy to answer
+  rig.receive(1400 * us);
+  EXPECT_EQ(rig.encoder(0).counters().implausible, 0u);
+}
+
+}  // namespace
+}  // namespace godobject
