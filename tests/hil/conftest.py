@@ -70,10 +70,11 @@ def start_simulated(program, scene, tier, motion):
     """The simulator, the address for the host, and the outsider's bus."""
     arguments = ["--motion", motion] if motion else []
     if tier == "pty":
-        simulator = hil.Simulator(program, scene, ["--bus", "pty", "--tap", "pty", *arguments])
+        simulator = hil.Simulator(program, scene, ["--realtime", "--bus", "pty", "--tap", "pty", *arguments])
         address = "slcan:" + simulator.buses[BUS]
         outside = SlcanBus(simulator.taps[BUS])
     else:
+        # Not --realtime: in a guest with one processor it would leave the outsider none.
         simulator = hil.Simulator(program, scene, ["--bus", f"{BUS}=socketcan:vcan0", *arguments])
         address = "socketcan:vcan0"
         outside = can.Bus(interface="socketcan", channel="vcan0")

@@ -176,7 +176,7 @@ class Simulator(Process):
     """`godobject simulate`, with commands on its standard input."""
 
     def __init__(self, program, scene, arguments):
-        super().__init__([program, "simulate", scene, "--realtime", "--control", "-", *arguments], stdin=subprocess.PIPE,
+        super().__init__([program, "simulate", scene, "--control", "-", *arguments], stdin=subprocess.PIPE,
                          stdout=subprocess.PIPE, bufsize=1)
         self.buses, self.taps = {}, {}
         for line in self.popen.stdout:

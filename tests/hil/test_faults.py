@@ -10,7 +10,7 @@ REACTIONS = [
     ("drop bus=can0 node=1 duration=1", {"sample_stale"}),
     ("drop bus=can0 node=11 duration=1", {"drive_silent"}),
     ("duplicate bus=can0", set()),
-    ("delay bus=can0 node=1 value=5e-3", set()),
+    ("delay bus=can0 node=1 value=1e-3", set()),
     ("delay bus=can0 value=0.2 duration=1", {"sample_stale", "drive_silent"}),
     ("corrupt bus=can0 value=0.02", set()),
     ("corrupt bus=can0 node=1 value=1 duration=1", {"sample_stale"}),

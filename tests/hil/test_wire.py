@@ -6,7 +6,7 @@ import pytest
 
 import godobject_hil as hil
 
-PERIOD_S = 2e-3  # of rig.toml
+PERIOD_S = 5e-3  # of rig.toml
 ENCODERS, DRIVES = (1, 2), (11, 12)
 
 
@@ -48,7 +48,7 @@ def test_every_node_answers_every_sync_once(host, outsider):
 
 
 def test_sync_keeps_its_period(host, outsider, tier):
-    syncs = [cycle[0].time for cycle in some_cycles(outsider, 1000)]
+    syncs = [cycle[0].time for cycle in some_cycles(outsider, 500)]
     periods = [b - a for a, b in zip(syncs, syncs[1:])]
     if tier != "pty":  # there the times are those at which the outsider came to read: only their mean counts
         assert median(periods) == pytest.approx(PERIOD_S, rel=0.05)
@@ -63,7 +63,7 @@ def test_host_sends_its_heartbeat(host, outsider):
 
 def test_torque_is_against_the_hand(host, outsider):
     """A hand that speeds up to one side feels the body stay behind: torque to the other side."""
-    lag, least = 25, 20  # cycles between the positions whose second difference is taken; counts
+    lag, least = 10, 20  # cycles between the positions whose second difference is taken; counts
     against, along = Counter(), Counter()
     for _ in range(15):
         cycles = some_cycles(outsider, 300)
@@ -80,7 +80,8 @@ def test_torque_is_against_the_hand(host, outsider):
         if len(against) == 4 and min(against.values()) > 30:  # both joints, both ways
             break
     assert len(against) == 4, f"torque was only seen on {sorted(against)}"
-    assert sum(along.values()) < 0.1 * sum(against.values()), f"along: {along}, against: {against}"
+    # Cycles that a busy machine mixed up count to either side; a wrong sign would turn all of them round.
+    assert 3 * sum(along.values()) < sum(against.values()), f"along: {along}, against: {against}"
 
 
 def test_record_is_what_an_outsider_hears(start_host, outsider, tmp_path):

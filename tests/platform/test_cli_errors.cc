@@ -1,7 +1,7 @@
 // Wrong input of every kind: exit code 2, the place in the message, nothing written over.
 #include <gmock/gmock.h>
 
-#include "tests/platform/program.h"
+#include "tests/support/program.h"
 
 namespace godobject::test {
 namespace {

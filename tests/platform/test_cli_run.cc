@@ -13,7 +13,7 @@
 #include "sim/csv.h"
 #include "sim/scene_toml.h"
 #include "sim/trace.h"
-#include "tests/platform/program.h"
+#include "tests/support/program.h"
 
 namespace godobject::test {
 namespace {
@@ -232,7 +232,8 @@ TEST_F(CliRun, CheckPrintsCapacitiesAndTheTopSpeedOfContacts) {
   const std::string scene =
       "[scene]\nname = \"foil\"\n[[body]]\nname = \"ball\"\nmass = 0.1\ninertia = [1e-5, 1e-5, 1e-5]\n"
       "[[body.sphere]]\nradius = 0.001\n[[obstacle]]\nname = \"foil\"\nkind = \"box\"\n"
-      "half_extents = [0.1, 0.1, 0.0005]\n[[contact]]\nmaterials = [\"default\", \"default\"]\nstiffness = 1e7\n";
+      "half_extents = [0.1, 0.1, 0.0005]\n[[contact]]\nmaterials = [\"default\", \"default\"]\nstiffness = "
+      "1e7\n";
   const ProgramResult result = run_program("check " + write("foil.toml", scene));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const char* part : {"composition 'free-contacts-1 implicit-euler'", "capacities used", "1 of 64",

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/platform/program.h"
+#include "tests/support/program.h"
 #include "tests/support/shared_data.h"
 
 namespace godobject::test {

@@ -6,7 +6,7 @@
 #include "sim/csv.h"
 #include "sim/joint_params.h"
 #include "sim/scene_toml.h"
-#include "tests/platform/program.h"
+#include "tests/support/program.h"
 #include "tests/support/shared_data.h"
 
 namespace godobject::test {

@@ -5,8 +5,8 @@
 
 #include "platform/clock.h"
 #include "platform/replay_bus.h"
-#include "tests/platform/program.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/program.h"
 #include "tests/support/shared_data.h"
 
 namespace godobject::test {

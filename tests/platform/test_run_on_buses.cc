@@ -10,8 +10,8 @@
 #include "hal/candump.h"
 #include "platform/cli/run_loop.h"
 #include "sim/scene_toml.h"
-#include "tests/platform/program.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/program.h"
 #include "tests/support/rig_player.h"
 
 namespace godobject::test {

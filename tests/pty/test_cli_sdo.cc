@@ -9,7 +9,7 @@
 #include "platform/clock.h"
 #include "platform/pty_bus.h"
 #include "sim/sim_encoder.h"
-#include "tests/platform/program.h"
+#include "tests/support/program.h"
 
 namespace godobject {
 namespace {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/cli/fault_texts.h"
-#include "tests/platform/program.h"
+#include "tests/support/program.h"
 
 namespace godobject::test {
 namespace {

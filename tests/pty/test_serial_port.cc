@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "platform/serial_port.h"
-#include "tests/platform/program.h"
+#include "tests/support/program.h"
 #include "tests/support/pseudo_terminal.h"
 
 namespace godobject::test {

@@ -13,8 +13,8 @@
 
 #include "platform/pty_bus.h"
 #include "platform/slcan_bus.h"
-#include "tests/platform/program.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/program.h"
 #include "tests/support/pseudo_terminal.h"
 
 namespace godobject::test {
