@@ -250,7 +250,8 @@ void Session::sense_through_rig() noexcept {
   impose(sim_ ? sim_->rig().joints() : joints, true, exact_samples_);
 }
 
-/// Where trackers are real nobody knows where the tools are: what they say is taken for it.
+/// Nothing is engaged that has not been seen. Where trackers are real nobody knows where the tools are: what they say
+/// is taken for it.
 void Session::sense_through_trackers() noexcept {
   if (!rig_) pass_period();
   track();
@@ -260,9 +261,11 @@ void Session::sense_through_trackers() noexcept {
     sample.X_WD = pose.target.X_WD;
     sample.V_WD = pose.target.V_WD;
     sample.valid = pose.valid;
+    BodySample& exact = exact_samples_[tracked_bodies_[i]];
+    sample.engaged = exact.engaged = sample.engaged && pose.seen;
     if (sim_trackers_) continue;
-    exact_samples_[tracked_bodies_[i]].X_WD = sample.X_WD;
-    exact_samples_[tracked_bodies_[i]].V_WD = sample.V_WD;
+    exact.X_WD = sample.X_WD;
+    exact.V_WD = sample.V_WD;
   }
 }
 

@@ -76,7 +76,8 @@ void add_options(CLI::App& verb, RunOptions& options) {
           "--bus", options.buses,
           "sim: through simulated encoders, wires, drives and trackers (default); direct: the motion as it "
           "is; an "
-          "address (socketcan:can0, slcan:/dev/ttyACM0, pty, replay:FILE) or, for each bus of the scene, "
+          "address (socketcan:can0, slcan:/dev/ttyACM0, board:/dev/ttyACM1, pty, replay:FILE) or, for each "
+          "bus of the scene, "
           "NAME=ADDRESS: a real device, see docs/running.md")
       ->type_name("BUS")
       ->expected(1)

@@ -29,7 +29,8 @@ void print_errors(std::FILE* out, const RunReport& report) {
     std::fprintf(out, "  %-26s none is known: errors are against what the core was told\n", "truth");
   print_error(out, "following error", statistics.following);
   if (report.session.bus() != BusChoice::sim || statistics.following.count() == 0) return;
-  print_error(out, "  with no encoders", statistics.exact_following);
+  print_error(out, report.session.rig() ? "  with no encoders" : "  with no trackers",
+              statistics.exact_following);
   print_error(out, report.session.rig() ? "  encoders add" : "  trackers add", statistics.encoders);
   print_error(out, "sensing error", statistics.sensing);
 }

@@ -94,7 +94,7 @@ TEST_F(CliTrackers, WhatIsWrongWithTheOptionIsSaid) {
         {"run sim/scenes/tracked.toml --tracker scene --bus direct", "leave --tracker out"},
         {"run sim/scenes/tracked.toml --tracker scene --fast", "keep time of their own"},
         {"run sim/scenes/rigid.toml --tracker scene", "has no trackers"},
-        {"simulate sim/scenes/free.toml", "nothing to simulate"}}) {
+        {"simulate sim/scenes/pendulum.toml", "nothing to simulate"}}) {
     const ProgramResult result = run_program(arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.output;
     EXPECT_THAT(result.output, HasSubstr(expected)) << arguments;
