@@ -9,6 +9,7 @@
 #include "platform/board_bus.h"
 #include "platform/linux_link.h"
 #include "sim/sim_encoder_board.h"
+#include "tests/support/allocation_guard.h"
 #include "tests/support/pseudo_terminal.h"
 
 namespace godobject::test {
@@ -123,7 +124,9 @@ TEST_F(BoardBusTest, TheRigBootsAndReadsItsJoints) {
   ASSERT_TRUE(arm()) << rig_->fault_text();
   const double before = sample_.q[0];
   const Nanoseconds start = MonotonicClock{}.now();
+  AllocationGuard guard;
   for (int i = 0; i < 300; ++i) cycle();
+  EXPECT_EQ(guard.heap_calls(), 0) << guard.report();
   const double s = 1e-9 * static_cast<double>(MonotonicClock{}.now() - start);
   EXPECT_NEAR(sample_.q[0] - before, s, 0.3 * s) << "1 rad/s";
   EXPECT_EQ(sample_.q[1], 0);
