@@ -50,6 +50,7 @@ struct ContactPack {
   Pack f_slip;      // and its friction
   // solution
   Vector3<Pack> v, F;
+  Pack v_n_0;  // of the pass before
 };
 
 /// No contact in lane j.
@@ -78,11 +79,15 @@ struct ContactMiss {
   Pack miss = 0, F_n = 0;
 };
 
-/// The forces of a pass, and the cases of the next, at the twist V of the body's anchor.
-inline void update(ContactPack& c, const AnchorTwist& V, Pass next, ContactMiss& most) noexcept {
+/// The velocities of the contact points at the twist V of the body's anchor.
+inline void move(ContactPack& c, const AnchorTwist& V) noexcept {
   const Vector3<Pack> V_w(V.w.all<0>(), V.w.all<1>(), V.w.all<2>());
   const Vector3<Pack> V_v(V.v.all<0>(), V.v.all<1>(), V.v.all<2>());
   c.v = V_v + V_w.cross(c.r);
+}
+
+/// The forces of a pass, and the cases of the next, at the velocities of the contact points.
+inline void settle(ContactPack& c, Pass next, ContactMiss& most) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
   const Pack speed = max(sqrt(s.squaredNorm()), Pack(std::numeric_limits<Real>::min()));
@@ -104,6 +109,10 @@ inline void update(ContactPack& c, const AnchorTwist& V, Pass next, ContactMiss&
   const Pack tangent = next == Pass::by_tangent ? select(c.eta_t < c.max_eta_t, Pack(1), Pack(0)) : Pack(0);
   c.u = s * (tangent / speed);
   c.f_slip = tangent * c.mu * law_n;
+}
+inline void update(ContactPack& c, const AnchorTwist& V, Pass next, ContactMiss& most) noexcept {
+  move(c, V);
+  settle(c, next, most);
 }
 
 /// Sums over the contacts of a body, or a pair, of what they add to its A and b.
@@ -149,6 +158,8 @@ void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
   sums.b_v += F;
   sums.b_w += r.cross(F);
 }
+
+inline Real total(const Pack& x) noexcept { return (x[0] + x[1]) + (x[2] + x[3]); }
 
 /// The sums of three packs.
 inline Column sum(const Pack& x, const Pack& y, const Pack& z) noexcept {

@@ -72,7 +72,7 @@ void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Re
     const ContactLaw& law = par.law(par.spheres[near.sphere].material, touched_material(par, near));
     if (near.d > 0) w.tree.pairs[w.tree.num_pairs - 1].stiffness += h * law.k + law.c;
   }
-  make_tree(w.touches, num_bodies, w.tree);
+  make_islands(w.touches, num_bodies, w.tree);
 }
 
 /// (24) of the near contacts, four of a pair to a pack.
