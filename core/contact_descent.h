@@ -34,44 +34,55 @@ void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) no
   });
 }
 
-/// Along a line in velocities, the slope of the potential whose least value is the solution: slope + t curvature with
-/// the cases that were solved for, and what the law says of the contacts that have left theirs.
+/// The slope of E along a line in velocities, at t: slope + t curvature with the cases that were solved for, and what
+/// the law says of the contacts that leave theirs.
 struct LineSlope {
   Real slope = 0, curvature = 0;
 };
-
-/// At t; the contacts of an island have the normal velocities from(pack) + t by(pack) there.
-template <class Contacts, std::size_t N, class From, class By>
-LineSlope slope_at(Real t, const LineSlope& line, Real h, const Island& island,
-                   BodyContactScratch<Contacts, N>& w, From from, By by) noexcept {
+template <std::size_t max_packs>
+LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_packs>& packs) noexcept {
   Pack slope = 0, curvature = 0;
-  each_pack(island, w, [&](const ContactPack& c) noexcept {
-    const Pack dv = by(c), F_n = c.F_0 - c.eta_n * (from(c) + dv * t);
-    slope += (c.touching * F_n - max(F_n, Pack(0))) * dv;
-    curvature += (select(F_n > 0, Pack(1), Pack(0)) - c.touching) * c.eta_n * dv * dv;
-  });
+  for (std::size_t i = 0; i < packs.size; ++i) {
+    const LinePack& c = packs.list[i];
+    const Pack F_n = c.F_n - c.by * t;
+    slope += (c.touching * F_n - max(F_n, Pack(0))) * c.v_n;
+    curvature += (case_of(F_n) - c.touching) * c.by * c.v_n;
+  }
   return {.slope = line.slope + t * line.curvature + h * total(slope),
           .curvature = line.curvature + h * total(curvature)};
 }
 
+/// The contacts of an island that leave their cases on the line from 0 to `most`, at the normal velocities
+/// from(pack) + t by(pack).
+template <class Contacts, std::size_t N, class From, class By>
+void find_leaving(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
+                  By by) noexcept {
+  w.line.size = 0;
+  each_pack(island, w, [&](const ContactPack& c) noexcept {
+    const Pack v_n = by(c), F_n = c.F_0 - c.eta_n * from(c), F_by = c.eta_n * v_n;
+    if (differ(case_of(F_n), c.touching) || differ(case_of(F_n - F_by * most), c.touching))
+      w.line.list[w.line.size++] = {.F_n = F_n, .by = F_by, .v_n = v_n, .touching = c.touching};
+  });
+}
+
+/// Parts of the slope at the beginning that may be left.
+inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;
 inline constexpr int max_line_steps = 16;
-/// Where the slope, which never falls, comes to zero, or short of it: between 0 and `most` >= 1. By Newton's method from
-/// 1, which ends where no contact changes its case any more, within what is known to hold the zero.
+/// Where the slope, which never falls, comes to -enough, or nearer to zero, but not above: between 0, where it is below,
+/// and `most` >= 1. By Newton's method from 1, which ends where no contact changes its case any more, within what is
+/// known to hold the zero.
 template <class Slope>
-Real where_flat(Real most, Slope slope_at) noexcept {
-  LineSlope at = slope_at(0);
-  if (!(at.slope < 0)) return 0;
-  const Real enough = Real(1e-6) * at.slope;
+Real where_flat(Real most, Real enough, Slope slope_at) noexcept {
   Real lo = 0, hi = most, t = 1;
   for (int k = 0; k < max_line_steps; ++k) {
-    at = slope_at(t);
+    const LineSlope at = slope_at(t);
     if (at.slope <= 0) {
       lo = t;
-      if (at.slope >= enough || t == most) break;
+      if (at.slope >= -enough || t == most) break;
     } else {
       hi = t;
     }
-    t -= at.slope / at.curvature;
+    t -= (at.slope + enough / 2) / at.curvature;
     if (!(t > lo && t < hi)) t = lo + (hi - lo) / 2;
   }
   return lo;
@@ -79,8 +90,7 @@ Real where_flat(Real most, Slope slope_at) noexcept {
 
 /// Some contact is not in the case that was solved for.
 inline bool has_left_its_case(const ContactPack& c) noexcept {
-  const Pack touching = select(c.F_0 - c.eta_n * c.n.dot(c.v) > 0, Pack(1), Pack(0));
-  return any(touching < c.touching) || any(c.touching < touching);
+  return differ(case_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
 }
 
 /// The velocities of the contact points at V; those normal to the surfaces at V_0 in v_n_0. True: some have left their
@@ -106,12 +116,12 @@ void search_line(Real h, const Island& island, BodyContactScratch<Contacts, N>& 
     slope.add(d, w.AV_0[i] - w.b[i]);
     end.add(d, w.r[i]);
   });
+  find_leaving(
+      1, island, w, [](const ContactPack& c) noexcept { return c.v_n_0; },
+      [](const ContactPack& c) noexcept { return c.n.dot(c.v) - c.v_n_0; });
   const LineSlope line{.slope = slope, .curvature = -end - slope};
-  const Real t = where_flat(1, [&](Real at) noexcept {
-    return slope_at(
-        at, line, h, island, w, [](const ContactPack& c) noexcept { return c.v_n_0; },
-        [](const ContactPack& c) noexcept { return c.n.dot(c.v) - c.v_n_0; });
-  });
+  const Real t =
+      where_flat(1, line_tolerance * -slope, [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
   if (t == 1) return;
   w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
     w.V[i] = w.V_0[i] + (w.V[i] - w.V_0[i]) * t;
@@ -129,12 +139,12 @@ Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts,
     VAV.add(w.V[i], w.b[i] - w.r[i]);
     Vb.add(w.V[i], {.w = w.b[i].w + cross(w.stages[i].s, w.V_0[i].w), .v = w.b[i].v});
   });
+  find_leaving(
+      2, island, w, [](const ContactPack&) noexcept { return Pack(0); },
+      [](const ContactPack& c) noexcept { return c.n.dot(c.v); });
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
-  const Real s = where_flat(2, [&](Real at) noexcept {
-    return slope_at(
-        at, ray, h, island, w, [](const ContactPack&) noexcept { return Pack(0); },
-        [](const ContactPack& c) noexcept { return c.n.dot(c.v); });
-  });
+  const Real s =
+      where_flat(2, scale_tolerance * VAV, [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
   Real most = 0;
   w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
     w.V[i] = w.V[i] * s;

@@ -74,6 +74,10 @@ inline void set_contact(const ContactLaw& law, const ContactMemory& memory, Real
   pack.mu.set(j, law.mu);
 }
 
+/// 1: touching, with this normal force; 0: not.
+inline Pack case_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
+inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) || any(b < a); }
+
 /// How far the forces of a pass are from the law.
 struct ContactMiss {
   Pack miss = 0, F_n = 0;
@@ -99,13 +103,13 @@ inline void settle(ContactPack& c, Pass next, ContactMiss& most) noexcept {
   c.F = c.n * (c.touching * F_n) + F_t;
   most.miss = max(most.miss, max(abs(law_n - c.touching * F_n), sqrt((law_t - F_t).squaredNorm())));
   most.F_n = max(most.F_n, law_n);
-  const Pack touching = select(law_n > 0, Pack(1), Pack(0)), eta_before = c.eta_t;
-  c.changed = any(c.touching < touching) || any(touching < c.touching);
+  const Pack touching = case_of(law_n), eta_before = c.eta_t;
+  c.changed = differ(c.touching, touching);
   c.touching = touching;
   // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
   const Pack slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, law_eta);
   c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
-  c.changed = c.changed || any(c.eta_t < eta_before) || any(eta_before < c.eta_t);
+  c.changed = c.changed || differ(c.eta_t, eta_before);
   const Pack tangent = next == Pass::by_tangent ? select(c.eta_t < c.max_eta_t, Pack(1), Pack(0)) : Pack(0);
   c.u = s * (tangent / speed);
   c.f_slip = tangent * c.mu * law_n;
