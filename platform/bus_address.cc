@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "platform/board_bus.h"
 #include "platform/linux_bus.h"
 #include "platform/nearest_name.h"
 #include "platform/pty_bus.h"
@@ -22,6 +23,7 @@ constexpr std::array kinds{
     KindText{BusKind::socketcan, "socketcan", "INTERFACE, e.g. socketcan:can0"},
     KindText{BusKind::slcan, "slcan", "PATH[,BAUD], e.g. slcan:/dev/ttyACM0"},
     KindText{BusKind::pty, "pty", ""},
+    KindText{BusKind::board, "board", "PATH[,BAUD], e.g. board:/dev/ttyACM0"},
     KindText{BusKind::replay, "replay", "FILE[,INTERFACE], e.g. replay:run.log"},
 };
 
@@ -80,6 +82,7 @@ std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings&
     case BusKind::socketcan: return std::make_unique<SocketCanBus>(address.where, settings);
     case BusKind::slcan: return std::make_unique<SlcanBus>(address.where, settings);
     case BusKind::pty: return std::make_unique<PtyBus>(settings);
+    case BusKind::board: return std::make_unique<BoardBus>(address.where, settings);
     case BusKind::replay: return std::make_unique<ReplayBus>(address.where, settings);
   }
   return nullptr;

@@ -1,43 +1,25 @@
 #include "platform/pty_bus.h"
 
-#include <fcntl.h>
-#include <stdlib.h>
-#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <system_error>
+
+#include "platform/pty.h"
 
 namespace godobject {
 
 PtyBus::PtyBus(const BusSettings& settings)
     : bit_rate_(settings.bit_rate), filters_(settings.filters.begin(), settings.filters.end()) {}
 
-bool PtyBus::fail(const char* what) noexcept {
-  why_ = std::string("no pseudo-terminal: ") + what + ": " + std::generic_category().message(errno);
-  if (slave_fd_ >= 0) ::close(slave_fd_);
-  slave_fd_ = -1;
-  line_.port().close();
-  return false;
-}
-
 bool PtyBus::open() noexcept {
   close();
-  const int master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (master < 0) return fail("posix_openpt");
-  std::array<char, 64> slave{};
-  const bool has_name =
-      grantpt(master) == 0 && unlockpt(master) == 0 && ptsname_r(master, slave.data(), slave.size()) == 0;
-  line_.port().adopt(master, slave.data());
-  if (!has_name) return fail("its other end cannot be made ready");
-  slave_fd_ = ::open(slave.data(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (slave_fd_ < 0) return fail(slave.data());
-  termios raw{};
-  cfmakeraw(&raw);
-  if (tcsetattr(slave_fd_, TCSANOW, &raw) != 0) return fail("tcsetattr");
+  const Pty pty = make_pty();
+  why_ = pty.why;
+  if (!why_.empty()) return false;
+  slave_fd_ = pty.slave;
+  line_.port().adopt(pty.master, pty.name);
   line_.clear();
   return true;
 }

@@ -34,7 +34,6 @@ class PtyBus final : public LinuxBus {
  private:
   enum class Channel : std::uint8_t { closed, open, listening };
 
-  bool fail(const char* what) noexcept;
   bool handle(std::string_view line, ReceivedFrame& out) noexcept;
   bool receive(const CanFrame& frame, ReceivedFrame& out) noexcept;
   void answer(std::string_view text) noexcept;

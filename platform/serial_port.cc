@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -219,6 +220,16 @@ std::string SerialPort::latency_report() const {
          "the "
          "adapter in again: " +
          udev_rule;
+}
+
+SerialAddress parse_serial_address(const std::string& where, std::uint32_t default_baud) {
+  const std::size_t comma = where.rfind(',');
+  if (comma == where.npos) return {.path = where, .baud = default_baud};
+  SerialAddress address{.path = where.substr(0, comma)};
+  const char* const end = where.data() + where.size();
+  const auto [stop, error] = std::from_chars(where.data() + comma + 1, end, address.baud);
+  if (error != std::errc{} || stop != end) address.baud = 0;
+  return address;
 }
 
 }  // namespace godobject

@@ -90,6 +90,14 @@ class SerialPort {
   std::string why_{};
 };
 
+/// "PATH" or "PATH,BAUD", as in the addresses of buses. baud: of a path without one the default, 0 where what stands
+/// after the comma is not a number.
+struct SerialAddress {
+  std::string path;
+  std::uint32_t baud = 0;
+};
+SerialAddress parse_serial_address(const std::string& where, std::uint32_t default_baud);
+
 /// Time of one byte on a line of 8 data bits, no parity, 1 stop bit: 10 bits.
 constexpr double seconds_per_byte(std::uint32_t baud) noexcept { return 10.0 / baud; }
 

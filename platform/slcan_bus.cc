@@ -1,7 +1,6 @@
 #include "platform/slcan_bus.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -13,23 +12,11 @@ namespace {
 constexpr std::uint32_t default_baud = 115'200;
 constexpr Nanoseconds quiet_time = 50'000'000;
 
-/// Splits "path,baud"; a path without a baud rate gets the default, one that is not a number 0.
-std::uint32_t take_baud(std::string& where) {
-  const std::size_t comma = where.rfind(',');
-  if (comma == where.npos) return default_baud;
-  std::uint32_t baud = 0;
-  const char* const end = where.data() + where.size();
-  const auto [stop, error] = std::from_chars(where.data() + comma + 1, end, baud);
-  if (error != std::errc{} || stop != end) baud = 0;
-  where.resize(comma);
-  return baud;
-}
-
 }  // namespace
 
-SlcanBus::SlcanBus(std::string where, const BusSettings& settings)
-    : path_(std::move(where)),
-      baud_(take_baud(path_)),
+SlcanBus::SlcanBus(const std::string& where, const BusSettings& settings)
+    : path_(parse_serial_address(where, default_baud).path),
+      baud_(parse_serial_address(where, default_baud).baud),
       bit_rate_(settings.bit_rate),
       data_bit_rate_(settings.data_bit_rate),
       filters_(settings.filters.begin(), settings.filters.end()) {}

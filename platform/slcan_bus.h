@@ -16,7 +16,7 @@ class SlcanBus final : public LinuxBus {
  public:
   /// where: path of a serial port, and after a comma its baud rate where that is not 115200. USB adapters of
   /// the class CDC-ACM have no baud rate.
-  SlcanBus(std::string where, const BusSettings& settings);
+  SlcanBus(const std::string& where, const BusSettings& settings);
   ~SlcanBus() override { close(); }
 
   /// The only call that waits: for the adapter's answers, each at most answer_timeout.

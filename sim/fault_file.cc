@@ -14,11 +14,11 @@ FaultsResult parse_faults(std::string_view toml, const std::string& file, const 
     log.error({at.line, at.column}, "not TOML: " + std::string(parsed.error().description()));
     return {.faults = {}, .errors = log.errors()};
   }
-  const RigParams* const rig = scene.device && scene.device->rig ? &*scene.device->rig : nullptr;
+  const DeviceConfig* const device = scene.device ? &*scene.device : nullptr;
   FaultsResult result;
   TomlReader reader(parsed.table(), "", "the file", log);
   reader.tables(TableKey{"fault", "A fault that the simulated rig plays.", true}, result.faults,
-                [&](auto& t, FaultConfig& f) { visit_fault(t, rig, f); });
+                [&](auto& t, FaultConfig& f) { visit_fault(t, device, f); });
   reader.finish();
   result.errors = log.errors();
   return result;

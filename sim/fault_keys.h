@@ -16,7 +16,7 @@ inline std::vector<std::string> fault_verb_names() {
 }
 
 template <class V>
-void visit_fault(V& v, const RigParams* rig, FaultConfig& f) {
+void visit_fault(V& v, const DeviceConfig* device, FaultConfig& f) {
   if (f.verb.empty()) f.verb = text_of(FaultVerb::drop).name;
   choose(v, Key{.name = "verb", .unit = "", .meaning = "what happens, see docs/faults.md", .required = true},
          fault_verb_names(), f.verb);
@@ -29,10 +29,12 @@ void visit_fault(V& v, const RigParams* rig, FaultConfig& f) {
   v.value(Key{"duration", "s", "without: to the end, or once where the verb is an event", positive},
           f.duration);
   v.value(Key{"value", "see docs/faults.md", "0: the verb's own default"}, f.value);
-  v.check(rig != nullptr, "verb", "needs a [device] with buses");
-  if (!rig) return;
-  const FaultResult found = resolve(f, *rig);
-  v.check(found.fault.has_value(), "verb", "'" + f.verb + "' cannot be played: " + found.error);
+  const bool has_place = device && (device->rig || !f.tracker.empty());
+  v.check(has_place, "verb", "needs a [device] with buses, or a tracker");
+  if (!has_place) return;
+  const std::string error =
+      f.tracker.empty() ? resolve(f, *device->rig).error : resolve(f, device->trackers).error;
+  v.check(error.empty(), "verb", "'" + f.verb + "' cannot be played: " + error);
 }
 
 }  // namespace godobject

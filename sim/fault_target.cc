@@ -26,6 +26,17 @@ std::string verb_names() {
   return names;
 }
 
+std::string no_such_verb(const std::string& verb) {
+  return "there is no verb " + quoted(verb) + ": there are " + verb_names();
+}
+
+/// Empty, or what is wrong with the value in effect.
+std::string check_value(const FaultVerbText& text, double value) {
+  if (text.value.empty() || (value >= text.min && value <= text.max)) return "";
+  return "value " + shortest(value) + " is not from " + shortest(text.min) + " to " + shortest(text.max) +
+         " (" + std::string(text.value) + ")";
+}
+
 /// Sets first_bus and end_bus; empty, or what is wrong.
 std::string find_buses(const FaultConfig& config, const RigParams& rig, SimFault& fault) {
   fault.end_bus = rig.buses.size();
@@ -83,24 +94,48 @@ std::string set(FaultConfig& fault, std::string_view key, std::string_view value
 
 FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   const std::optional<FaultVerb> verb = fault_verb_named(config.verb);
-  if (!verb) return {{}, "there is no verb " + quoted(config.verb) + ": there are " + verb_names()};
-  if (!config.tracker.empty()) return {{}, "no tracker is simulated: faults are of buses and nodes"};
+  if (!verb) return {{}, no_such_verb(config.verb)};
   const FaultVerbText& text = text_of(*verb);
+  if (!config.tracker.empty()) return {{}, "it is of a tracker, not of buses and nodes"};
+  if (text.place == FaultPlace::tracker)
+    return {{}, quoted(text.name) + " is a fault of a tracker: say which"};
   SimFault fault;
   fault.verb = *verb;
   fault.node_id = config.node_id.value_or(0);
   fault.at = config.at;
   fault.value = config.value == 0 ? text.default_value : config.value;
   if (config.duration) fault.duration_ns = std::llround(1e9 * *config.duration);
-  if (!text.value.empty() && !(fault.value >= text.min && fault.value <= text.max))
-    return {{},
-            "value " + shortest(fault.value) + " is not from " + shortest(text.min) + " to " +
-                shortest(text.max) + " (" + std::string(text.value) + ")"};
-  std::string error = find_buses(config, rig, fault);
+  std::string error = check_value(text, fault.value);
+  if (error.empty()) error = find_buses(config, rig, fault);
   if (error.empty() && config.node_id) error = find_node(rig, fault);
   if (error.empty() && !config.node_id && text.place == FaultPlace::node)
     error = quoted(text.name) + " is a fault of one node: say which";
   if (!error.empty()) return {{}, error};
+  return {fault, ""};
+}
+
+TrackerFaultResult resolve(const FaultConfig& config, std::span<const TrackerParams> trackers) {
+  const std::optional<FaultVerb> verb = fault_verb_named(config.verb);
+  if (!verb) return {{}, no_such_verb(config.verb)};
+  const FaultVerbText& text = text_of(*verb);
+  if (!acts_on_trackers(text.place)) return {{}, quoted(text.name) + " is no fault of a tracker"};
+  if (!config.bus.empty() || config.node_id) return {{}, "a tracker is on no bus: leave bus and node out"};
+  const auto named = std::ranges::find(trackers, config.tracker, &TrackerParams::name);
+  if (named == trackers.end()) return {{}, "there is no tracker " + quoted(config.tracker)};
+  SimTrackerFault fault{.verb = *verb,
+                        .tracker = static_cast<std::size_t>(named - trackers.begin()),
+                        .tool = 0,
+                        .at = config.at,
+                        .duration_ns = std::nullopt,
+                        .value = config.value == 0 ? text.default_value : config.value};
+  if (config.duration) fault.duration_ns = std::llround(1e9 * *config.duration);
+  const std::string error = check_value(text, fault.value);
+  if (!error.empty()) return {{}, error};
+  if (text.place != FaultPlace::tracker) return {fault, ""};
+  if (fault.value != std::floor(fault.value) || fault.value > static_cast<double>(named->tools.size()))
+    return {{},
+            "tracker " + quoted(config.tracker) + " has tools 1 to " + std::to_string(named->tools.size())};
+  fault.tool = static_cast<std::size_t>(fault.value) - 1;
   return {fault, ""};
 }
 

@@ -10,7 +10,7 @@ namespace {
 constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
     {.verb = FaultVerb::drop,
      .name = "drop",
-     .place = FaultPlace::bus_or_node,
+     .place = FaultPlace::anywhere,
      .meaning = "frames vanish, those it sends and those it should receive",
      .value = "share of the frames",
      .default_value = 1,
@@ -18,7 +18,9 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .max = 1,
      .reaction =
          "single frames: the last sample is held, the last command too. Three in a row of an encoder's: "
-         "`sample_stale`; of a drive's: `drive_silent`, and its own watchdog stops the motor"},
+         "`sample_stale`; of a drive's: `drive_silent`, and its own watchdog stops the motor. A tracker's "
+         "replies: asked for "
+         "again; with all of them gone its tools are `stale`, which is no fault"},
     {.verb = FaultVerb::duplicate,
      .name = "duplicate",
      .place = FaultPlace::bus_or_node,
@@ -30,24 +32,24 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .reaction = "none: the second copy is not later than the first and is left out"},
     {.verb = FaultVerb::delay,
      .name = "delay",
-     .place = FaultPlace::bus_or_node,
+     .place = FaultPlace::anywhere,
      .meaning = "what arrives can be read only later",
      .value = "s",
      .default_value = 2e-3,
      .min = 0,
      .max = 1,
      .reaction = "less than `stale_after`: none, the samples are as much older; more: `sample_stale`, or "
-                 "`drive_silent`"},
+                 "`drive_silent`. A tracker's poses: later; more than its `stale_after`: `stale`"},
     {.verb = FaultVerb::corrupt,
      .name = "corrupt",
-     .place = FaultPlace::bus_or_node,
+     .place = FaultPlace::anywhere,
      .meaning = "frames are destroyed on the wire: error frame, and sent again by the controller",
      .value = "share of the frames",
      .default_value = 0.1,
      .min = 0,
      .max = 1,
      .reaction = "few: none but bus load and error counters. Most of them: the sender goes bus-off, then as "
-                 "`bus-off`"},
+                 "`bus-off`. Of a tracker: `bad_crc`, and asked again"},
     {.verb = FaultVerb::stuck,
      .name = "stuck",
      .place = FaultPlace::node,
@@ -117,10 +119,11 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .reaction = "none by itself: the faults stay until they are cleared"},
     {.verb = FaultVerb::unplug,
      .name = "unplug",
-     .place = FaultPlace::bus_or_node,
+     .place = FaultPlace::anywhere,
      .meaning = "the plug is pulled; at the end of the duration it is put back",
      .value = {},
-     .reaction = "as `drop` of all, and a node's heartbeat: `heartbeat_lost`"},
+     .reaction = "as `drop` of all, and a node's heartbeat: `heartbeat_lost`. A tracker begins anew when "
+                 "it is back"},
     {.verb = FaultVerb::id_collision,
      .name = "id-collision",
      .place = FaultPlace::node,
@@ -138,7 +141,31 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .max = 9e6,
      .reaction = "none: samples follow SYNC. So slow that the heartbeat's period passes "
                  "`heartbeat_timeout`: `heartbeat_lost`"},
+    {.verb = FaultVerb::missing,
+     .name = "missing",
+     .place = FaultPlace::tracker,
+     .meaning = "a tool is hidden from its tracker",
+     .value = "number of the tool",
+     .default_value = 1,
+     .min = 1,
+     .max = 8,
+     .reaction = "no fault: the limit `held`, the tool's state is `missing`"},
+    {.verb = FaultVerb::disabled,
+     .name = "disabled",
+     .place = FaultPlace::tracker,
+     .meaning = "a wired tool is unplugged from its tracker",
+     .value = "number of the tool",
+     .default_value = 1,
+     .min = 1,
+     .max = 8,
+     .reaction = "no fault: the limit `held`, the tool's state is `disabled`"},
 }};
+
+std::string_view place_text(FaultPlace place) {
+  constexpr std::array<std::string_view, 4> texts_of_places{"node", "node or bus", "node, bus or tracker",
+                                                            "tracker"};
+  return texts_of_places[static_cast<std::size_t>(place)];
+}
 
 std::string default_text(const FaultVerbText& text) {
   if (text.value.empty()) return "";
@@ -162,10 +189,9 @@ std::string fault_reference_markdown() {
       "| verb | of | what happens | `value`, and without one | without `duration` | what the rig does |\n"
       "|---|---|---|---|---|---|\n";
   for (const FaultVerbText& text : texts) {
-    const char* const place = text.place == FaultPlace::node ? "node" : "node or bus";
-    out += "| `" + std::string(text.name) + "` | " + place + " | " + std::string(text.meaning) + " | " +
-           default_text(text) + " | " + (text.is_event ? "once" : "to the end") + " | " +
-           std::string(text.reaction) + " |\n";
+    out += "| `" + std::string(text.name) + "` | " + std::string(place_text(text.place)) + " | " +
+           std::string(text.meaning) + " | " + default_text(text) + " | " +
+           (text.is_event ? "once" : "to the end") + " | " + std::string(text.reaction) + " |\n";
   }
   return out;
 }

@@ -27,14 +27,20 @@ enum class FaultVerb : std::uint8_t {
   unplug,
   id_collision,
   clock_drift,
+  missing,
+  disabled,
 };
-inline constexpr std::size_t num_fault_verbs = 15;
+inline constexpr std::size_t num_fault_verbs = 17;
 
 /// What a verb can act on. A bus stands for the host's end of it.
 enum class FaultPlace : std::uint8_t {
   node,         // one node
   bus_or_node,  // without a node: the host's end of the bus, so all nodes of it at once
+  anywhere,     // that, or a tracker
+  tracker,      // a tracker
 };
+
+constexpr bool acts_on_trackers(FaultPlace place) noexcept { return place >= FaultPlace::anywhere; }
 
 struct FaultVerbText {
   FaultVerb verb;

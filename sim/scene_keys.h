@@ -288,7 +288,7 @@ void visit_scene(V& v, SceneConfig& s) {
       TableKey{"fault",
                "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md."},
       s.faults, [&](auto& t, FaultConfig& f) {
-        visit_fault(t, s.device && s.device->rig ? &*s.device->rig : nullptr, f);
+        visit_fault(t, s.device ? &*s.device : nullptr, f);
       });
   check_scene(v, s);
 }

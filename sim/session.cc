@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/sim_tracker_link.h"
+
 namespace godobject {
 namespace {
 
@@ -27,22 +29,26 @@ Session::Session(const SceneConfig& scene, Motion motion) : scene_(scene), motio
 }
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus) {
-  return make(scene, std::move(motion), bus, nullptr);
+  return make(scene, std::move(motion), bus, {});
 }
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses) {
-  return make(scene, std::move(motion), BusChoice::real, std::move(buses));
+  return make(scene, std::move(motion), RealDevice{.buses = std::move(buses), .trackers = {}});
 }
 
-Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus,
-                            std::unique_ptr<RigLink> buses) {
+Session::Made Session::make(const SceneConfig& scene, Motion motion, RealDevice device) {
+  return make(scene, std::move(motion), BusChoice::real, std::move(device));
+}
+
+Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus, RealDevice device) {
   Made made;
   std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
+  s->bus_ = bus;
   s->driven_ = driven_bodies(scene);
   s->samples_.resize(scene.bodies.size());
   s->find_imposed_joints(bus == BusChoice::real, made.errors);
   s->take_motion_at_start();
-  if (bus != BusChoice::direct && !s->driven_.empty()) s->connect(std::move(buses), made.errors);
+  if (bus != BusChoice::direct && !s->driven_.empty()) s->connect(std::move(device), made.errors);
   if (!made.errors.empty()) return made;
 
   std::string why_not;
@@ -51,7 +57,7 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
     made.errors.push_back(why_not);
     return made;
   }
-  if (s->sim_) s->exact_engine_ = make_engine(scene, s->samples_, why_not);
+  if (s->bus() == BusChoice::sim) s->exact_engine_ = make_engine(scene, s->samples_, why_not);
   s->exact_samples_ = s->samples_;
   made.session = std::move(s);
   return made;
@@ -67,13 +73,18 @@ void Session::take_motion_at_start() {
   if (motion_.has_joints()) impose(motion_.joints(0), true, samples_);
 }
 
-/// The rig on its buses: simulated ones where none are given.
-void Session::connect(std::unique_ptr<RigLink> buses, std::vector<std::string>& errors) {
-  if (!scene_.device || !scene_.device->rig) {
+void Session::connect(RealDevice device, std::vector<std::string>& errors) {
+  const bool has_rig = scene_.device && scene_.device->rig;
+  const bool has_trackers = scene_.device && !scene_.device->trackers.empty();
+  if (!has_rig && !has_trackers)
     errors.push_back("scene '" + scene_.name +
                      "' describes no buses, encoders and joints: add them, or run it with --bus direct");
-    return;
-  }
+  if (has_rig) connect_rig(std::move(device.buses), errors);
+  if (has_trackers) connect_trackers(std::move(device), errors);
+}
+
+/// The rig on its buses: simulated ones where none are given.
+void Session::connect_rig(std::unique_ptr<RigLink> buses, std::vector<std::string>& errors) {
   const RigParams& rig = *scene_.device->rig;
   for (const std::string& error : validate(rig)) errors.push_back(error);
   if (scene_.device->kind == DeviceKind::admittance)
@@ -101,6 +112,28 @@ void Session::connect(std::unique_ptr<RigLink> buses, std::vector<std::string>& 
     link_ = std::move(sim);
   }
   rig_.emplace(rig, link_->buses());
+}
+
+/// A tool is where its tracker says; simulated ones measure the motion.
+void Session::connect_trackers(RealDevice device, std::vector<std::string>& errors) {
+  const std::vector<TrackerParams>& trackers = scene_.device->trackers;
+  std::vector<SimTracker*> far;
+  for (std::size_t i = 0; bus_ == BusChoice::sim && i < trackers.size(); ++i) {
+    auto link = make_sim_tracker_link(trackers[i], simulated_rate_hz(trackers[i].protocol),
+                                      scene_.wire.seed + i, errors);
+    if (link) far.push_back(&link->far());
+    device.trackers.push_back(std::move(link));
+  }
+  for (std::size_t i = device.trackers.size(); i < trackers.size(); ++i)
+    errors.push_back("tracker '" + trackers[i].name + "' of the scene has no port: give --tracker " +
+                     trackers[i].name + "=PORT, or --tracker scene");
+  if (!errors.empty()) return;
+  for (const TrackerParams& tracker : trackers)
+    for (const TrackedToolParams& tool : tracker.tools)
+      tracked_bodies_.push_back(driven_[driven_by_tool(scene_, tool)]);
+  clock_ = device.clock;
+  if (bus_ == BusChoice::sim) sim_trackers_.emplace(scene_, motion_, std::move(far));
+  tracked_.emplace(std::move(device.trackers));
 }
 
 /// The device's joint for each coordinate of the imposed joints.
@@ -189,6 +222,7 @@ void Session::sense(double t) noexcept {
   if (motion_.has_joints()) impose(motion_.joints(t), true, samples_);
   exact_samples_ = samples_;
   if (rig_) sense_through_rig();
+  if (tracked_) sense_through_trackers();
   if (grip_) grip(t);
   for (const std::size_t body : driven_)
     if (let_go_) samples_[body].engaged = exact_samples_[body].engaged = false;
@@ -214,6 +248,25 @@ void Session::sense_through_rig() noexcept {
   const JointTarget joints{.q = device.q, .q_dot = device.q_dot};
   impose(joints, device.valid, samples_);
   impose(sim_ ? sim_->rig().joints() : joints, true, exact_samples_);
+}
+
+/// Nothing is engaged that has not been seen. Where trackers are real nobody knows where the tools are: what they say
+/// is taken for it.
+void Session::sense_through_trackers() noexcept {
+  if (!rig_) pass_period();
+  track();
+  for (std::size_t i = 0; i < tracked_bodies_.size(); ++i) {
+    const TrackedPose& pose = tracked_->poses()[i];
+    BodySample& sample = samples_[tracked_bodies_[i]];
+    sample.X_WD = pose.target.X_WD;
+    sample.V_WD = pose.target.V_WD;
+    sample.valid = pose.valid;
+    BodySample& exact = exact_samples_[tracked_bodies_[i]];
+    sample.engaged = exact.engaged = sample.engaged && pose.seen;
+    if (sim_trackers_) continue;
+    exact.X_WD = sample.X_WD;
+    exact.V_WD = sample.V_WD;
+  }
 }
 
 /// All that can be held get the device's sample; engaged for the one that is.

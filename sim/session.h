@@ -1,4 +1,4 @@
-// A running scene: engine, motion, and the rig on its buses, simulated or real. advance() is what a real-time
+// A running scene: engine, motion, and the rig on its buses and the trackers, simulated or real. advance() is what a real-time
 // loop calls once per period, from the first NMT command to the last; it does not allocate, and waits only for
 // the answers of real buses.
 #pragma once
@@ -14,13 +14,15 @@
 #include "sim/grip.h"
 #include "sim/motion.h"
 #include "sim/sim_link.h"
+#include "sim/sim_trackers.h"
+#include "sim/tracked_poses.h"
 
 namespace godobject {
 
 enum class BusChoice : std::uint8_t {
-  sim,     // through simulated encoders, wires and drives
+  sim,     // through simulated encoders, wires and drives, and simulated trackers
   direct,  // the motion is handed to the core as it is
-  real,    // through the encoders and drives of a device
+  real,    // through the encoders and drives of a device, and its trackers
 };
 
 inline constexpr double shut_down_limit_s = 2;
@@ -67,6 +69,13 @@ struct CycleRecord {
   Nanoseconds step_ns = 0;    // the engine's step alone, by the step clock
 };
 
+/// What a device has on this machine.
+struct RealDevice {
+  std::unique_ptr<RigLink> buses;                      // null for a device without any
+  std::vector<std::unique_ptr<TrackerLink>> trackers;  // in the order of the scene's
+  Nanoseconds (*clock)() noexcept = nullptr;           // that of both
+};
+
 class Session {
  public:
   struct Made {
@@ -78,8 +87,10 @@ class Session {
   /// On real buses, which may still be closed: to be opened before start(). The motion then moves nothing that
   /// the device has a handle for; its switches count.
   static Made make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses);
+  static Made make(const SceneConfig& scene, Motion motion, RealDevice device);
 
-  /// off -> booting, given up after `limit_s` of bus time; without a bus -> running.
+  /// off -> booting, given up after `limit_s` of bus time, or that of the slowest tracker; without a bus and a
+  /// tracker -> running.
   void start(double limit_s) noexcept;
   /// One period, whatever it is for; real-time, for a record that comes from at_start(). True: it was a step,
   /// and the record is of it.
@@ -106,12 +117,11 @@ class Session {
   const Engine& engine() const noexcept { return *engine_; }
   /// Whether there is a body that follows a pose, and so a following error.
   bool follows() const noexcept;
-  BusChoice bus() const noexcept {
-    if (!rig_) return BusChoice::direct;
-    return sim_ ? BusChoice::sim : BusChoice::real;
-  }
+  BusChoice bus() const noexcept { return rig_ || tracked_ ? bus_ : BusChoice::direct; }
   /// Null without a bus.
   const Rig* rig() const noexcept { return rig_ ? &*rig_ : nullptr; }
+  /// Null without trackers.
+  const TrackedPoses* trackers() const noexcept { return tracked_ ? &*tracked_ : nullptr; }
   /// Of all rigs so far: see restart().
   RigCounters rig_counters() const noexcept;
   /// The host's ends; none without a bus.
@@ -120,7 +130,7 @@ class Session {
   }
   /// Mean load of each simulated bus so far, percent; empty without one.
   std::vector<double> bus_load_percent() const;
-  /// Time on the buses' clock at which this period began, or the last one; 0 without a bus.
+  /// Time on the buses' and the trackers' clock at which this period began, or the last one; 0 without either.
   Nanoseconds bus_time_ns() const noexcept { return t_bus_ns_; }
   /// The same at which the motion began, after the first boot.
   Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
@@ -143,9 +153,11 @@ class Session {
 
   Session(const SceneConfig& scene, Motion motion);
 
-  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus, std::unique_ptr<RigLink> buses);
+  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus, RealDevice device);
   void take_motion_at_start();
-  void connect(std::unique_ptr<RigLink> buses, std::vector<std::string>& errors);
+  void connect(RealDevice device, std::vector<std::string>& errors);
+  void connect_rig(std::unique_ptr<RigLink> buses, std::vector<std::string>& errors);
+  void connect_trackers(RealDevice device, std::vector<std::string>& errors);
   void find_imposed_joints(bool real, std::vector<std::string>& errors);
 
   // session_phases.cc
@@ -153,6 +165,10 @@ class Session {
   void run_down_cycle() noexcept;
   void closing_cycle() noexcept;
   void give_up_running() noexcept;
+  bool device_ready() noexcept;
+  bool device_failed() const noexcept;
+  void pass_period() noexcept;
+  void track() noexcept;
   DeviceSample exchange() noexcept;
   CommandReport command(std::span<const Wrench> F_hand_W) noexcept;
   void take_in() noexcept;
@@ -163,6 +179,7 @@ class Session {
   void impose(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
   void sense(double t) noexcept;
   void sense_through_rig() noexcept;
+  void sense_through_trackers() noexcept;
   void grip(double t) noexcept;
   void act(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
@@ -182,6 +199,11 @@ class Session {
   std::unique_ptr<Engine> exact_engine_;  // runs beside it on exact_samples_, with a bus only
   std::unique_ptr<RigLink> link_;
   const SimLink* sim_ = nullptr;  // the link, where that is simulated
+  BusChoice bus_ = BusChoice::sim;
+  std::vector<std::size_t> tracked_bodies_;  // of each pose of tracked_
+  std::optional<TrackedPoses> tracked_;
+  std::optional<SimTrackers> sim_trackers_;    // their far ends, where those are simulated
+  Nanoseconds (*clock_)() noexcept = nullptr;  // of real trackers
   std::optional<Rig> rig_;
   RigCounters earlier_rigs_;
   RunPhase phase_ = RunPhase::off;

@@ -9,12 +9,17 @@ namespace {
 
 /// The last frames are no more than a few cycles': a command to each drive, a message to each node.
 constexpr std::int64_t closing_periods = 10;
+/// When the time of a tracker is over its last try may be going on: it says why it failed after that.
+constexpr double tracker_patience_s = 2;
 
 }  // namespace
 
 void Session::start(double limit_s) noexcept {
   if (phase_ != RunPhase::off) return;
-  phase_ = rig_ ? RunPhase::booting : RunPhase::running;
+  phase_ = rig_ || tracked_ ? RunPhase::booting : RunPhase::running;
+  if (tracked_)
+    for (const TrackerParams& tracker : scene_.device->trackers)
+      limit_s = std::max(limit_s, tracker.boot_timeout_s + tracker_patience_s);
   periods_left_ = std::llround(limit_s / scene_.step);
 }
 
@@ -32,11 +37,15 @@ bool Session::advance(CycleRecord& record) noexcept {
 }
 
 void Session::stop() noexcept {
-  if (phase_ == RunPhase::off || (!rig_ && phase_ == RunPhase::running)) phase_ = RunPhase::ended;
+  if (phase_ == RunPhase::off) phase_ = RunPhase::ended;
   if (phase_ == RunPhase::booting || phase_ == RunPhase::running) give_up_running();
 }
 
 void Session::give_up_running() noexcept {
+  if (!rig_) {
+    phase_ = RunPhase::ended;
+    return;
+  }
   rig_->disarm();
   phase_ = RunPhase::running_down;
   periods_left_ = std::llround(shut_down_limit_s / scene_.step);
@@ -64,14 +73,42 @@ void Session::shut_down() noexcept {
 }
 
 void Session::boot_cycle() noexcept {
-  static_cast<void>(exchange());
-  static_cast<void>(command({}));
+  if (rig_) {
+    static_cast<void>(exchange());
+    static_cast<void>(command({}));
+  } else {
+    pass_period();
+  }
+  if (tracked_) track();
   if (cycle_ == 0) motion_start_ns_ = t_bus_ns_;
-  if (rig_->state() == RigState::ready && rig_->arm()) {
+  if (device_ready()) {
     phase_ = RunPhase::running;
-  } else if (rig_->state() == RigState::fault || --periods_left_ <= 0) {
+  } else if (device_failed() || --periods_left_ <= 0) {
     give_up_running();
   }
+}
+
+/// The rig is armed last.
+bool Session::device_ready() noexcept {
+  if (tracked_ && !tracked_->ready()) return false;
+  return !rig_ || (rig_->state() == RigState::ready && rig_->arm());
+}
+
+bool Session::device_failed() const noexcept {
+  for (std::size_t i = 0; tracked_ && i < tracked_->num_trackers(); ++i)
+    if (tracked_->report(i).state == TrackerState::failed) return true;
+  return rig_ && rig_->state() == RigState::fault;
+}
+
+/// Of a device without buses, which have a clock of their own.
+void Session::pass_period() noexcept {
+  t_bus_ns_ = clock_ ? clock_() : t_bus_ns_ + std::llround(1e9 * scene_.step);
+  t_now_ns_ = t_bus_ns_;
+}
+
+void Session::track() noexcept {
+  if (sim_trackers_) sim_trackers_->run(t_now_ns_, motion_time(cycle_));
+  tracked_->update(t_now_ns_);
 }
 
 void Session::run_down_cycle() noexcept {

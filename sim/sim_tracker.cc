@@ -24,7 +24,7 @@ void SimTracker::advance(Nanoseconds now) noexcept {
 }
 
 void SimTracker::send(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
-  if (faults.silent || bytes.empty()) return;
+  if (faults.silent || bytes.empty() || random_.chance(faults.drop_probability)) return;
   Message message;
   message.size = std::min(bytes.size(), message.data.size());
   std::copy_n(bytes.begin(), message.size, message.data.begin());

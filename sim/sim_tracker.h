@@ -20,6 +20,7 @@ struct SimTrackerFaults {
   std::array<bool, max_tracked_tools> disabled{};       // unplugged
   std::array<bool, max_tracked_tools> out_of_volume{};  // NDI only
   bool silent = false;                                  // nothing is sent
+  double drop_probability = 0;                          // per message
   double corrupt_probability = 0;                       // per message: one bit of it is flipped
   Nanoseconds delay = 0;                                // added to every message
 };

@@ -40,6 +40,7 @@ void TrackedPoses::update(Nanoseconds now) noexcept {
     pose.state = played.valid || sample.state != ToolState::valid ? sample.state : ToolState::stale;
     if (pose.valid) {
       pose.target = played.target;
+      pose.seen = true;
     } else {
       pose.target.V_WD = {};
     }

@@ -18,6 +18,7 @@ struct TrackedPose {
   std::string body;    // name
   Target target;       // when not valid: the last one that was, at rest
   bool valid = false;  // the tool is seen, and its newest sample young enough
+  bool seen = false;   // it has been valid
   ToolState state = ToolState::unseen;
   Nanoseconds age = 0;  // of the newest sample
 };

@@ -23,6 +23,7 @@ ExitCode BusDialogue::open(const DialogueOptions& options, std::span<const CanFi
   std::string error;
   const std::optional<BusAddress> address = parse_bus_address(options.bus, error);
   if (address && address->kind == BusKind::replay) error = "a log gives no answers";
+  if (address && address->kind == BusKind::board) error = "an encoder board has no objects";
   if (!error.empty()) {
     std::fprintf(stderr, "--bus: %s\n", error.c_str());
     return ExitCode::usage;

@@ -224,10 +224,10 @@ void add_monitor(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "monitor", "What goes over buses or is in logs: a table of the messages, decoded, with their periods.");
   const auto options = std::make_shared<MonitorOptions>();
-  verb->add_option(
-          "--bus", options->buses,
-          "socketcan:IFACE, slcan:PATH, pty: or replay:FILE[,IFACE]; several in the order of the scene's "
-          "buses, or each as NAME=ADDRESS; see docs/buses.md")
+  verb->add_option("--bus", options->buses,
+                   "socketcan:IFACE, slcan:PATH, board:PATH, pty: or replay:FILE[,IFACE]; several in the "
+                   "order of the scene's "
+                   "buses, or each as NAME=ADDRESS; see docs/buses.md")
       ->required();
   verb->add_option("--scene", options->scene, "scene file whose joints the messages are named after");
   verb->add_option("--bit-rate", options->bit_rate, "bit/s, where no scene gives it (1000000)")

@@ -40,8 +40,8 @@ ExitCode run(RunOptions options) {
 
   Session& session = *prepared.session;
   std::optional<RunLink> real;
+  if (session.bus() == BusChoice::real) options.realtime = true;
   if (prepared.link) {
-    options.realtime = true;
     real.emplace(*prepared.link, prepared.buses, *session.scene().device->rig, prepared.profiles);
     const std::vector<std::string> closed = open_buses(real->link, real->plan, real->rig);
     print_lines(stderr, "", closed);
@@ -74,10 +74,18 @@ void add_options(CLI::App& verb, RunOptions& options) {
       ->check(number_above(0, 1e6));
   verb.add_option(
           "--bus", options.buses,
-          "sim: through simulated encoders, wires and drives (default); direct: the motion as it is; an "
-          "address (socketcan:can0, slcan:/dev/ttyACM0, pty, replay:FILE) or, for each bus of the scene, "
+          "sim: through simulated encoders, wires, drives and trackers (default); direct: the motion as it "
+          "is; an "
+          "address (socketcan:can0, slcan:/dev/ttyACM0, board:/dev/ttyACM1, pty, replay:FILE) or, for each "
+          "bus of the scene, "
           "NAME=ADDRESS: a real device, see docs/running.md")
       ->type_name("BUS")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb.add_option("--tracker", options.trackers,
+                  "NAME=PORT, for each tracker of the scene: a real one on this serial line, see "
+                  "docs/trackers.md; scene: on the scene's own ports; without: simulated ones")
+      ->type_name("TRACKER")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   verb.add_option(

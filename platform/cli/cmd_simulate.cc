@@ -29,6 +29,8 @@ void announce(const Simulation& simulation) {
   for (const OfferedBus& offered : simulation.buses())
     std::printf("%s %s: %s\n", offered.is_tap ? "tap" : "bus", offered.name.c_str(),
                 offered.bus->name().c_str());
+  for (const std::unique_ptr<TrackerLine>& tracker : simulation.trackers())
+    std::printf("tracker %s: %s\n", tracker->name().c_str(), tracker->path().c_str());
   std::puts("ready");
   std::fflush(stdout);
 }
@@ -55,7 +57,7 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
     simulation.step(MonotonicClock{}.now() - start);
     if (1e-9 * static_cast<double>(simulation.now()) >= end_s) break;
     while (input && !quit && input->try_line(line)) {
-      std::puts(answer(line, prepared.rig, simulation, quit).c_str());
+      std::puts(answer(line, simulation, quit).c_str());
       std::fflush(stdout);
     }
     if (input) descriptors.back().fd = input->descriptor();
@@ -79,13 +81,14 @@ ExitCode simulate(const SimulateOptions& options) {
 }
 
 void add_options(CLI::App& verb, SimulateOptions& options) {
-  verb.add_option("SCENE", options.scene, "scene file (TOML) with a device on buses, see docs/scenes.md")
+  verb.add_option("SCENE", options.scene,
+                  "scene file (TOML) with a device on buses or with trackers, see docs/scenes.md")
       ->required();
   verb.add_option(
-          "--bus", options.buses,
-          "[NAME=]ADDRESS, where a bus of the scene is offered: socketcan:vcan0, slcan:/dev/pts/3, or pty, "
-          "which makes a pseudo-terminal that speaks SLCAN and prints its path")
-      ->required();
+      "--bus", options.buses,
+      "[NAME=]ADDRESS, where a bus of the scene is offered: socketcan:vcan0, slcan:/dev/pts/3, or pty, "
+      "which makes a pseudo-terminal that speaks SLCAN and prints its path; trackers are offered on "
+      "pseudo-terminals of their own");
   verb.add_option(
       "--tap", options.taps,
       "[NAME=]ADDRESS, one more end of the bus: it hears every frame, and what is written there comes "
@@ -110,7 +113,8 @@ void add_options(CLI::App& verb, SimulateOptions& options) {
 
 void add_simulate(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
-      "simulate", "Play a scene's device on real buses, for a `godobject run` on their other end.");
+      "simulate",
+      "Play a scene's device on real buses and serial lines, for a `godobject run` on their other end.");
   const auto options = std::make_shared<SimulateOptions>();
   add_options(*verb, *options);
   verb->callback([options, &code] { code = simulate(*options); });

@@ -41,6 +41,7 @@ inline constexpr std::array<CoreFaultText, 4> core_fault_texts{{
 enum class RunFault : std::size_t {
   not_ready,
   not_set_up,
+  tracker_not_ready,
   recovered,
   unreachable,
   file_incomplete,
@@ -48,11 +49,13 @@ enum class RunFault : std::size_t {
 };
 
 /// In the order of RunFault.
-inline constexpr std::array<FaultText, 6> run_fault_texts{{
+inline constexpr std::array<FaultText, 7> run_fault_texts{{
     {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
      "check power, cables and bit rates; see boot_timeout"},
     {"not_set_up", "a node could not be commissioned; no cycle was run",
      "the line says device, object, what happened and the line of its profile"},
+    {"tracker_not_ready", "a tracker did not get to tracking within its boot_timeout; no cycle was run",
+     "the line says which, on which port, and what it waits for; see docs/trackers.md"},
     {"recovered", "with --rearm auto: the device was lost and armed again",
      "see the faults that are named with it"},
     {"unreachable", "the motion left the workspace of the device, or met a singular configuration",

@@ -105,7 +105,7 @@ BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
   BusPlan plan;
   const auto is_choice = [](const std::string& text) { return text == "sim" || text == "direct"; };
   if (given.empty()) {
-    if (scene.device && scene.device->rig) return plan;
+    if (scene.device && (scene.device->rig || !scene.device->trackers.empty())) return plan;
     notes.push_back("scene '" + scene.name + "' describes no buses: it runs with --bus direct");
     plan.choice = BusChoice::direct;
   } else if (std::ranges::any_of(given, is_choice)) {

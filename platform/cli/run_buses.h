@@ -19,7 +19,7 @@ struct BusPlan {
 };
 
 /// What --bus asks for: "sim", "direct", an address where the scene has one bus, NAME=ADDRESS for each where it
-/// has several. None given: sim where the scene describes buses, which `notes` says where it does not.
+/// has several. None given: sim where the scene describes buses or trackers, which `notes` says where it does not.
 BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
                    std::vector<std::string>& errors, std::vector<std::string>& notes);
 

@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "platform/cli/bus_load_text.h"
+#include "platform/clock.h"
+#include "platform/tracker_thread.h"
 #include "sim/key.h"
 #include "sim/profile_toml.h"
 #include "sim/scene_toml.h"
@@ -107,24 +109,35 @@ void check_real_buses(const RunOptions& options, PreparedRun& run) {
   }
   if (options.fast)
     run.errors.push_back(
-        "--fast: it runs on a simulated clock, and the nodes on a real bus keep time of their own: leave it "
-        "out");
+        "--fast: it runs on a simulated clock, and the nodes on a real bus, as real trackers, keep time of "
+        "their "
+        "own: leave it out");
   if (!options.motion.empty())
     run.notes.push_back(
-        "--motion: on real buses the device says where its handles are; the file's switches count");
+        "--motion: on real buses and trackers the device says where its handles are; the file's switches "
+        "count");
 }
 
-/// The session on the planned buses.
+/// The session on the planned buses and trackers; the threads of those have then begun.
 Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
                            PreparedRun& run) {
   if (run.buses.choice != BusChoice::real) return Session::make(scene, std::move(motion), run.buses.choice);
-  auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.record.empty());
-  run.link = link.get();
-  RigProfilesResult profiles =
-      load_profiles(*scene.device->rig, fs::path(options.scene).parent_path().string());
-  add(run.errors, profiles.errors);
-  run.profiles = std::move(profiles.profiles);
-  return Session::make(scene, std::move(motion), std::move(link));
+  RealDevice device{
+      .buses = nullptr, .trackers = {}, .clock = []() noexcept { return MonotonicClock{}.now(); }};
+  if (has_rig(scene)) {
+    auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.record.empty());
+    run.link = link.get();
+    device.buses = std::move(link);
+    RigProfilesResult profiles =
+        load_profiles(*scene.device->rig, fs::path(options.scene).parent_path().string());
+    add(run.errors, profiles.errors);
+    run.profiles = std::move(profiles.profiles);
+  }
+  if (!options.trackers.empty())
+    for (auto& thread :
+         start_trackers(scene.device->trackers, fs::path(options.scene).parent_path(), run.errors))
+      device.trackers.push_back(std::move(thread));
+  return Session::make(scene, std::move(motion), std::move(device));
 }
 
 /// What to name in a complaint about the scene as it would run: --step where it is only wrong with that.
@@ -161,6 +174,7 @@ PreparedRun prepare(const RunOptions& options) {
   const SceneConfig scene_of_file = *loaded.scene;
   SceneConfig& scene = *loaded.scene;
   run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
+  plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
   check_record(options, run.buses.choice, scene, run.errors);
   apply_overrides(options, scene);

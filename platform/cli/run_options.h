@@ -11,14 +11,16 @@
 #include "hal/node_profile.h"
 #include "platform/cli/run_buses.h"
 #include "platform/cli/run_cycle.h"
+#include "platform/cli/run_trackers.h"
 
 namespace godobject {
 
 struct RunOptions {
-  std::string scene;               // path
-  bool realtime = false;           // on real buses always
-  bool fast = false;               // asked for, rather than by default
-  std::vector<std::string> buses;  // see plan_buses()
+  std::string scene;                  // path
+  bool realtime = false;              // on real buses always
+  bool fast = false;                  // asked for, rather than by default
+  std::vector<std::string> buses;     // see plan_buses()
+  std::vector<std::string> trackers;  // see plan_trackers()
   Rearm rearm = Rearm::never;
   std::optional<double> duration;  // s
   std::optional<double> step;      // s

@@ -76,6 +76,30 @@ void add_file_faults(const RunReport& report, const std::vector<std::string>& in
   lost(report.options.record, report.result.lost_frames);
 }
 
+std::vector<TrackerReportLine> tracker_reports(const Session& session) {
+  std::vector<TrackerReportLine> lines;
+  const TrackedPoses* const trackers = session.trackers();
+  std::size_t tool = 0;
+  for (std::size_t i = 0; trackers && i < trackers->num_trackers(); ++i) {
+    lines.push_back({.params = trackers->params(i),
+                     .is_real = session.bus() == BusChoice::real,
+                     .report = trackers->report(i),
+                     .tools = {}});
+    for (std::size_t k = 0; k < lines.back().params.tools.size(); ++k)
+      lines.back().tools.push_back(trackers->poses()[tool++]);
+  }
+  return lines;
+}
+
+void add_trackers_not_ready(const RunReport& report, std::vector<FaultReport>& faults) {
+  for (const TrackerReportLine& tracker : report.trackers)
+    if (tracker.report.state != TrackerState::tracking && report.result.stopped_by.empty())
+      faults.push_back({.name = std::string(text_of(RunFault::tracker_not_ready).name),
+                        .text = "tracker " + tracker.params.name + " (" +
+                                (tracker.is_real ? tracker.params.port : "simulated") + "), " +
+                                name(tracker.report.state) + ": " + tracker.report.text.data()});
+}
+
 std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig) {
   std::vector<BusReport> reports;
   const std::vector<double> measured = run.session->bus_load_percent();
@@ -98,6 +122,7 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
                    .result = result,
                    .link_timing = run.link ? &run.link->timing() : nullptr,
                    .buses = {},
+                   .trackers = tracker_reports(session),
                    .faults = {}};
   if (const Rig* rig = session.rig()) {
     const RigParams& params = *session.scene().device->rig;
@@ -106,7 +131,10 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
     const std::vector<std::string> troubles =
         run.link ? bus_troubles(*run.link, run.buses, params) : std::vector<std::string>{};
     add_rig_faults(*rig, troubles, report.faults);
-    if (!result.ready) add_not_ready(report, report.faults);
+  }
+  if (!result.ready && (session.rig() || session.trackers())) {
+    add_trackers_not_ready(report, report.faults);
+    add_not_ready(report, report.faults);
   }
   if (!session.reachable()) add_run_fault(RunFault::unreachable, report.faults);
   add_core_faults(result.statistics, report.faults);

@@ -26,12 +26,21 @@ struct BusReport {
   BusCounters counters;
 };
 
+/// A tracker at the end of a run.
+struct TrackerReportLine {
+  TrackerParams params;
+  bool is_real = false;  // on params.port
+  TrackerReport report;
+  std::vector<TrackedPose> tools;  // in the order of params.tools
+};
+
 struct RunReport {
   const RunOptions& options;
   const Session& session;
   const RunResult& result;
   const LinkTiming* link_timing = nullptr;  // of real buses
   std::vector<BusReport> buses;
+  std::vector<TrackerReportLine> trackers;
   std::vector<FaultReport> faults;
 };
 

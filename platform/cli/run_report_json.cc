@@ -58,6 +58,31 @@ Json to_json(const BusReport& bus) {
           {"counters", to_json(bus.counters)}};
 }
 
+Json to_json(const TrackerReportLine& tracker) {
+  const TrackerCounters& c = tracker.report.counters;
+  Json json{{"name", tracker.params.name},
+            {"port", tracker.is_real ? Json(tracker.params.port) : Json(nullptr)},
+            {"state", name(tracker.report.state)},
+            {"text", tracker.report.text.data()},
+            {"samples", c.samples},
+            {"repeated", c.repeated},
+            {"lost_frames", c.lost_frames},
+            {"bad_crc", c.bad_crc},
+            {"malformed", c.malformed},
+            {"timeouts", c.timeouts},
+            {"restarts", c.restarts},
+            {"tools", Json::array()}};
+  for (std::size_t i = 0; i < tracker.tools.size(); ++i)
+    json["tools"].push_back(
+        {{"body", tracker.params.tools[i].body},
+         {"tool", tracker.params.tools[i].tool},
+         {"state", name(tracker.tools[i].state)},
+         {"samples", tracker.report.tools[i].number},
+         {"age_s", tracker.report.tools[i].number > 0 ? Json(1e-9 * static_cast<double>(tracker.tools[i].age))
+                                                      : Json(nullptr)}});
+  return json;
+}
+
 Json to_json(const Recovery& recovery) {
   return {{"seen_s", recovery.seen_s},
           {"named", recovery.named},
@@ -144,6 +169,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
     }
   }
   json["bus"] = to_array(report.buses);
+  json["trackers"] = to_array(report.trackers);
   if (report.link_timing) {
     json["added_latency_us"] = to_json(report.link_timing->added_latency_ns);
     json["sync_jitter_us"] = to_json(report.link_timing->sync_jitter_ns);

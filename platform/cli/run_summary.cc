@@ -29,8 +29,9 @@ void print_errors(std::FILE* out, const RunReport& report) {
     std::fprintf(out, "  %-26s none is known: errors are against what the core was told\n", "truth");
   print_error(out, "following error", statistics.following);
   if (report.session.bus() != BusChoice::sim || statistics.following.count() == 0) return;
-  print_error(out, "  with no encoders", statistics.exact_following);
-  print_error(out, "  encoders add", statistics.encoders);
+  print_error(out, report.session.rig() ? "  with no encoders" : "  with no trackers",
+              statistics.exact_following);
+  print_error(out, report.session.rig() ? "  encoders add" : "  trackers add", statistics.encoders);
   print_error(out, "sensing error", statistics.sensing);
 }
 
@@ -69,6 +70,23 @@ void print_bus(std::FILE* out, const BusReport& bus) {
                " overflowed, %" PRIu64 " error frames, %" PRIu64 " bus-off, TEC %d, REC %d\n",
                "frames", name, c.sent, c.received, c.send_refused, c.receive_overflow, c.error_frames,
                c.bus_off_events, int{c.transmit_error_counter}, int{c.receive_error_counter});
+}
+
+void print_tracker(std::FILE* out, const TrackerReportLine& tracker) {
+  const TrackerCounters& c = tracker.report.counters;
+  std::fprintf(out,
+               "  %-26s %s: %s, %s; %" PRIu64 " samples, %" PRIu64 " repeated, %" PRIu64 " lost, %" PRIu64
+               " bad CRC, %" PRIu64 " restarts\n",
+               "tracker", tracker.params.name.c_str(),
+               tracker.is_real ? tracker.params.port.c_str() : "simulated", name(tracker.report.state),
+               c.samples, c.repeated, c.lost_frames, c.bad_crc, c.restarts);
+  for (std::size_t i = 0; i < tracker.tools.size(); ++i) {
+    const TrackedToolParams& tool = tracker.params.tools[i];
+    std::fprintf(out, "  %-26s %s: %s", "  tool", tool.tool.c_str(), name(tracker.tools[i].state));
+    if (tracker.report.tools[i].number > 0)
+      std::fprintf(out, ", newest sample %.1f ms old", 1e-6 * static_cast<double>(tracker.tools[i].age));
+    std::fputc('\n', out);
+  }
 }
 
 void print_recoveries(std::FILE* out, const RunReport& report) {
@@ -112,6 +130,7 @@ void print_summary(std::FILE* out, const RunReport& report) {
     print_timing(out, "SYNC jitter", report.link_timing->sync_jitter_ns);
   }
   for (const BusReport& bus : report.buses) print_bus(out, bus);
+  for (const TrackerReportLine& tracker : report.trackers) print_tracker(out, tracker);
   if (report.session.rig()) {
     const RigCounters counters = report.session.rig_counters();
     std::fprintf(out, "  %-26s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers",

@@ -14,36 +14,33 @@ constexpr std::size_t max_line = 1000;
 
 json error(const std::string& what) { return {{"ok", false}, {"error", what}}; }
 
-json play(std::string_view words, const RigParams& rig, Simulation& simulation) {
+json play(std::string_view words, Simulation& simulation) {
   std::string what;
   const std::optional<FaultConfig> config = parse_fault(words, what);
-  if (!config) return error(what);
-  const FaultResult found = resolve(*config, rig);
-  if (!found.fault) return error(found.error);
-  if (!simulation.faults().schedule(*found.fault))
-    return error("as many faults are active as can be: clear some");
+  if (config) what = simulation.play(*config);
+  if (!what.empty()) return error(what);
   return {{"ok", true}, {"t_s", 1e-9 * static_cast<double>(simulation.now())}};
 }
 
 }  // namespace
 
-std::string answer(std::string_view command, const RigParams& rig, Simulation& simulation, bool& quit) {
+std::string answer(std::string_view command, Simulation& simulation, bool& quit) {
   const std::size_t space = command.find(' ');
   const std::string_view verb = command.substr(0, space);
   json reply{{"ok", true}};
   if (verb == "fault" && space != std::string_view::npos) {
-    reply = play(command.substr(space + 1), rig, simulation);
+    reply = play(command.substr(space + 1), simulation);
   } else if (verb == "clear") {
-    simulation.faults().clear(simulation.now());
+    simulation.clear_faults();
   } else if (verb == "status") {
     reply.update(simulation.to_json());
   } else if (verb == "quit") {
     quit = true;
   } else {
-    reply =
-        error(std::string(command) +
-              ": expected fault VERB [bus=NAME] [node=ID] [value=X] [duration=S] [at=S], clear, status or "
-              "quit");
+    reply = error(std::string(command) +
+                  ": expected fault VERB [bus=NAME] [node=ID] [tracker=NAME] [value=X] [duration=S] [at=S], "
+                  "clear, status or "
+                  "quit");
   }
   return reply.dump();
 }

@@ -10,7 +10,7 @@
 namespace godobject {
 
 /// "fault VERB key=value ...", "clear", "status", "quit". `quit` is set by the last of them. Allocates.
-std::string answer(std::string_view command, const RigParams& rig, Simulation& simulation, bool& quit);
+std::string answer(std::string_view command, Simulation& simulation, bool& quit);
 
 /// Whole lines from a descriptor, without waiting for them: while it lives, reading there does not block.
 class LineInput {

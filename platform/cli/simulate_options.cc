@@ -36,6 +36,8 @@ void offer(const std::string& option, const std::string& text, bool is_tap, cons
   std::string error;
   const std::optional<BusAddress> address = parse_bus_address(wanted.address, error);
   if (!address) return complain(error);
+  if (address->kind == BusKind::board)
+    return complain("an encoder board is a device, not a bus to play one on");
   if (wanted.name.empty() && rig.buses.size() > 1 && address->kind != BusKind::pty)
     return complain("the scene has " + std::to_string(rig.buses.size()) + " buses: say which, as in " +
                     rig.buses.front().name + "=" + wanted.address);
@@ -85,19 +87,37 @@ std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulati
   add(out.notes, loaded.warnings);
   if (!loaded.scene) return std::nullopt;
   SceneConfig& scene = *loaded.scene;
-  if (!scene.device || !scene.device->rig) {
-    out.errors.push_back(options.scene + ": describes no device on buses: there is nothing to simulate");
+  if (!scene.device || (!scene.device->rig && scene.device->trackers.empty())) {
+    out.errors.push_back(options.scene +
+                         ": describes no device on buses, and no trackers: there is nothing to simulate");
     return std::nullopt;
   }
-  scene.device->rig->cycle_s = scene.step;
+  if (scene.device->rig) scene.device->rig->cycle_s = scene.step;
   if (!options.faults.empty()) {
     FaultsResult faults = load_faults(options.faults, scene);
     add(out.errors, faults.errors);
     scene.faults.insert(scene.faults.end(), faults.faults.begin(), faults.faults.end());
   }
-  for (const std::string& error : validate(*scene.device->rig))
-    out.errors.push_back(options.scene + ": " + error);
+  if (scene.device->rig)
+    for (const std::string& error : validate(*scene.device->rig))
+      out.errors.push_back(options.scene + ": " + error);
   return std::move(loaded.scene);
+}
+
+/// One for each tracker of the scene, on a pseudo-terminal.
+std::vector<std::unique_ptr<TrackerLine>> offer_trackers(const SceneConfig& scene, PreparedSimulation& out) {
+  std::vector<std::unique_ptr<TrackerLine>> lines;
+  const std::vector<TrackerParams>& trackers = scene.device->trackers;
+  for (std::size_t i = 0; i < trackers.size(); ++i) {
+    lines.push_back(std::make_unique<TrackerLine>(
+        trackers[i].name,
+        make_sim_tracker(trackers[i], simulated_rate_hz(trackers[i].protocol), scene.wire.seed + i)));
+    const std::string why_not = lines.back()->open();
+    if (why_not.empty()) continue;
+    out.not_available = true;
+    out.errors.push_back("tracker " + trackers[i].name + ": " + why_not);
+  }
+  return lines;
 }
 
 }  // namespace
@@ -106,21 +126,24 @@ PreparedSimulation prepare(const SimulateOptions& options) {
   PreparedSimulation out;
   const std::optional<SceneConfig> scene = load(options, out);
   if (!scene) return out;
-  out.rig = *scene->device->rig;
+  const bool has_rig = scene->device->rig.has_value();
   MotionResult motion;
   if (options.motion.empty()) motion.motion.emplace(*scene);
   else motion = Motion::read(options.motion, *scene);
   add(out.errors, motion.errors);
   add(out.notes, motion.notes);
-  if (out.errors.empty()) {
+  if (out.errors.empty() && has_rig) {
     const std::string why_not = SimRig::why_not(*scene, *motion.motion);
     if (!why_not.empty()) out.errors.push_back(options.scene + ": " + why_not);
   }
-  std::vector<OfferedBus> offered = offer_all(options, out.rig, out);
+  std::vector<OfferedBus> offered = offer_all(options, scene->device->rig.value_or(RigParams{}), out);
+  std::vector<std::unique_ptr<TrackerLine>> trackers;
   if (out.errors.empty()) open_all(offered, out);
+  if (out.errors.empty()) trackers = offer_trackers(*scene, out);
   if (!out.errors.empty()) return out;
   out.motion = std::make_unique<Motion>(*std::move(motion.motion));
-  out.simulation = std::make_unique<Simulation>(*scene, *out.motion, std::move(offered), !options.start_now);
+  out.simulation = std::make_unique<Simulation>(*scene, *out.motion, std::move(offered), !options.start_now,
+                                                std::move(trackers));
   return out;
 }
 

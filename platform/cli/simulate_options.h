@@ -25,9 +25,8 @@ struct SimulateOptions {
 struct PreparedSimulation {
   std::unique_ptr<Motion> motion;          // of the simulation
   std::unique_ptr<Simulation> simulation;  // null where there are errors
-  RigParams rig;
   std::vector<std::string> errors, notes;
-  bool not_available = false;  // the errors are of this machine's buses
+  bool not_available = false;  // the errors are of this machine's buses and terminals
 };
 
 PreparedSimulation prepare(const SimulateOptions& options);

@@ -1,4 +1,4 @@
-// A simulated rig in wall time, with real buses at the host's end of its wires.
+// A simulated device in wall time: a rig with real buses at the host's end of its wires, trackers on pseudo-terminals.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/cli/bus_bridge.h"
+#include "platform/cli/tracker_line.h"
 #include "sim/motion.h"
 #include "sim/sim_rig.h"
+#include "sim/sim_trackers.h"
 
 namespace godobject {
 
@@ -33,9 +35,11 @@ struct MotorWatch {
 
 class Simulation {
  public:
-  /// buses: open; one per wire, then taps. scene: SimRig::why_not() is empty. Allocates; step() does not.
+  /// buses: open; one per wire, then taps. trackers: open; one per tracker of the scene. scene: where it has a rig
+  /// SimRig::why_not() is empty. Without a rig the motion waits for the first byte to a tracker instead of SYNC.
+  /// Allocates; step() does not.
   Simulation(const SceneConfig& scene, const Motion& motion, std::vector<OfferedBus> buses,
-             bool motion_waits_for_sync);
+             bool motion_waits_for_sync, std::vector<std::unique_ptr<TrackerLine>> trackers = {});
 
   /// Everything up to `now`, since the start: frames in, wires, nodes, mechanics, frames out.
   void step(Nanoseconds now) noexcept;
@@ -45,24 +49,33 @@ class Simulation {
   /// For ppoll.
   std::vector<int> descriptors() const;
   const std::vector<OfferedBus>& buses() const noexcept { return buses_; }
-  FaultInjector& faults() noexcept { return rig_.faults(); }
+  std::span<const std::unique_ptr<TrackerLine>> trackers() const noexcept { return trackers_; }
+  /// Plays a fault from the next step on. Empty, or why not. Allocates.
+  std::string play(const FaultConfig& fault);
+  void clear_faults() noexcept;
   Nanoseconds now() const noexcept { return now_ns_; }
   double motion_time() const noexcept;
   /// All there is to say about it, for status and report.
   nlohmann::ordered_json to_json() const;
 
  private:
+  void run_rig(Nanoseconds now) noexcept;
+  void run_trackers() noexcept;
+  nlohmann::ordered_json faults_json() const;
   void take_frames() noexcept;
   void on_sync() noexcept;
   void run_plant() noexcept;
   void watch_motors() noexcept;
 
-  RigParams params_;
+  RigParams params_;  // without buses where the device has no rig
+  std::vector<TrackerParams> tracker_params_;
   Nanoseconds period_ns_;
   std::vector<OfferedBus> buses_;
-  SimRig rig_;
+  std::optional<SimRig> rig_;
   std::vector<BusBridge> bridges_;  // one per buses_
   std::vector<MotorWatch> motors_;  // one per drive
+  std::vector<std::unique_ptr<TrackerLine>> trackers_;
+  std::optional<SimTrackers> tools_;  // of the trackers
   Nanoseconds now_ns_ = 0;
   Nanoseconds t_plant_ns_ = 0;              // up to which the mechanics have run
   Nanoseconds t_sync_ns_ = 0;               // of the latest SYNC

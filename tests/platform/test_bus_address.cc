@@ -14,6 +14,8 @@ TEST(BusAddress, EveryKindIsParsedAndMade) {
        {std::tuple{"socketcan:can0", BusKind::socketcan, "can0"},
         {"slcan:/dev/ttyACM0", BusKind::slcan, "/dev/ttyACM0"},
         {"slcan:/dev/ttyUSB0,3000000", BusKind::slcan, "/dev/ttyUSB0,3000000"},
+        {"board:/dev/ttyACM0", BusKind::board, "/dev/ttyACM0"},
+        {"board:/dev/ttyUSB0,2000000", BusKind::board, "/dev/ttyUSB0,2000000"},
         {"pty:", BusKind::pty, ""},
         {"pty", BusKind::pty, ""},
         {"replay:a:b.log", BusKind::replay, "a:b.log"},
@@ -38,12 +40,13 @@ TEST(BusAddress, EveryKindIsParsedAndMade) {
 TEST(BusAddress, WhatIsWrongIsSaid) {
   for (const auto& [text, expected] : {std::pair{"socketcam:can0", "did you mean 'socketcan'?"},
                                        {"scan:/dev/ttyACM0", "did you mean 'slcan'?"},
-                                       {"", "socketcan:, slcan:, pty:, replay:"},
+                                       {"", "socketcan:, slcan:, pty:, board:, replay:"},
                                        {"kvaser:0", "no kind of bus is called 'kvaser'"},
                                        {"can0", "say what it is: socketcan:can0"},
                                        {"/dev/ttyACM0", "slcan:/dev/ttyACM0"},
                                        {"socketcan", "followed by INTERFACE"},
                                        {"slcan:", "followed by PATH"},
+                                       {"board:", "followed by PATH"},
                                        {"replay:", "followed by FILE"},
                                        {"pty:/dev/pts/3", "nothing follows pty"},
                                        {"socketcan:a-name-of-16-ch.", "at most 15"}}) {

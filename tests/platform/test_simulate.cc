@@ -68,7 +68,7 @@ class SimulateTest : public testing::Test {
     }
   }
   nlohmann::json say(const std::string& line) {
-    return nlohmann::json::parse(answer(line, *scene_.device->rig, *simulation_, quit_));
+    return nlohmann::json::parse(answer(line, *simulation_, quit_));
   }
 
   SceneConfig scene_;

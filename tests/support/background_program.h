@@ -1,0 +1,67 @@
+// The program in the background, spoken to by its standard input and output.
+#pragma once
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace godobject::test {
+
+class BackgroundProgram {
+ public:
+  /// Runs `godobject <arguments>` from the source directory.
+  explicit BackgroundProgram(const std::vector<std::string>& arguments) {
+    int to_child[2], from_child[2];
+    if (pipe(to_child) != 0 || pipe(from_child) != 0) return;
+    pid_ = fork();
+    if (pid_ == 0) {
+      dup2(to_child[0], STDIN_FILENO);
+      dup2(from_child[1], STDOUT_FILENO);
+      for (const int fd : {to_child[0], to_child[1], from_child[0], from_child[1]}) close(fd);
+      if (chdir(GODOBJECT_SOURCE_DIR) != 0) _exit(126);
+      std::vector<char*> argv{const_cast<char*>(GODOBJECT_PROGRAM)};
+      for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+      argv.push_back(nullptr);
+      execv(GODOBJECT_PROGRAM, argv.data());
+      _exit(127);
+    }
+    close(to_child[0]);
+    close(from_child[1]);
+    in_ = fdopen(to_child[1], "w");
+    out_ = fdopen(from_child[0], "r");
+  }
+  ~BackgroundProgram() {
+    if (pid_ > 0) kill(pid_, SIGTERM);
+    if (pid_ > 0) waitpid(pid_, nullptr, 0);
+    if (in_) std::fclose(in_);
+    if (out_) std::fclose(out_);
+  }
+  BackgroundProgram(const BackgroundProgram&) = delete;
+  BackgroundProgram& operator=(const BackgroundProgram&) = delete;
+
+  /// The next line, without its end; empty at the end of the output.
+  std::string line() {
+    std::string text;
+    if (!out_) return text;
+    for (int c = std::fgetc(out_); c != EOF && c != '\n'; c = std::fgetc(out_)) text += static_cast<char>(c);
+    return text;
+  }
+  /// One command; returns the line of the answer.
+  std::string say(const std::string& command) {
+    std::fprintf(in_, "%s\n", command.c_str());
+    std::fflush(in_);
+    return line();
+  }
+
+ private:
+  pid_t pid_ = -1;
+  std::FILE *in_ = nullptr, *out_ = nullptr;
+};
+
+}  // namespace godobject::test
