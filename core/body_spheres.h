@@ -11,24 +11,6 @@
 
 namespace godobject {
 
-/// Bit j: the condition holds for number j.
-inline std::uint32_t bits(const PackMask& m) noexcept {
-#if defined(__AVX__)
-  using Numbers = Pack::Part;
-  return static_cast<std::uint32_t>(__builtin_ia32_movmskpd256(std::bit_cast<Numbers>(m.parts[0])));
-#else
-  std::uint32_t b = 0;
-  for (std::size_t j = 0; j < Pack::size; ++j)
-    b |= (m.parts[j / Pack::part_size][j % Pack::part_size] != 0 ? 1u : 0u) << j;
-  return b;
-#endif
-}
-inline PackMask operator&(const PackMask& a, const PackMask& b) noexcept {
-  PackMask m;
-  for (std::size_t k = 0; k < Pack::num_parts; ++k) m.parts[k] = a.parts[k] & b.parts[k];
-  return m;
-}
-
 struct Sphere {
   Vec3 p_W = Vec3::Zero();  // centre, m
   Real r = 0;               // radius, m

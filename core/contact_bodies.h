@@ -7,10 +7,10 @@
 //   (28)  V^T A V = V^T b
 //
 // the balance of energy of the exact solution: work left undone cannot drive. The cases of the contacts are found by
-// passes over that. What they leave is the residual.
+// passes over that (29), island by island. What they leave is the residual.
 #pragma once
 
-#include "core/contact_pairs.h"
+#include "core/contact_descent.h"
 
 namespace godobject {
 
@@ -23,9 +23,6 @@ constexpr Pass touching_pass(int pass) noexcept {
 constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == Pass::by_secant ? 3 : 8; }
 /// The passes end when no force misses its law by more than this part of the largest normal force.
 inline constexpr Real touching_tolerance = 3e-3;
-/// Its iterations, one at least, end when all bodies' velocities are known to this, m/s.
-inline constexpr Real velocity_tolerance = 1e-3;
-
 /// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
 template <std::size_t max_packs>
 bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
@@ -49,126 +46,77 @@ inline TwistBlock sum(TwistBlock A, const BodyStage& stage) noexcept {
   return A;
 }
 
-/// A and b of the bodies and pairs for the cases their contacts are in. The skew part of A acts on V_0. all: of every
-/// contact, not of those alone whose case has changed.
+/// A and b of the bodies and pairs of an island for the cases their contacts are in. The skew part of A acts on V_0.
+/// all: of every contact, not of those alone whose case has changed. True: elimination solves it exactly.
 template <class Contacts, std::size_t N>
-void load_contacts(Real h, bool all, BodyContactScratch<Contacts, N>& w) noexcept {
+bool load_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  bool is_tree = true;
   const auto has_changed = [&](std::uint32_t first, std::uint32_t end) noexcept {
     bool changed = all;
     for (std::uint32_t p = first; p < end; ++p) changed = changed || w.packs[p].changed;
     return changed;
   };
-  for (std::size_t k = 0; k < w.tree.num_touching; ++k) {
-    const std::uint32_t i = w.tree.order[k];
-    TouchingBody& body = w.tree.bodies[i];
+  w.tree.each_body(island, [&](std::uint32_t i, TouchingBody& body) noexcept {
     const BodyStage& stage = w.stages[i];
     if (has_changed(body.first_pack, body.end_pack)) {
       gather(w.packs, body.first_pack, body.end_pack, h, body.on_world, body.F);
       body.A = sum(body.on_world, stage);
     }
-    body.hung = sum(body.on_world * tamed(body.on_world, stage.M), stage);
+    const Real part = tamed(body.on_world, stage.M);
+    is_tree = is_tree && part == 1;
+    body.hung = part == 1 ? body.A : sum(body.on_world * part, stage);
     w.b[i].w = body.F.w + stage.b_w - cross(stage.s, w.V_0[i].w);
     w.b[i].v = body.F.v + stage.b_v;
-  }
-  for (std::size_t k = 0; k < w.tree.num_pairs; ++k) {
-    TouchingPair& pair = w.tree.pairs[k];
+  });
+  w.tree.each_pair(island, [&](TouchingPair& pair) noexcept {
     if (has_changed(pair.first_pack, pair.end_pack))
       pair.touches = gather(w.packs, pair.first_pack, pair.end_pack, h, pair.A, pair.F);
-    if (!pair.touches) continue;
+    if (!pair.touches) return;
     pair.tamed = tamed(pair.A, w.stages[pair.child].M);
+    is_tree = is_tree && pair.in_tree && pair.tamed == 1;
     w.b[pair.child] = w.b[pair.child] + pair.F;
     w.b[pair.parent] = w.b[pair.parent] - moved_wrench(pair.F, pair.d);
-  }
-}
-
-/// Sum over the touching bodies.
-template <class Contacts, std::size_t N>
-Real dot(const BodyContactScratch<Contacts, N>& w, const std::array<AnchorTwist, N>& a,
-         const std::array<AnchorTwist, N>& b) noexcept {
-  Real sum = 0;
-  for (std::size_t k = 0; k < w.tree.num_touching; ++k) sum += dot(a[w.tree.order[k]], b[w.tree.order[k]]);
-  return sum;
-}
-
-/// The velocity, m/s, of the centre of mass at which a body would have the kinetic energy that it has at V; squared.
-inline Real speed_sq(const BodyStage& stage, const AnchorTwist& V) noexcept {
-  return dot(V.v, V.v) + dot(V.w, stage.A_ww * V.w) / stage.M;
-}
-
-/// V = A^-1 b by conjugate gradients, from the best multiple of V_0 and with all directions conjugate to it: (28) holds
-/// for every iterate as it does from rest; what rounding takes of it is given back in the end. Every step is the best
-/// one along its direction. Returns the largest force that is left unbalanced, times h.
-template <class Contacts, std::size_t N>
-Real iterate(int iterations, BodyContactScratch<Contacts, N>& w) noexcept {
-  const auto each = [&](auto f) noexcept {
-    for (std::size_t k = 0; k < w.tree.num_touching; ++k) f(w.tree.order[k]);
-  };
-  constexpr Real tiny = std::numeric_limits<Real>::min();
-  multiply(w.tree, w.V_0, w.AV_0);
-  const Real V_0_A_V_0 = std::max(dot(w, w.V_0, w.AV_0), tiny);
-  const Real scale = dot(w, w.V_0, w.b) / V_0_A_V_0;
-  each([&](std::uint32_t i) noexcept {
-    w.V[i] = w.V_0[i] * scale;
-    w.r[i] = w.Ap[i] = w.b[i] - w.AV_0[i] * scale;
   });
-  Real rz = 1;
-  bool converged = false;
-  for (int k = 0; k < iterations; ++k) {
-    solve(w.tree, w.Ap, w.z);
-    Real error_sq = 0;
-    each([&](std::uint32_t i) noexcept { error_sq = std::max(error_sq, speed_sq(w.stages[i], w.z[i])); });
-    converged = k > 0 && error_sq <= velocity_tolerance * velocity_tolerance;
-    if (converged) break;
-    const Real mu = dot(w, w.AV_0, w.z) / V_0_A_V_0;
-    const Real last = rz;
-    rz = dot(w, w.r, w.z);
-    const Real beta = k == 0 ? 0 : rz / last;
-    each([&](std::uint32_t i) noexcept {
-      w.p[i] = (k == 0 ? w.z[i] : w.z[i] + w.p[i] * beta) - w.V_0[i] * mu;
-    });
-    multiply(w.tree, w.p, w.Ap);
-    const Real alpha = dot(w, w.p, w.r) / std::max(dot(w, w.p, w.Ap), tiny);
-    each([&](std::uint32_t i) noexcept {
-      w.V[i] = w.V[i] + w.p[i] * alpha;
-      w.r[i] = w.r[i] - w.Ap[i] * alpha;
-      w.Ap[i] = w.r[i];
-    });
-    w.report.iterations += 1;
-  }
-  if (!converged) {  // r of the recurrence may have drifted
-    multiply(w.tree, w.V, w.Ap);
-    each([&](std::uint32_t i) noexcept { w.r[i] = w.b[i] - w.Ap[i]; });
-  }
-  // A V = b - r
-  const Real V_b = dot(w, w.V, w.b), V_A_V = V_b - dot(w, w.V, w.r);
-  const Real balance = V_A_V > tiny ? V_b / V_A_V : 1;
-  Real most = 0;
-  each([&](std::uint32_t i) noexcept {
-    w.V[i] = w.V[i] * balance;
-    const Column left = w.b[i].v * (1 - balance) + w.r[i].v * balance;
-    most = std::max(most, dot(left, left));
-  });
-  return std::sqrt(most);
+  return is_tree;
 }
 
-/// Forces and next cases of all contacts. left: force unbalanced by the solve, N. True: the forces obey the law.
+/// Forces and next cases of the contacts of an island at the velocities of their points. True: the forces obey the law.
 template <class Contacts, std::size_t N>
-bool update_contacts(Pass next, const std::array<AnchorTwist, N>& V, Real left,
-                     BodyContactScratch<Contacts, N>& w) noexcept {
+bool settle_contacts(Pass next, const Island& island, BodyContactScratch<Contacts, N>& w,
+                     ContactMiss& most) noexcept {
+  most = {};
+  bool changed = false;
+  each_pack(island, w, [&](ContactPack& c) noexcept {
+    settle(c, next, most);
+    changed = changed || c.changed;
+  });
+  return (next == Pass::as_it_was && !changed) ||
+         largest(most.miss) <= touching_tolerance * largest(most.F_n);
+}
+
+/// The velocities of the bodies of an island; V_0: those they are predicted to have.
+template <class Contacts, std::size_t N>
+void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   ContactMiss most;
-  for (std::size_t k = 0; k < w.tree.num_touching; ++k) {
-    const std::uint32_t i = w.tree.order[k];
-    const TouchingBody& body = w.tree.bodies[i];
-    for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) update(w.packs[p], V[i], next, most);
+  each_pack(w.V_0, island, w,
+            [&](ContactPack& c, const AnchorTwist& V) noexcept { update(c, V, touching_pass(0), most); });
+  Real left = 0;
+  int passes = 0, iterations = 0;
+  for (bool done = false; !done && passes < max_touching_passes; ++passes) {
+    const bool is_tree = load_contacts(h, passes == 0, island, w);
+    eliminate(island, w.tree);
+    left = is_tree ? eliminated(island, w) : iterate(num_iterations(passes), island, w, iterations);
+    if (move_contacts(island, w)) {
+      if (is_tree) multiply(island, w.tree, w.V_0, w.AV_0);
+      search_line(h, island, w);
+      left = scale_velocities(h, island, w);
+    }
+    done = settle_contacts(touching_pass(passes + 1), island, w, most);
+    w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
   }
-  for (std::size_t k = 0; k < w.tree.num_pairs; ++k) {
-    const TouchingPair& pair = w.tree.pairs[k];
-    const AnchorTwist V_rel = V[pair.child] - shifted(V[pair.parent], pair.d);
-    for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) update(w.packs[p], V_rel, next, most);
-  }
-  const Real miss = largest(most.miss);
-  w.report.residual = std::max(left, miss);
-  return miss <= touching_tolerance * largest(most.F_n);
+  w.report.residual = std::max({w.report.residual, left / h, largest(most.miss)});
+  w.report.passes = std::max(w.report.passes, passes);
+  w.report.iterations = std::max(w.report.iterations, iterations);
 }
 
 /// The velocities of all bodies that touch anything; V_0: those they are predicted to have.
@@ -179,16 +127,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   find_pairs(par, num_bodies, h, w);
   begin_contacts(par, before, num_bodies, step, h, w);
   w.report = {.num_near = w.near.size};
-  static_cast<void>(update_contacts(touching_pass(0), w.V_0, 0, w));
-  for (int pass = 0; pass < max_touching_passes; ++pass) {
-    load_contacts(h, pass == 0, w);
-    eliminate(w.tree);
-    const Real left = iterate(num_iterations(pass), w);
-    ++w.report.passes;
-    const bool done = update_contacts(touching_pass(pass + 1), w.V, left / h, w);
-    for (std::size_t k = 0; k < w.tree.num_touching; ++k) w.V_0[w.tree.order[k]] = w.V[w.tree.order[k]];
-    if (done) break;
-  }
+  for (std::size_t n = 0; n < w.tree.num_islands; ++n) solve_island(h, w.tree.islands[n], w);
 }
 
 /// What the contacts carry over, and what they say.

@@ -49,10 +49,60 @@ MaterialId touched_material(const ContactParams<max_spheres, max_surfaces>& par,
                                      : par.spheres[near.touched - max_surfaces].material;
 }
 
+/// The spheres [s, end) of a body in the world, four to a pack from `packs` on, and the box round what they reach.
+/// Returns the number of packs.
+template <std::size_t max_spheres, std::size_t max_surfaces>
+std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par, std::uint32_t s,
+                            std::uint32_t end, const TreePlace& at, SpherePack* packs, Aabb& box) noexcept {
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(infinity)), hi = Vector3<Pack>::Constant(Pack(-infinity));
+  std::uint32_t num_packs = 0;
+  for (; s < end; s += 4, ++num_packs) {
+    const std::array<const BodySphere*, 4> spheres{&par.spheres[s], &par.spheres[std::min(s + 1, end - 1)],
+                                                   &par.spheres[std::min(s + 2, end - 1)],
+                                                   &par.spheres[std::min(s + 3, end - 1)]};
+    const auto of = [&](auto number) noexcept {
+      return Pack(number(*spheres[0]), number(*spheres[1]), number(*spheres[2]), number(*spheres[3]));
+    };
+    SpherePack& pack = packs[num_packs];
+    pack.r = of([](const BodySphere& sphere) noexcept { return sphere.radius; });
+    const Pack x = of([](const BodySphere&sphere) noexcept { return sphere.p_B.x(); }),
+               y = of([](const BodySphere&sphere) noexcept { return sphere.p_B.y(); }),
+               z = of([](const BodySphere&sphere) noexcept { return sphere.p_B.z(); });
+    const Pack reach = pack.r * (1 + contact_reach);
+    for (int k = 0; k < 3; ++k) {
+      const Pack c = at.p_W[k] + (at.R_WB(k, 0) * x + at.R_WB(k, 1) * y + at.R_WB(k, 2) * z);
+      pack.p_W[k] = c;
+      lo[k] = min(lo[k], c - reach);
+      hi[k] = max(hi[k], c + reach);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    box.lo[k] = std::min({lo[k][0], lo[k][1], lo[k][2], lo[k][3]});
+    box.hi[k] = std::max({hi[k][0], hi[k][1], hi[k][2], hi[k][3]});
+  }
+  return num_packs;
+}
+
+/// A shape of a body in the world. Of a box, whose attitude is R_WS, no more than find_on_surfaces() asks for.
+inline void place_shape(const ShapeParams& shape, const TreePlace& at, ShapeParams& posed,
+                        Mat3& R_WS) noexcept {
+  R_WS = at.R_WB * shape.X_WS.q.toRotationMatrix();
+  const Vec3 p = at.p_W + at.R_WB * shape.X_WS.p;
+  if (shape.kind == ShapeKind::box) {
+    posed.kind = shape.kind;
+    posed.half_extents = shape.half_extents;
+  } else {
+    posed = shape;
+    posed.X_WS.q = Quat(at.R_WB) * shape.X_WS.q;
+  }
+  posed.X_WS.p = p;
+}
+
 /// Who owns what, and where it all is.
 template <class Contacts, std::size_t N>
-void place_spheres(const typename Contacts::Params& par, std::size_t num_bodies,
-                   ContactFinder<Contacts, N>& w) noexcept {
+void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
+                  ContactFinder<Contacts, N>& w) noexcept {
   std::uint32_t s = 0, o = 0, num_packs = 0;
   for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o) {
     w.posed[o] = par.surfaces[o].shape;
@@ -63,40 +113,21 @@ void place_spheres(const typename Contacts::Params& par, std::size_t num_bodies,
   for (std::uint32_t i = 0; i < num_bodies; ++i) {
     const TreePlace& at = w.at[i];
     auto& owned = w.owned[i];
-    Aabb box{.lo = Vec3::Constant(std::numeric_limits<Real>::infinity()),
-             .hi = Vec3::Constant(-std::numeric_limits<Real>::infinity())};
-    const auto cover = [&](const Vec3& c, const Vec3& half) noexcept {
-      box.lo = box.lo.cwiseMin(c - half);
-      box.hi = box.hi.cwiseMax(c + half);
-    };
+    Aabb& box = w.broad.boxes[i];
     owned.first_sphere = s;
-    owned.first_pack = num_packs;
-    for (; s < par.num_spheres && par.spheres[s].body == i; ++s) {
-      const BodySphere& sphere = par.spheres[s];
-      const Vec3 c_W = at.p_W + at.R_WB * sphere.p_B;
-      cover(c_W, Vec3::Constant((1 + contact_reach) * sphere.radius));
-      const std::size_t j = (s - owned.first_sphere) % 4;
-      SpherePack& pack = w.packs[num_packs];
-      for (std::size_t l = j; l < (j == 0 ? 4 : j + 1); ++l) {
-        set_lane(pack.p_W, l, c_W);
-        pack.r.set(l, sphere.radius);
-      }
-      if (j == 3) ++num_packs;
-    }
-    if ((s - owned.first_sphere) % 4 != 0) ++num_packs;
+    while (s < par.num_spheres && par.spheres[s].body == i) ++s;
     owned.end_sphere = s;
+    owned.first_pack = num_packs;
+    num_packs += place_spheres(par, owned.first_sphere, s, at, &w.packs[num_packs], box);
     owned.first_surface = o;
     for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
-      const ShapeParams& shape = par.surfaces[o].shape;
-      ShapeParams& posed = w.posed[o];
-      posed = shape;
-      posed.X_WS = {.p = at.p_W + at.R_WB * shape.X_WS.p, .q = Quat(at.R_WB) * shape.X_WS.q};
-      w.R_WS[o] = posed.X_WS.q.toRotationMatrix();
-      cover(posed.X_WS.p, (w.R_WS[o].cwiseAbs() * half_extents(shape)).eval());
+      place_shape(par.surfaces[o].shape, at, w.posed[o], w.R_WS[o]);
+      const Vec3 half = w.R_WS[o].cwiseAbs() * half_extents(par.surfaces[o].shape);
+      box.lo = box.lo.cwiseMin(w.posed[o].X_WS.p - half);
+      box.hi = box.hi.cwiseMax(w.posed[o].X_WS.p + half);
     }
     owned.end_surface = o;
     if (owned.empty() || !(box.lo.sum() - box.hi.sum() <= 0)) continue;
-    w.broad.boxes[i] = box;
     w.broad.entries[w.broad.num_entries++].body = i;
   }
 }
@@ -147,6 +178,18 @@ inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const Sp
   for (int k = 0; k < 3; ++k) n_W[k] = R_WS(k, 0) * n_S[0] + R_WS(k, 1) * n_S[1] + R_WS(k, 2) * n_S[2];
   d = pack.r - distance;
   return bits(-contact_reach * pack.r < d);
+}
+
+/// Four spheres and a half-space: the same.
+inline std::uint32_t near_plane(const ShapeParams& plane, const Mat3& R_WS, const SpherePack& pack, Pack& d,
+                                Vector3<Pack>& n_W) noexcept {
+  Pack distance = 0;
+  for (int k = 0; k < 3; ++k) {
+    n_W[k] = R_WS(k, 2);
+    distance += (pack.p_W[k] - plane.X_WS.p[k]) * R_WS(k, 2);
+  }
+  d = pack.r - distance;
+  return ~bits(d <= -contact_reach * pack.r);
 }
 
 /// A direction in the world, and how far to go.
@@ -221,9 +264,20 @@ void find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
                   .n_W = n_W},
                  near);
       };
+      const auto found_all = [&](std::uint32_t hits, const Pack& d, const Vector3<Pack>& n_W) noexcept {
+        for (; hits != 0; hits &= hits - 1) {
+          const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+          found(j, d[j], lane(n_W, j));
+        }
+      };
+      Pack d;
+      Vector3<Pack> n_W;
+      if (shape.kind == ShapeKind::plane) {
+        const std::uint32_t hits = sought & near_plane(shape, w.R_WS[o], pack, d, n_W);
+        found_all(hits, d, n_W);
+        continue;
+      }
       if (on_a.has_surfaces() && shape.kind == ShapeKind::box) {
-        Pack d;
-        Vector3<Pack> n_W;
         std::uint32_t hits = sought & near_box(shape, w.R_WS[o], pack, Vec3::UnitZ(), d, n_W);
         if ((hits & bits(pack.r <= d)) != 0) {
           const Vec3 out_W = b < N ? parting(w, a, b)
@@ -232,18 +286,15 @@ void find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
                                          .n_W;
           hits = sought & near_box(shape, w.R_WS[o], pack, face_along(w.R_WS[o], out_W), d, n_W);
         }
-        for (; hits != 0; hits &= hits - 1) {
-          const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
-          found(j, d[j], lane(n_W, j));
-        }
+        found_all(hits, d, n_W);
         continue;
       }
       for (std::uint32_t hits = sought; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius;
         const SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
-        const Real d = radius - surface.distance;
-        if (!(d <= -reach)) found(j, d, surface.n);
+        const Real depth = radius - surface.distance;
+        if (!(depth <= -reach)) found(j, depth, surface.n);
       }
     }
   }
@@ -283,7 +334,7 @@ template <class Contacts, std::size_t N>
 void find_contacts(const typename Contacts::Params& par, std::size_t num_bodies,
                    ContactFinder<Contacts, N>& w, NearContacts<Contacts::max_contacts>& near) noexcept {
   near.clear();
-  place_spheres(par, num_bodies, w);
+  place_bodies(par, num_bodies, w);
   find_overlaps(num_bodies, w.broad,
                 [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
   for (std::uint32_t a = 0; a < num_bodies; ++a) {

@@ -50,6 +50,7 @@ struct ContactPack {
   Pack f_slip;      // and its friction
   // solution
   Vector3<Pack> v, F;
+  Pack v_n_0;  // of the pass before
 };
 
 /// No contact in lane j.
@@ -73,16 +74,24 @@ inline void set_contact(const ContactLaw& law, const ContactMemory& memory, Real
   pack.mu.set(j, law.mu);
 }
 
+/// 1: touching, with this normal force; 0: not.
+inline Pack case_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
+inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) || any(b < a); }
+
 /// How far the forces of a pass are from the law.
 struct ContactMiss {
   Pack miss = 0, F_n = 0;
 };
 
-/// The forces of a pass, and the cases of the next, at the twist V of the body's anchor.
-inline void update(ContactPack& c, const AnchorTwist& V, Pass next, ContactMiss& most) noexcept {
+/// The velocities of the contact points at the twist V of the body's anchor.
+inline void move(ContactPack& c, const AnchorTwist& V) noexcept {
   const Vector3<Pack> V_w(V.w.all<0>(), V.w.all<1>(), V.w.all<2>());
   const Vector3<Pack> V_v(V.v.all<0>(), V.v.all<1>(), V.v.all<2>());
   c.v = V_v + V_w.cross(c.r);
+}
+
+/// The forces of a pass, and the cases of the next, at the velocities of the contact points.
+inline void settle(ContactPack& c, Pass next, ContactMiss& most) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
   const Pack speed = max(sqrt(s.squaredNorm()), Pack(std::numeric_limits<Real>::min()));
@@ -94,16 +103,20 @@ inline void update(ContactPack& c, const AnchorTwist& V, Pass next, ContactMiss&
   c.F = c.n * (c.touching * F_n) + F_t;
   most.miss = max(most.miss, max(abs(law_n - c.touching * F_n), sqrt((law_t - F_t).squaredNorm())));
   most.F_n = max(most.F_n, law_n);
-  const Pack touching = select(law_n > 0, Pack(1), Pack(0)), eta_before = c.eta_t;
-  c.changed = any(c.touching < touching) || any(touching < c.touching);
+  const Pack touching = case_of(law_n), eta_before = c.eta_t;
+  c.changed = differ(c.touching, touching);
   c.touching = touching;
   // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
   const Pack slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, law_eta);
   c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
-  c.changed = c.changed || any(c.eta_t < eta_before) || any(eta_before < c.eta_t);
+  c.changed = c.changed || differ(c.eta_t, eta_before);
   const Pack tangent = next == Pass::by_tangent ? select(c.eta_t < c.max_eta_t, Pack(1), Pack(0)) : Pack(0);
   c.u = s * (tangent / speed);
   c.f_slip = tangent * c.mu * law_n;
+}
+inline void update(ContactPack& c, const AnchorTwist& V, Pass next, ContactMiss& most) noexcept {
+  move(c, V);
+  settle(c, next, most);
 }
 
 /// Sums over the contacts of a body, or a pair, of what they add to its A and b.
@@ -149,6 +162,8 @@ void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
   sums.b_v += F;
   sums.b_w += r.cross(F);
 }
+
+inline Real total(const Pack& x) noexcept { return (x[0] + x[1]) + (x[2] + x[3]); }
 
 /// The sums of three packs.
 inline Column sum(const Pack& x, const Pack& y, const Pack& z) noexcept {

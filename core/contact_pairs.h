@@ -25,6 +25,16 @@ struct BodyStage {
   Column s, b_w, b_v;
 };
 
+/// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
+struct LinePack {
+  Pack F_n, by, v_n, touching;
+};
+template <std::size_t max_packs>
+struct LinePacks {
+  std::array<LinePack, max_packs> list;
+  std::size_t size = 0;
+};
+
 /// Worthless between steps.
 template <class Contacts, std::size_t N>
 struct BodyContactScratch {
@@ -35,6 +45,7 @@ struct BodyContactScratch {
   std::array<std::uint32_t, max_contacts> place;  // pack and lane of the near ones
   std::array<ContactPack, max_contacts> packs;    // each of one pair, or one body with the world
   std::size_t num_packs = 0;
+  LinePacks<max_contacts> line;  // those that leave their cases on it
   ContactTree<N, max_contacts> tree;
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;
@@ -72,7 +83,7 @@ void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Re
     const ContactLaw& law = par.law(par.spheres[near.sphere].material, touched_material(par, near));
     if (near.d > 0) w.tree.pairs[w.tree.num_pairs - 1].stiffness += h * law.k + law.c;
   }
-  make_tree(w.touches, num_bodies, w.tree);
+  make_islands(w.touches, num_bodies, w.tree);
 }
 
 /// (24) of the near contacts, four of a pair to a pack.
@@ -102,8 +113,9 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
     const BodySphere& sphere = par.spheres[near.sphere];
     const ContactLaw& law = par.law(sphere.material, touched_material(par, near));
     const Real d_0 = near.d + h * near.v_n;
-    w.begun[i] = recalled(law, w.stage, step, near.key, of_step.find(near.key), of_stage.find(near.key),
-                          near.n_W, d_0, near.v_n, on_world);
+    w.begun[i] =
+        recalled(law, w.stage, step, near.key, of_step.find(near.key),
+                 w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W, d_0, near.v_n, on_world);
     const Real side = child == near.a ? 1 : -1;
     ContactMemory memory = w.begun[i];
     memory.xi_W *= side;

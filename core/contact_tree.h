@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "core/contact_pack.h"
 
@@ -79,20 +80,10 @@ struct TouchingBody {
   TwistBlock hung;                             // the same for the tree, tamed; then with all that hangs on it
   TwistBlock S_inverse;                        // (27)
   Block Y_ww, Y_wv, Y_vw, Y_vv;
+  bool hangs = false;  // on its parent, by a pair that bears a force
 };
 
-/// A tree, or several, of the stiffest pairs.
-template <std::size_t N, std::size_t max_pairs>
-struct ContactTree {
-  std::array<TouchingBody, N> bodies;
-  std::array<TouchingPair, max_pairs> pairs;
-  std::size_t num_pairs = 0;
-  std::array<std::uint32_t, N> order;  // of the bodies that touch anything, parents first
-  std::size_t num_touching = 0;
-  std::array<std::uint32_t, max_pairs> by_stiffness;
-  std::array<std::uint32_t, N> component, first_edge;
-  std::array<std::uint32_t, 2 * N> edges, next_edge;  // of the tree, by body
-};
+inline constexpr std::uint32_t no_edge = ~std::uint32_t(0);
 
 /// The bodies between which this one's tree has been joined so far.
 template <std::size_t N>
@@ -101,16 +92,58 @@ std::uint32_t component_of(std::array<std::uint32_t, N>& component, std::uint32_
   return i;
 }
 
-/// Chooses the pairs of the tree, stiffest first, and orders the bodies. touches[i]: body i touches anything.
+/// Bodies that are near each other, and to none but these: a system of its own. Ranges of ContactTree's order.
+struct Island {
+  std::uint32_t first_body = 0, end_body = 0, first_pair = 0, end_pair = 0;
+};
+
+/// For every island a tree of its stiffest pairs.
 template <std::size_t N, std::size_t max_pairs>
-void make_tree(const std::array<bool, N>& touches, std::size_t num_bodies,
-               ContactTree<N, max_pairs>& w) noexcept {
-  constexpr std::uint32_t none = ~std::uint32_t(0);
+struct ContactTree {
+  std::array<TouchingBody, N> bodies;
+  std::array<TouchingPair, max_pairs> pairs;
+  std::size_t num_pairs = 0;
+  std::array<std::uint32_t, N> order;               // of the bodies that touch anything, parents first
+  std::array<std::uint32_t, max_pairs> pair_order;  // island by island
+  std::array<Island, N> islands;
+  std::size_t num_islands = 0;
+  std::array<std::uint32_t, max_pairs> by_stiffness;
+  std::array<std::uint32_t, N> component, first_edge, island_of;  // the last by root of the component
+  std::array<std::uint32_t, 2 * N> edges, next_edge;              // of the tree, by body
+
+  /// f(body's number, body), f(pair) of all of an island.
+  template <class F>
+  void each_body(const Island& island, F f) noexcept {
+    for (std::uint32_t k = island.first_body; k < island.end_body; ++k) f(order[k], bodies[order[k]]);
+  }
+  template <class F>
+  void each_body(const Island& island, F f) const noexcept {
+    for (std::uint32_t k = island.first_body; k < island.end_body; ++k) f(order[k], bodies[order[k]]);
+  }
+  template <class F>
+  void each_pair(const Island& island, F f) noexcept {
+    for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
+  }
+  template <class F>
+  void each_pair(const Island& island, F f) const noexcept {
+    for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
+  }
+  std::uint32_t island_of_pair(std::size_t k) noexcept {
+    return island_of[component_of(component, pairs[k].child)];
+  }
+};
+
+/// Joins the bodies by a tree of pairs, stiffest first. touches[i]: body i touches anything.
+template <std::size_t N, std::size_t max_pairs>
+void join_bodies(std::size_t num_bodies, ContactTree<N, max_pairs>& w) noexcept {
   for (std::uint32_t i = 0; i < num_bodies; ++i) {
     w.component[i] = i;
-    w.first_edge[i] = none;
+    w.first_edge[i] = no_edge;
   }
-  for (std::uint32_t k = 0; k < w.num_pairs; ++k) w.by_stiffness[k] = k;
+  for (std::uint32_t k = 0; k < w.num_pairs; ++k) {
+    w.pairs[k].in_tree = false;
+    w.by_stiffness[k] = k;
+  }
   std::sort(w.by_stiffness.begin(), w.by_stiffness.begin() + w.num_pairs,
             [&](std::uint32_t k, std::uint32_t l) noexcept {
               return w.pairs[k].stiffness != w.pairs[l].stiffness
@@ -119,10 +152,9 @@ void make_tree(const std::array<bool, N>& touches, std::size_t num_bodies,
             });
   std::uint32_t num_edges = 0;
   for (std::size_t k = 0; k < w.num_pairs; ++k) {
-    TouchingPair& pair = w.pairs[w.by_stiffness[k]];
+    const TouchingPair& pair = w.pairs[w.by_stiffness[k]];
     const std::uint32_t a = component_of(w.component, pair.child), b = component_of(w.component, pair.parent);
-    pair.in_tree = a != b && pair.stiffness > 0;
-    if (!pair.in_tree) continue;
+    if (a == b) continue;
     w.component[a] = b;
     for (const std::uint32_t i : {pair.child, pair.parent}) {
       w.edges[num_edges] = w.by_stiffness[k];
@@ -130,26 +162,53 @@ void make_tree(const std::array<bool, N>& touches, std::size_t num_bodies,
       w.first_edge[i] = num_edges++;
     }
   }
-  w.num_touching = 0;
-  for (std::uint32_t root = 0; root < num_bodies; ++root) {
-    if (!touches[root] || component_of(w.component, root) != root) continue;
-    std::size_t next = w.num_touching;
-    w.bodies[root].parent = root;
-    w.order[w.num_touching++] = root;
-    for (; next < w.num_touching; ++next) {
-      const std::uint32_t i = w.order[next];
-      for (std::uint32_t e = w.first_edge[i]; e != none; e = w.next_edge[e]) {
-        TouchingPair& pair = w.pairs[w.edges[e]];
-        const std::uint32_t j = pair.child == i ? pair.parent : pair.child;
-        if (j == w.bodies[i].parent) continue;
-        pair.child = j;
-        pair.parent = i;
-        w.bodies[j].pair = w.edges[e];
-        w.bodies[j].parent = i;
-        w.order[w.num_touching++] = j;
-      }
+}
+
+/// The bodies of the tree with this root, parents first, from `next` on. Returns their end.
+template <std::size_t N, std::size_t max_pairs>
+std::uint32_t order_bodies(std::uint32_t root, std::uint32_t next, ContactTree<N, max_pairs>& w) noexcept {
+  std::uint32_t end = next;
+  w.bodies[root].parent = root;
+  w.order[end++] = root;
+  for (; next < end; ++next) {
+    const std::uint32_t i = w.order[next];
+    for (std::uint32_t e = w.first_edge[i]; e != no_edge; e = w.next_edge[e]) {
+      TouchingPair& pair = w.pairs[w.edges[e]];
+      const std::uint32_t j = pair.child == i ? pair.parent : pair.child;
+      if (j == w.bodies[i].parent) continue;
+      pair.child = j;
+      pair.parent = i;
+      pair.in_tree = true;
+      w.bodies[j].pair = w.edges[e];
+      w.bodies[j].parent = i;
+      w.order[end++] = j;
     }
   }
+  return end;
+}
+
+/// The islands, each with its tree and its pairs. touches[i]: body i touches anything.
+template <std::size_t N, std::size_t max_pairs>
+void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
+                  ContactTree<N, max_pairs>& w) noexcept {
+  join_bodies(num_bodies, w);
+  w.num_islands = 0;
+  std::uint32_t end = 0;
+  for (std::uint32_t root = 0; root < num_bodies; ++root) {
+    if (!touches[root] || component_of(w.component, root) != root) continue;
+    Island& island = w.islands[w.num_islands];
+    island = {.first_body = end, .end_body = order_bodies(root, end, w)};
+    end = island.end_body;
+    w.island_of[root] = static_cast<std::uint32_t>(w.num_islands++);
+  }
+  for (std::size_t k = 0; k < w.num_pairs; ++k) ++w.islands[w.island_of_pair(k)].end_pair;
+  std::uint32_t first = 0;
+  for (std::size_t n = 0; n < w.num_islands; ++n) {
+    Island& island = w.islands[n];
+    island.first_pair = first;
+    first += std::exchange(island.end_pair, first);
+  }
+  for (std::uint32_t k = 0; k < w.num_pairs; ++k) w.pair_order[w.islands[w.island_of_pair(k)].end_pair++] = k;
 }
 
 /// Beside an impedance this much larger than its mass, elimination forgets a body: the tree takes less of it, which
@@ -162,11 +221,12 @@ inline Real tamed(const TwistBlock& A, Real mass) noexcept {
 
 /// (27) from the leaves up. hung: A of the bodies, tamed.
 template <std::size_t N, std::size_t max_pairs>
-void eliminate(ContactTree<N, max_pairs>& w) noexcept {
-  for (std::size_t k = w.num_touching; k-- > 0;) {
+void eliminate(const Island& island, ContactTree<N, max_pairs>& w) noexcept {
+  for (std::uint32_t k = island.end_body; k-- > island.first_body;) {
     const std::uint32_t i = w.order[k];
     TouchingBody& c = w.bodies[i];
-    if (c.parent == i) {
+    c.hangs = c.parent != i && w.pairs[c.pair].touches;
+    if (!c.hangs) {
       c.S_inverse = inverse(c.hung);
       continue;
     }
@@ -191,22 +251,22 @@ void eliminate(ContactTree<N, max_pairs>& w) noexcept {
 
 /// V = A^-1 b of the tree. b is used up.
 template <std::size_t N, std::size_t max_pairs>
-void solve(const ContactTree<N, max_pairs>& w, std::array<AnchorTwist, N>& b,
+void solve(const Island& island, const ContactTree<N, max_pairs>& w, std::array<AnchorTwist, N>& b,
            std::array<AnchorTwist, N>& V) noexcept {
-  for (std::size_t k = w.num_touching; k-- > 0;) {
+  for (std::uint32_t k = island.end_body; k-- > island.first_body;) {
     const std::uint32_t i = w.order[k];
     const TouchingBody& c = w.bodies[i];
-    if (c.parent == i) continue;
+    if (!c.hangs) continue;
     const AnchorTwist& b_c = b[i];
     const AnchorTwist F = {.w = times_transposed(c.Y_ww, b_c.w) + times_transposed(c.Y_vw, b_c.v),
                            .v = times_transposed(c.Y_wv, b_c.w) + times_transposed(c.Y_vv, b_c.v)};
     b[c.parent] = b[c.parent] + moved_wrench(F, w.pairs[c.pair].d);
   }
-  for (std::size_t k = 0; k < w.num_touching; ++k) {
+  for (std::uint32_t k = island.first_body; k < island.end_body; ++k) {
     const std::uint32_t i = w.order[k];
     const TouchingBody& c = w.bodies[i];
     V[i] = c.S_inverse * b[i];
-    if (c.parent == i) continue;
+    if (!c.hangs) continue;
     const AnchorTwist V_P = shifted(V[c.parent], w.pairs[c.pair].d);
     V[i] = V[i] + AnchorTwist{.w = c.Y_ww * V_P.w + c.Y_wv * V_P.v, .v = c.Y_vw * V_P.w + c.Y_vv * V_P.v};
   }
@@ -214,16 +274,15 @@ void solve(const ContactTree<N, max_pairs>& w, std::array<AnchorTwist, N>& b,
 
 /// A V of all pairs, in the tree or not.
 template <std::size_t N, std::size_t max_pairs>
-void multiply(const ContactTree<N, max_pairs>& w, const std::array<AnchorTwist, N>& V,
+void multiply(const Island& island, const ContactTree<N, max_pairs>& w, const std::array<AnchorTwist, N>& V,
               std::array<AnchorTwist, N>& AV) noexcept {
-  for (std::size_t k = 0; k < w.num_touching; ++k) AV[w.order[k]] = w.bodies[w.order[k]].A * V[w.order[k]];
-  for (std::size_t k = 0; k < w.num_pairs; ++k) {
-    const TouchingPair& pair = w.pairs[k];
-    if (!pair.touches) continue;
+  w.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept { AV[i] = body.A * V[i]; });
+  w.each_pair(island, [&](const TouchingPair& pair) noexcept {
+    if (!pair.touches) return;
     const AnchorTwist F = pair.A * (V[pair.child] - shifted(V[pair.parent], pair.d));
     AV[pair.child] = AV[pair.child] + F;
     AV[pair.parent] = AV[pair.parent] - moved_wrench(F, pair.d);
-  }
+  });
 }
 
 }  // namespace godobject

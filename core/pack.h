@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -93,20 +94,40 @@ inline Pack select(const PackMask& condition, const Pack& yes, const Pack& no) n
   return r;
 }
 
+/// Bit j: the condition holds for number j.
+inline std::uint32_t bits(const PackMask& m) noexcept {
+#if defined(__AVX__)
+  using Numbers = Pack::Part;
+  return static_cast<std::uint32_t>(__builtin_ia32_movmskpd256(std::bit_cast<Numbers>(m.parts[0])));
+#else
+  std::uint32_t b = 0;
+  for (std::size_t j = 0; j < Pack::size; ++j)
+    b |= (m.parts[j / Pack::part_size][j % Pack::part_size] != 0 ? 1u : 0u) << j;
+  return b;
+#endif
+}
+inline PackMask operator&(const PackMask& a, const PackMask& b) noexcept {
+  PackMask m;
+  for (std::size_t k = 0; k < Pack::num_parts; ++k) m.parts[k] = a.parts[k] & b.parts[k];
+  return m;
+}
+
 /// The condition holds somewhere.
 inline bool any(bool condition) noexcept { return condition; }
-inline bool any(const PackMask& m) noexcept {
-  bool some = false;
-  for (std::size_t j = 0; j < Pack::size; ++j) some |= m.parts[j / Pack::part_size][j % Pack::part_size] != 0;
-  return some;
-}
+inline bool any(const PackMask& m) noexcept { return bits(m) != 0; }
 
 inline Pack abs(const Pack& a) noexcept { return select(a < 0, -a, a); }
 inline Pack max(const Pack& a, const Pack& b) noexcept { return select(a < b, b, a); }
 inline Pack min(const Pack& a, const Pack& b) noexcept { return select(b < a, b, a); }
 inline Real largest(const Pack& a) noexcept { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 inline Pack sqrt(const Pack& a) noexcept {
+#ifdef __AVX__
+  Pack r;
+  r.parts[0] = __builtin_ia32_sqrtpd256(a.parts[0]);
+  return r;
+#else
   return {std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+#endif
 }
 
 /// Numbers i, j, k, l of the eight of a and b.

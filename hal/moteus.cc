@@ -74,7 +74,7 @@ double Subframe::value(std::uint32_t index) const noexcept {
   }
   float real = 0;
   ByteReader(reader).get(real);
-  return double{real};
+  return static_cast<double>(real);
 }
 
 // Seven bits per byte, least significant first; bit 7: another one follows.

@@ -140,10 +140,11 @@ void skip_markers(ByteReader& in) noexcept {
 }
 
 void read_pose(ByteReader& in, HandlePose& pose) noexcept {
-  const float w = get_float(in), x = get_float(in), y = get_float(in), z = get_float(in);
+  const auto real = [&in] { return static_cast<double>(get_float(in)); };
+  const double w = real(), x = real(), y = real(), z = real();
   pose.X_TH.q = Quat(w, x, y, z);
-  for (Eigen::Index i = 0; i < 3; ++i) pose.X_TH.p[i] = 1e-3 * static_cast<double>(get_float(in));  // mm
-  pose.error_m = 1e-3 * static_cast<double>(get_float(in));
+  for (Eigen::Index i = 0; i < 3; ++i) pose.X_TH.p[i] = 1e-3 * real();  // mm
+  pose.error_m = 1e-3 * real();
 }
 
 /// False for a status that is not defined.

@@ -29,16 +29,16 @@ DriveMessage OdriveLink::decode(const CanFrame& frame, DriveTelemetry& out) noex
   odrive::EncoderEstimates estimates;
   ParseResult result = odrive::parse_encoder_estimates(frame, node_, estimates);
   if (result != ParseResult::other_message) {
-    const double counts = counts_per_motor_turn * double{estimates.position_rev};
+    const double counts = counts_per_motor_turn * static_cast<double>(estimates.position_rev);
     if (std::abs(counts) > std::numeric_limits<std::int32_t>::max()) result = ParseResult::bad_value;
     if (result != ParseResult::ok) return {.result = result};
     out.position_counts = static_cast<std::uint32_t>(saturate_to<std::int32_t>(counts));
-    out.velocity_counts_per_s = counts_per_motor_turn * double{estimates.velocity_rev_per_s};
+    out.velocity_counts_per_s = counts_per_motor_turn * static_cast<double>(estimates.velocity_rev_per_s);
     return {.result = result, .position = true};
   }
   odrive::Torques torques;
   result = odrive::parse_torques(frame, node_, torques);
-  if (result == ParseResult::ok) out.torque_Nm = double{torques.estimate_Nm};
+  if (result == ParseResult::ok) out.torque_Nm = static_cast<double>(torques.estimate_Nm);
   if (result != ParseResult::other_message) return {.result = result};
   result = odrive::parse_heartbeat(frame, node_, heartbeat_);
   if (result != ParseResult::ok) return {.result = result};

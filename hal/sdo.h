@@ -101,7 +101,7 @@ constexpr Message make_plain(Command command, ObjectAddress address) noexcept {
 template <class Command>
 constexpr Message make_expedited(Command command, ObjectAddress address,
                                  std::span<const std::uint8_t> data) noexcept {
-  const auto unused = static_cast<std::uint8_t>(expedited_capacity - data.size());
+  const auto unused = static_cast<unsigned>(expedited_capacity - data.size());
   Message message = detail::addressed(command, static_cast<std::uint8_t>(unused << 2 | 0x03u), address);
   std::ranges::copy(data, message.begin() + 4);
   return message;

@@ -90,7 +90,6 @@ void SimCanopenNode::on_frame(const CanFrame& frame, Nanoseconds now) noexcept {
   std::uint8_t counter = 0;
   if (canopen::parse_sync(frame, counter) == ParseResult::ok) {
     exchange_synchronous(now);
-    on_sync(now);
   } else if (!receive_pdo(frame, now)) {
     on_pdo(frame, now);
   }

@@ -58,8 +58,6 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
   const SimPdo* find_pdo(PdoDirection direction, int number) const noexcept;
 
  private:
-  // In operational. The synchronous PDOs of this SYNC have been exchanged.
-  virtual void on_sync(Nanoseconds) noexcept {}
   virtual void on_pdo(const CanFrame&, Nanoseconds) noexcept {}  // a frame that is none of the node's PDOs
   virtual void on_rpdo_received(int /*number*/, Nanoseconds) noexcept {}
   virtual void on_rpdo(int /*number*/, Nanoseconds) noexcept {

@@ -15,6 +15,9 @@ constexpr std::uint16_t emcy_heartbeat_lost = 0x8130;
 
 std::uint16_t to_ms(Nanoseconds t_ns) noexcept { return static_cast<std::uint16_t>(t_ns / 1'000'000); }
 
+// Of a homing and of a quick stop: more than a period of the usual SYNC, so that a status in between shows them.
+constexpr Nanoseconds manoeuvre_duration_ns = 1'500'000;
+
 constexpr std::uint32_t supported_modes = 0x200 | 0x100 | 0x80 | 0x20;  // CST, CSV, CSP, homing
 
 // Of the servo in CSP and CSV, in shares of torque_max_Nm: a simulated device has little inertia.
@@ -103,12 +106,15 @@ void SimDrive::take_command() noexcept {
 void SimDrive::start_homing() noexcept {
   if (mode() != cia402::OperationMode::homing || state_ != DriveState::operation_enabled) return;
   homing_ = cia402::HomingState::in_progress;
-  syncs_since_start_ = 0;
+  begin_manoeuvre();
 }
 
-// A homing and a quick stop take until the SYNC after the next: the status in between shows them.
-void SimDrive::on_sync(Nanoseconds) noexcept {
-  if (++syncs_since_start_ < 2) return;
+void SimDrive::begin_manoeuvre() noexcept {
+  manoeuvre_begins_ = true;
+  t_manoeuvre_ends_ns_ = never;
+}
+
+void SimDrive::finish_manoeuvre() noexcept {
   if (homing_ == cia402::HomingState::in_progress) finish_homing();
   constexpr auto stays = static_cast<std::int64_t>(cia402::QuickStopOption::slow_down_ramp_and_stay);
   if (state_ == DriveState::quick_stop_active && objects().value(quick_stop_option_object) < stays)
@@ -126,11 +132,13 @@ void SimDrive::finish_homing() noexcept {
 void SimDrive::on_reset() noexcept {
   zero_counts_ = 0;
   homing_ = cia402::HomingState::not_running;
+  manoeuvre_begins_ = false;
+  t_manoeuvre_ends_ns_ = never;
 }
 
 void SimDrive::quick_stop() noexcept {
   state_ = DriveState::quick_stop_active;
-  syncs_since_start_ = 0;
+  begin_manoeuvre();
 }
 
 sdo::AbortCode SimDrive::may_write_object(canopen::ObjectAddress address, std::int64_t value) noexcept {
@@ -167,14 +175,22 @@ void SimDrive::on_nmt_state(Nanoseconds) noexcept {
 }
 
 void SimDrive::on_tick(Nanoseconds now) noexcept {
+  if (manoeuvre_begins_) t_manoeuvre_ends_ns_ = now + manoeuvre_duration_ns;
+  manoeuvre_begins_ = false;
+  if (now >= t_manoeuvre_ends_ns_) {
+    t_manoeuvre_ends_ns_ = never;
+    finish_manoeuvre();
+  }
   if (power_stage_works() && now >= command_deadline()) trip(canopen::emcy_rpdo_timeout);
 }
 
 Nanoseconds SimDrive::device_timer() const noexcept {
-  return power_stage_works() ? command_deadline() : never;
+  return std::min(t_manoeuvre_ends_ns_, power_stage_works() ? command_deadline() : never);
 }
 
+// Outside operational there are no PDOs to miss: the drive is commanded by SDO.
 Nanoseconds SimDrive::command_deadline() const noexcept {
+  if (!is_operational()) return never;
   const SimPdo* command = find_pdo(PdoDirection::receive, 1);
   return command->timer_ns() > 0 ? t_received_ns_ + command->timer_ns() : never;
 }

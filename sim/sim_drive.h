@@ -22,7 +22,7 @@ struct SimDriveParams {
 /// status reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
 ///
 /// No RPDO1 for its deadline (1400h:05) while the power stage works: fault, no torque, EMCY 8250h; the watchdog
-/// acts at its own time, not with a SYNC. When the heartbeat that 1016h names stops, 6007h says what happens.
+/// acts at its own time, not with a SYNC, and in NMT operational only. When the heartbeat that 1016h names stops, 6007h says what happens.
 /// Leaving the NMT state operational switches the power stage off. Quick stop removes the torque at once and
 /// ends in Switch On Disabled, or stays in Quick Stop Active where 605Ah says so (5 to 7).
 ///
@@ -47,7 +47,6 @@ class SimDrive final : public SimCanopenNode, public SimMotor {
   void sample() noexcept override;
   void on_rpdo_received(int number, Nanoseconds now) noexcept override;
   void on_rpdo(int number, Nanoseconds now) noexcept override;
-  void on_sync(Nanoseconds now) noexcept override;
   void on_reset() noexcept override;
   void on_heartbeat_lost(Nanoseconds now) noexcept override;
   sdo::AbortCode may_write_object(canopen::ObjectAddress address, std::int64_t value) noexcept override;
@@ -60,6 +59,8 @@ class SimDrive final : public SimCanopenNode, public SimMotor {
   void take_command() noexcept;
   void quick_stop() noexcept;
   void start_homing() noexcept;
+  void begin_manoeuvre() noexcept;
+  void finish_manoeuvre() noexcept;
   void finish_homing() noexcept;
   cia402::OperationMode mode() const noexcept;
   double servo_torque_Nm() const noexcept;
@@ -81,8 +82,9 @@ class SimDrive final : public SimCanopenNode, public SimMotor {
   std::uint16_t error_code_ = canopen::emcy_no_error;
   cia402::Command active_;
   cia402::HomingState homing_ = cia402::HomingState::not_running;
-  std::int64_t zero_counts_ = 0;  // what homing has added
-  int syncs_since_start_ = 0;     // of homing or of a quick stop
+  std::int64_t zero_counts_ = 0;   // what homing has added
+  bool manoeuvre_begins_ = false;  // a homing or a quick stop, timed from the next tick
+  Nanoseconds t_manoeuvre_ends_ns_ = never;
   Nanoseconds t_received_ns_ = 0;
 };
 

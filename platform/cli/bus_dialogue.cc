@@ -19,7 +19,7 @@ void add_dialogue_options(CLI::App& verb, DialogueOptions& options) {
       ->capture_default_str();
 }
 
-ExitCode BusDialogue::open(const DialogueOptions& options, std::uint32_t cob_id) {
+ExitCode BusDialogue::open(const DialogueOptions& options, std::span<const CanFilter> wanted) {
   std::string error;
   const std::optional<BusAddress> address = parse_bus_address(options.bus, error);
   if (address && address->kind == BusKind::replay) error = "a log gives no answers";
@@ -28,8 +28,7 @@ ExitCode BusDialogue::open(const DialogueOptions& options, std::uint32_t cob_id)
     std::fprintf(stderr, "--bus: %s\n", error.c_str());
     return ExitCode::usage;
   }
-  const CanFilter answers{.id = cob_id, .mask = 0x7FF};
-  bus_ = make_bus(*address, {.bit_rate = options.bit_rate, .filters = {&answers, 1}});
+  bus_ = make_bus(*address, {.bit_rate = options.bit_rate, .filters = wanted});
   if (!bus_->open()) {
     std::fprintf(stderr, "--bus %s: %s\n", options.bus.c_str(), bus_->trouble().c_str());
     return ExitCode::not_available;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -25,8 +26,13 @@ void add_dialogue_options(CLI::App& verb, DialogueOptions& options);
 
 class BusDialogue {
  public:
-  /// Opens the bus; reports to stderr and returns other than ok where it cannot. cob_id: of the answers.
-  ExitCode open(const DialogueOptions& options, std::uint32_t cob_id);
+  /// Opens the bus; reports to stderr and returns other than ok where it cannot. wanted: what is received.
+  ExitCode open(const DialogueOptions& options, std::span<const CanFilter> wanted);
+  /// The same where all answers have one COB-ID.
+  ExitCode open(const DialogueOptions& options, std::uint32_t cob_id) {
+    const CanFilter answers{.id = cob_id, .mask = 0x7FF};
+    return open(options, {&answers, 1});
+  }
 
   /// Until busy() is false: on_frame for each frame, then poll, at least each millisecond.
   void run(const std::function<bool()>& busy, const std::function<void(const CanFrame&)>& on_frame,

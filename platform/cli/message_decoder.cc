@@ -6,6 +6,7 @@
 #include "hal/cia402.h"
 #include "hal/cia406.h"
 #include "hal/sdo.h"
+#include "platform/cli/canopen_texts.h"
 
 namespace godobject {
 namespace {
@@ -38,51 +39,6 @@ const char* name_of(canopen::NmtCommand command) {
     case canopen::NmtCommand::reset_communication: return "reset communication";
   }
   return "";
-}
-
-const char* name_of(cia402::DriveState state) {
-  switch (state) {
-    case cia402::DriveState::not_ready_to_switch_on: return "not ready to switch on";
-    case cia402::DriveState::switch_on_disabled: return "switch on disabled";
-    case cia402::DriveState::ready_to_switch_on: return "ready to switch on";
-    case cia402::DriveState::switched_on: return "switched on";
-    case cia402::DriveState::operation_enabled: return "operation enabled";
-    case cia402::DriveState::quick_stop_active: return "quick stop active";
-    case cia402::DriveState::fault_reaction_active: return "fault reaction active";
-    case cia402::DriveState::fault: return "fault";
-    case cia402::DriveState::unknown: break;
-  }
-  return "unknown state";
-}
-
-/// CiA 301, tables of emergency error codes: the code itself, else its class.
-const char* emergency_text(unsigned code) {
-  switch (code) {
-    case 0x0000: return "no error any more";
-    case 0x8110: return "CAN overrun: frames lost";
-    case 0x8120: return "CAN error passive";
-    case 0x8130: return "heartbeat of another node lost";
-    case 0x8140: return "recovered from bus-off";
-    case 0x8150: return "identifier used twice";
-    case 0x8210: return "PDO too short";
-    case 0x8220: return "PDO too long";
-    case 0x8240: return "SYNC of unexpected length";
-    case 0x8250: return "RPDO time-out";
-    default: break;
-  }
-  switch (code >> 12) {
-    case 0x1: return "generic error";
-    case 0x2: return "current";
-    case 0x3: return "voltage";
-    case 0x4: return "temperature";
-    case 0x5: return "hardware of the device";
-    case 0x6: return "software of the device";
-    case 0x7: return "additional modules";
-    case 0x8: return "monitoring";
-    case 0x9: return "external error";
-    case 0xF: return "additional functions or the device's own";
-    default: return "not in CiA 301";
-  }
 }
 
 std::string decode_nmt(const CanFrame& frame) {

@@ -27,8 +27,11 @@ void add_monitor(CLI::App& app, ExitCode& code);
 void add_faults(CLI::App& app, ExitCode& code);
 void add_sdo(CLI::App& app, ExitCode& code);
 void add_lss(CLI::App& app, ExitCode& code);
+void add_drive(CLI::App& app, ExitCode& code);
+void add_encoder(CLI::App& app, ExitCode& code);
 
-inline constexpr std::array<AddVerb, 9> verbs{add_run,     add_check,  add_study, add_simulate, add_bus_load,
-                                              add_monitor, add_faults, add_sdo,   add_lss};
+inline constexpr std::array<AddVerb, 11> verbs{add_run,      add_check,   add_study,  add_simulate,
+                                               add_bus_load, add_monitor, add_faults, add_sdo,
+                                               add_lss,      add_drive,   add_encoder};
 
 }  // namespace godobject

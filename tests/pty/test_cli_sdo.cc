@@ -2,50 +2,27 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <chrono>
-#include <thread>
-
-#include "platform/clock.h"
-#include "platform/pty_bus.h"
 #include "sim/sim_encoder.h"
-#include "tests/support/program.h"
+#include "tests/support/node_on_pty.h"
 
 namespace godobject {
 namespace {
 
 using testing::HasSubstr;
 
-/// Plays the encoder on a thread of its own, as another program would.
-class EncoderOnPty {
+class EncoderOnPty : public test::NodeOnPty<SimEncoder> {
  public:
-  EncoderOnPty() {
-    EXPECT_TRUE(bus_.open());
-    name_ = bus_.name();
-    thread_ = std::thread([this] {
-      while (!stop_) {
-        encoder_.poll(MonotonicClock().now());
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      }
-    });
-    // The node boots when its bus first takes a frame; what comes before that it does not hear.
-    static_cast<void>(run("sdo", "--node 5 --timeout 0.1 read 1000"));
+  EncoderOnPty()
+      : NodeOnPty([](CanBus& bus) {
+          return std::make_unique<SimEncoder>(bus, std::uint8_t{5},
+                                              Calibration{.counts_per_unit = 1000, .modulus_counts = 4096},
+                                              Nanoseconds{0});
+        }) {
+    start([](SimEncoder&, double) {});
   }
-  ~EncoderOnPty() {
-    stop_ = true;
-    thread_.join();
-  }
-
   test::ProgramResult run(const std::string& verb, const std::string& rest) const {
-    return test::run_program(verb + " --bus slcan:" + name_ + " " + rest);
+    return test::run_program(verb + " --bus slcan:" + name() + " " + rest);
   }
-
- private:
-  PtyBus bus_{BusSettings{}};
-  SimEncoder encoder_{bus_, 5, Calibration{.counts_per_unit = 1000, .modulus_counts = 4096}, 0};
-  std::string name_;
-  std::atomic<bool> stop_ = false;
-  std::thread thread_;
 };
 
 TEST(CliSdo, ReadsAndWritesObjects) {

@@ -362,6 +362,21 @@ TEST(SimDrive, HomingByAMethodItDoesNotHaveFails) {
   EXPECT_EQ(homing.result(), cia402::Homing::Result::failed);
 }
 
+TEST(SimDrive, OutsideOperationalItIsCommandedBySdoAndMissesNoPdo) {
+  Rig rig;
+  rig.send(canopen::make_nmt(NmtCommand::enter_pre_operational, node));
+  rig.run_to(rig.wire.now() + ms);
+  for (const std::uint16_t word : {cia402::shutdown, cia402::switch_on, cia402::enable_operation})
+    set(rig, {0x6040, 0}, word);
+  rig.run_to(rig.wire.now() + 100 * ms);
+  EXPECT_EQ(rig.drive.drive_state(), DriveState::operation_enabled);
+  EXPECT_TRUE(rig.emergencies.empty());
+  set(rig, {0x6040, 0}, cia402::quick_stop);
+  EXPECT_EQ(rig.drive.drive_state(), DriveState::quick_stop_active);
+  rig.run_to(rig.wire.now() + 2 * ms);
+  EXPECT_EQ(rig.drive.drive_state(), DriveState::switch_on_disabled);
+}
+
 TEST(SimDrive, QuickStopEndsAsItsOptionSays) {
   for (const std::int16_t option : {std::int16_t{2}, std::int16_t{6}}) {
     Rig rig;

@@ -20,11 +20,11 @@ struct ProgramResult {
   std::string output;  // both streams
 };
 
-/// Runs `godobject <arguments>` in a shell, from the source directory.
-inline ProgramResult run_program(const std::string& arguments) {
+/// Runs `godobject <arguments>` in a shell, from the source directory; prefix: what runs it, as "timeout 1 ".
+inline ProgramResult run_program(const std::string& arguments, const std::string& prefix = "") {
   ProgramResult result;
   const std::string command =
-      "cd '" GODOBJECT_SOURCE_DIR "' && '" GODOBJECT_PROGRAM "' " + arguments + " 2>&1";
+      "cd '" GODOBJECT_SOURCE_DIR "' && " + prefix + "'" GODOBJECT_PROGRAM "' " + arguments + " 2>&1";
   std::FILE* const pipe = popen(command.c_str(), "r");
   if (!pipe) return result;
   std::array<char, 4096> buffer{};

@@ -1,0 +1,14 @@
+// States, modes and error codes of CANopen devices in words.
+#pragma once
+
+#include "hal/cia402_modes.h"
+
+namespace godobject {
+
+const char* name_of(cia402::DriveState state);
+const char* name_of(cia402::OperationMode mode);
+
+/// Of an emergency or of 603Fh (CiA 301 and 402, tables of error codes): the code itself, else its class.
+const char* emergency_text(unsigned code);
+
+}  // namespace godobject

@@ -1,0 +1,98 @@
+// A simulated node behind a pseudo-terminal, played on a thread of its own as another program would.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "hal/canopen.h"
+#include "platform/clock.h"
+#include "platform/pty_bus.h"
+#include "tests/support/program.h"
+
+namespace godobject::test {
+
+template <class Node>
+class NodeOnPty {
+ public:
+  explicit NodeOnPty(const std::function<std::unique_ptr<Node>(CanBus&)>& make) {
+    EXPECT_TRUE(bus_.open());
+    name_ = bus_.name();
+    node_ = make(bus_);
+  }
+  ~NodeOnPty() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+  const std::string& name() const { return name_; }
+
+  /// On the thread that calls, with the node standing still.
+  template <class Function>
+  auto call(const Function& function) {
+    const std::lock_guard lock(mutex_);
+    return function(*node_);
+  }
+  /// False: not within ten seconds.
+  bool wait_until(const std::function<bool(Node&)>& condition) {
+    constexpr int attempts = 1000;
+    for (int i = 0; i < attempts && !call(condition); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return call(condition);
+  }
+  void call_once_when(std::function<bool(Node&)> condition, std::function<void(Node&)> function) {
+    const std::lock_guard lock(mutex_);
+    condition_ = std::move(condition);
+    function_ = std::move(function);
+  }
+  /// As a host that runs the bus would.
+  void send_syncs(bool on) { syncs_ = on; }
+  /// From now on the node hears and says nothing.
+  void silence() { silent_ = true; }
+
+ protected:
+  /// move: the mechanics, called with the time since the last call, a millisecond at most, s.
+  void start(std::function<void(Node&, double)> move) {
+    thread_ = std::thread([this, move = std::move(move)] {
+      for (Nanoseconds t_last_ns = MonotonicClock().now(); !stop_;) {
+        const Nanoseconds now = MonotonicClock().now();
+        step(now, 1e-9 * static_cast<double>(now - t_last_ns), move);
+        t_last_ns = now;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    });
+    // The node boots when its bus first takes a frame; what comes before that it does not hear.
+    static_cast<void>(run_program("sdo --bus slcan:" + name_ + " --node 1 --timeout 0.1 read 1000"));
+  }
+
+ private:
+  static constexpr double longest_step = 1e-3;  // s, of the mechanics, however late this thread is
+
+  void step(Nanoseconds now, double dt, const std::function<void(Node&, double)>& move) {
+    const std::lock_guard lock(mutex_);
+    if (silent_)
+      for (ReceivedFrame lost; bus_.try_receive(lost);) continue;
+    else node_->poll(now);
+    for (; dt > 0; dt -= longest_step) move(*node_, std::min(dt, longest_step));
+    if (syncs_) static_cast<void>(bus_.try_send(canopen::make_sync()));
+    if (!condition_ || !condition_(*node_)) return;
+    condition_ = nullptr;
+    function_(*node_);
+  }
+
+  PtyBus bus_{BusSettings{}};
+  std::unique_ptr<Node> node_;
+  std::string name_;
+  std::function<bool(Node&)> condition_;
+  std::function<void(Node&)> function_;
+  std::atomic<bool> stop_ = false, syncs_ = false, silent_ = false;
+  std::mutex mutex_;
+  std::thread thread_;
+};
+
+}  // namespace godobject::test
