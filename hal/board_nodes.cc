@@ -85,7 +85,8 @@ void BoardNodes::answer_sync(Nanoseconds now) noexcept {
 }
 
 std::uint32_t BoardNodes::counts_at(std::size_t channel, Nanoseconds t) const noexcept {
-  const double travel = counts_per_ns_[channel] * static_cast<double>(t - board_.t_ns());
+  const Nanoseconds age = std::clamp<Nanoseconds>(t - board_.t_ns(), 0, silent_after);
+  const double travel = counts_per_ns_[channel] * static_cast<double>(age);
   return static_cast<std::uint32_t>(board_.frame().counts[channel]) +
          static_cast<std::uint32_t>(std::llround(travel));
 }
