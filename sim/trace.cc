@@ -49,6 +49,8 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
     for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"})
       columns.push_back(scene.bodies[body].name + ".contact." + name);
   }
+  if (takes_hold(scene))
+    columns.insert(columns.end(), {"held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz"});
   columns.push_back("penetration");
   if (has_contacts(scene)) columns.insert(columns.end(), {"contacts", "contact_residual"});
   columns.insert(columns.end(), {"fault", "limited", "rig_fault"});
@@ -56,14 +58,17 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
 }
 
 TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene)
-    : file_(path, std::ios::binary), touchable_(touchable_bodies(scene)), contacts_(has_contacts(scene)) {
+    : file_(path, std::ios::binary),
+      touchable_(touchable_bodies(scene)),
+      contacts_(has_contacts(scene)),
+      grips_(takes_hold(scene)) {
   buffer_.reserve(2 * buffer_size);
   for (const std::string& column : trace_columns(scene)) buffer_ += column + ",";
   buffer_.back() = '\n';
 }
 
 void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-                      std::span<const Wrench> joints, const ContactReport& contacts, const TraceBits& bits) {
+                      std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits) {
   number(t);
   for (const TraceBody& body : bodies) {
     pose(body.X_WB);
@@ -77,10 +82,14 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
   for (const TraceDriven& d : driven) pose(d.X_WD);
   for (const Wrench& F : joints) wrench(F);
   for (const std::size_t i : touchable_) wrench(bodies[i].contact);
-  number(contacts.deepest);
+  if (grips_) {
+    number(scene.held ? static_cast<double>(*scene.held) : -1);
+    wrench(scene.hand);
+  }
+  number(scene.contacts.deepest);
   if (contacts_) {
-    number(static_cast<double>(contacts.num_contacts));
-    number(contacts.residual);
+    number(static_cast<double>(scene.contacts.num_contacts));
+    number(scene.contacts.residual);
   }
   for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) number(word);
   buffer_.back() = '\n';

@@ -1,13 +1,14 @@
 // The trace of a run as CSV: t, per body <body>.x y z qw qx qy qz vx vy vz wx wy wz, per driven body
 // <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, for the same bodies the target they were
 // pulled to, <body>.target.x y z qw qx qy qz, per joint <joint>.fx fy fz tx ty tz, per body that can be touched
-// <body>.contact.fx .. tz, then penetration, in scenes with contacts contacts and contact_residual, then fault,
-// limited and rig_fault.
+// <body>.contact.fx .. tz, where the device takes hold of bodies held and hand.fx .. tz, then penetration, in scenes
+// with contacts contacts and contact_residual, then fault, limited and rig_fault.
 // World frame, SI; every number reads back as the same double.
 #pragma once
 
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,13 @@ struct TraceDriven {
   Pose X_WD;        // the target
 };
 
+/// Of the scene as a whole.
+struct TraceScene {
+  ContactReport contacts{};
+  std::optional<std::size_t> held{};  // index of the body that the device holds
+  Wrench hand{};                      // shown to the hand, about the device's origin
+};
+
 /// The bits of Fault, Limited and RigFault as unsigned numbers.
 struct TraceBits {
   std::uint32_t fault = 0, limited = 0, rig_fault = 0;
@@ -43,7 +51,7 @@ class TraceWriter {
   /// bodies, driven, joints: as many as the scene has bodies, driven bodies and joints, in their order.
   /// joints: what each does to its child, at its anchor there.
   void row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-           std::span<const Wrench> joints, const ContactReport& contacts, const TraceBits& bits);
+           std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits);
   /// Writes what is left. False when anything did not reach the file.
   [[nodiscard]] bool close();
 
@@ -58,6 +66,7 @@ class TraceWriter {
   std::string buffer_;
   std::vector<std::size_t> touchable_;  // bodies with contact columns
   bool contacts_ = false;               // the scene has some
+  bool grips_ = false;                  // its device takes hold of bodies
 };
 
 /// The header line's columns.

@@ -54,7 +54,7 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
   bodies[0].contact.f = Vec3(9, 9, 9);  // not of a body that can be touched
   bodies[1].contact.f = Vec3(1, 2, 3);
   writer.row(0, bodies, std::array<TraceDriven, 1>{}, {},
-             {.num_contacts = 5, .deepest = 1e-5, .residual = 1e-7}, {});
+             {.contacts = {.num_contacts = 5, .deepest = 1e-5, .residual = 1e-7}}, {});
   ASSERT_TRUE(writer.close());
   const CsvResult result = read_csv(path);
   ASSERT_TRUE(result.table.has_value()) << result.errors.front();
@@ -63,6 +63,31 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
   EXPECT_EQ(at("penetration"), 1e-5);
   EXPECT_EQ(at("contacts"), 5);
   EXPECT_EQ(at("contact_residual"), 1e-7);
+}
+
+TEST(Trace, ADeviceThatTakesHoldHasItsColumns) {
+  SceneConfig scene = coupled_and_free();
+  scene.device = DeviceConfig{.name = "hand", .holds = "tool", .limits = {}, .rig = {}, .plant = {}};
+  ASSERT_TRUE(takes_hold(scene));
+  const std::vector<std::string> columns = trace_columns(scene);
+  EXPECT_THAT(std::vector(columns.begin() + 46, columns.begin() + 54),
+              testing::ElementsAre("held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz",
+                                   "penetration"));
+  const std::string path = testing::TempDir() + "/godobject_grip_trace.csv";
+  TraceWriter writer(path, scene);
+  const std::array<TraceBody, 2> bodies{};
+  const std::array<TraceDriven, 1> driven{};
+  TraceScene held{.held = 0};
+  held.hand.tau = Vec3(1, 2, 3);
+  writer.row(0, bodies, driven, {}, held, {});
+  writer.row(1e-3, bodies, driven, {}, {}, {});
+  ASSERT_TRUE(writer.close());
+  const CsvResult result = read_csv(path);
+  ASSERT_TRUE(result.table.has_value()) << result.errors.front();
+  const std::size_t column = result.table->find("held").value();
+  EXPECT_EQ(result.table->at(0, column), 0);
+  EXPECT_EQ(result.table->at(1, column), -1) << "nothing";
+  EXPECT_EQ(result.table->at(0, result.table->find("hand.tz").value()), 3);
 }
 
 TEST(Trace, NumbersReadBackBitForBit) {
@@ -78,7 +103,7 @@ TEST(Trace, NumbersReadBackBitForBit) {
     driven[0].coupling.f = Vec3(1, 2, 3);
     driven[0].feedback.tau = Vec3(4, 5, 6);
     driven[0].X_WD.p = Vec3(7, 8, 9);
-    writer.row(1e-3 * i, bodies, driven, {}, {.deepest = 1e-4},
+    writer.row(1e-3 * i, bodies, driven, {}, {.contacts = {.deepest = 1e-4}},
                {.fault = 0x80000001u, .limited = 16, .rig_fault = 32});
   }
   ASSERT_TRUE(writer.close());
