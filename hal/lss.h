@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "hal/can_bus.h"
-#include "hal/canopen.h"
+#include "hal/canopen_message.h"
 
 namespace godobject::lss {
 
@@ -32,20 +32,9 @@ struct Identity {
   std::uint32_t vendor = 0, product = 0, revision = 0, serial = 0;
 };
 
-using Message = std::array<std::uint8_t, 8>;
-
-constexpr CanFrame make_frame(std::uint32_t cob_id, const Message& message) noexcept {
-  CanFrame frame{.id = cob_id, .size = 8};
-  std::ranges::copy(message, frame.data.begin());
-  return frame;
-}
-
-[[nodiscard]] constexpr ParseResult parse_frame(const CanFrame& frame, std::uint32_t cob_id,
-                                                Message& out) noexcept {
-  const ParseResult result = canopen::check_message(frame, cob_id, 8);
-  if (result == ParseResult::ok) std::copy_n(frame.data.begin(), out.size(), out.begin());
-  return result;
-}
+using canopen::make_frame;
+using canopen::Message;
+using canopen::parse_frame;
 
 constexpr Message make_message(Command command, std::uint8_t first = 0, std::uint8_t second = 0) noexcept {
   return {static_cast<std::uint8_t>(command), first, second};

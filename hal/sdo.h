@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "hal/canopen.h"
+#include "hal/canopen_message.h"
 #include "hal/object.h"
 
 namespace godobject::sdo {
@@ -38,24 +38,13 @@ enum class AbortCode : std::uint32_t {
 /// What CiA 301 says the code means; vendors' own codes give "not in CiA 301: see the device's manual".
 const char* text_of(AbortCode code) noexcept;
 
-using Message = std::array<std::uint8_t, 8>;
+using canopen::make_frame;
+using canopen::Message;
 using canopen::ObjectAddress;
+using canopen::parse_frame;
 
 inline constexpr std::size_t expedited_capacity = 4;
 inline constexpr std::size_t segment_capacity = 7;
-
-constexpr CanFrame make_frame(std::uint32_t cob_id, const Message& message) noexcept {
-  CanFrame frame{.id = cob_id, .size = 8};
-  std::ranges::copy(message, frame.data.begin());
-  return frame;
-}
-
-[[nodiscard]] constexpr ParseResult parse_frame(const CanFrame& frame, std::uint32_t cob_id,
-                                                Message& out) noexcept {
-  const ParseResult result = canopen::check_message(frame, cob_id, 8);
-  if (result == ParseResult::ok) std::copy_n(frame.data.begin(), out.size(), out.begin());
-  return result;
-}
 
 /// The command specifier: bits 7..5 of the first byte.
 enum class Request : std::uint8_t {
