@@ -69,6 +69,7 @@ struct RigCounters {
   std::uint64_t incomplete_syncs = 0;  // not every expected answer had come before the next SYNC
   std::uint64_t frames = 0;
   std::uint64_t malformed = 0;          // wrong size or an undefined value
+  std::uint64_t repeated = 0;           // further answers of an encoder to the same SYNC: not used
   std::uint64_t foreign = 0;            // from no node of this rig
   std::uint64_t receive_truncated = 0;  // receive() stopped at max_frames_per_receive on a bus
 };

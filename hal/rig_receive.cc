@@ -66,7 +66,10 @@ void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttributio
     return;
   }
   // a frame that came twice is no second measurement: its time is, and that would make it a jump
-  if (answer.sync <= encoder.answered_sync) return;
+  if (answer.sync <= encoder.answered_sync) {
+    ++counters_.repeated;
+    return;
+  }
   encoder.encoder.update(position_counts, answer.t_ns);
   encoder.answered_sync = answer.sync;
 }

@@ -164,7 +164,7 @@ bool Session::commands_torque() const noexcept {
 }
 
 RigCounters Session::rig_counters() const noexcept {
-  static_assert(sizeof(RigCounters) == 6 * sizeof(std::uint64_t), "every counter is added up here");
+  static_assert(sizeof(RigCounters) == 7 * sizeof(std::uint64_t), "every counter is added up here");
   RigCounters sum = earlier_rigs_;
   if (!rig_) return sum;
   const RigCounters& now = rig_->counters();
@@ -172,6 +172,7 @@ RigCounters Session::rig_counters() const noexcept {
   sum.incomplete_syncs += now.incomplete_syncs;
   sum.frames += now.frames;
   sum.malformed += now.malformed;
+  sum.repeated += now.repeated;
   sum.foreign += now.foreign;
   sum.receive_truncated += now.receive_truncated;
   return sum;

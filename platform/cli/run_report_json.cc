@@ -125,6 +125,7 @@ Json answers(const RigCounters& c) {
           {"incomplete_syncs", c.incomplete_syncs},
           {"frames", c.frames},
           {"malformed", c.malformed},
+          {"repeated", c.repeated},
           {"foreign", c.foreign}};
 }
 

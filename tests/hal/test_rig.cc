@@ -225,7 +225,7 @@ TEST_F(RigTest, RefusedSyncIsNotOneThatWentUnanswered) {
   receive(cia406::make_position(1, 7), now + answer_ns);  // a second answer to the SYNC before
   finish_cycle();
   EXPECT_EQ(rig.counters().syncs, syncs);
-  EXPECT_EQ(rig.encoder(0).counters().out_of_order, 1u);
+  EXPECT_EQ(rig.counters().repeated, 1u);
   EXPECT_LT(sample.t_ns, now - ms - ms / 2);
   cycle();
   EXPECT_EQ(rig.counters().syncs, syncs + 1);
