@@ -47,6 +47,9 @@ class NdiTracker final : public Tracker {
     poll,                // BX or TX, until the line is lost
   };
 
+  static constexpr int max_tries = 3;  // of a step
+  static const char* name_of(Step step) noexcept;
+
   ndi::Command command() const noexcept;
   Nanoseconds patience() const noexcept;
   LineRequest send(Nanoseconds now) noexcept;

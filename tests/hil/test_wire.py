@@ -1,6 +1,8 @@
 """The bus as an outsider sees it while the rig works: order and timing of frames, sense of the torque, record."""
 from collections import Counter
 from statistics import median
+import shutil
+import subprocess
 
 import pytest
 
@@ -104,3 +106,23 @@ def test_record_is_what_an_outsider_hears(start_host, outsider, tmp_path):
         them = theirs.get(cob_id, [])
         # Nodes speak before the host listens, and after it has gone.
         assert any(them[i:i + len(data)] == data for i in range(len(them) - len(data) + 1)), hex(cob_id)
+
+
+def test_record_is_candumps_log_frame_for_frame(start_host, rig, tier, tmp_path):
+    """One kernel hands both the same frames in the same order, own ones included."""
+    if tier == "pty":
+        pytest.skip("candump listens to SocketCAN only")
+    if not shutil.which("candump"):
+        pytest.skip("no candump: apt-get install can-utils")
+    interface = rig.address.rpartition(":")[2]
+    log = tmp_path / "candump.log"
+    with open(log, "w") as out, subprocess.Popen(["candump", "-L", interface], stdout=out) as candump:
+        host = start_host("--duration", "2")
+        assert host.popen.wait(30) == 0, host.error_text()
+        candump.terminate()
+    recorded = [(cob_id, data) for _, cob_id, data in hil.read_candump(host.record_path)]
+    heard = [(cob_id, data) for _, cob_id, data in hil.read_candump(log)]
+    assert len(recorded) > 1000
+    # Nodes speak before the host listens, and after it has gone.
+    starts = [i for i in range(len(heard) - len(recorded) + 1) if heard[i:i + len(recorded)] == recorded]
+    assert starts, "the host's record is not in candump's log"
