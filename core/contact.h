@@ -62,8 +62,8 @@ struct ContactReport {
   std::size_t num_contacts = 0;  // that bear a force
   std::size_t num_near = 0;      // listed
   Real deepest = 0;              // depth of the deepest sphere, m
-  int passes = 0;                // over the cases of the contacts, in the last stage
-  int iterations = 0;            // of the solve, in all of them
+  int passes = 0;                // over the cases of the contacts, of the island that took most
+  int iterations = 0;            // of the solve, in all of them, likewise
   Real residual = 0;             // by how much the worst contact's force misses (22), (23), N
 };
 
