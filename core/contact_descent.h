@@ -41,7 +41,7 @@ struct LineSlope {
 };
 template <std::size_t max_packs>
 LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_packs>& packs) noexcept {
-  Pack slope = 0, curvature = 0;
+  Pack slope{}, curvature{};  // zeros
   for (std::size_t i = 0; i < packs.size; ++i) {
     const LinePack& c = packs.list[i];
     const Pack F_n = c.F_n - c.by * t;

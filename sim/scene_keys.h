@@ -287,9 +287,7 @@ void visit_scene(V& v, SceneConfig& s) {
   v.tables(
       TableKey{"fault",
                "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md."},
-      s.faults, [&](auto& t, FaultConfig& f) {
-        visit_fault(t, s.device ? &*s.device : nullptr, f);
-      });
+      s.faults, [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, f); });
   check_scene(v, s);
 }
 
