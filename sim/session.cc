@@ -16,7 +16,8 @@ PoseError worst(const PoseError& a, const PoseError& b) noexcept {
 
 }  // namespace
 
-/// A joint that the device leads is held and let go with its body's handle, or else the first. Beyond +-pi a turn rests where it was.
+/// A joint that the device leads is held and let go with its body's handle, or else the first. Beyond +-pi a
+/// turn rests where it was.
 void Session::impose(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept {
   for (const ImposedJoint& joint : imposed_) {
     BodySample& sample = samples[joint.body];

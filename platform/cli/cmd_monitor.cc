@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "platform/cli/message_table.h"
+#include "platform/cli/named_address.h"
 #include "platform/cli/option_checks.h"
 #include "platform/cli/stop_signals.h"
 #include "platform/cli/verbs.h"
@@ -54,12 +55,11 @@ bool load_rig(const std::string& path, std::optional<RigParams>& rig) {
 /// None: there is no such bus.
 std::optional<std::size_t> take_bus_of_scene(std::string& text, const std::optional<RigParams>& rig,
                                              std::size_t position) {
-  const std::size_t equals = text.find('=');
-  if (equals == text.npos || equals > text.find(':')) return position;
-  const std::string name = text.substr(0, equals);
-  text.erase(0, equals + 1);
+  const NamedAddress given = split_name(text, ':');
+  if (given.address.size() == text.size()) return position;
+  text = given.address;
   for (std::size_t i = 0; rig && i < rig->buses.size(); ++i)
-    if (rig->buses[i].name == name) return i;
+    if (rig->buses[i].name == given.name) return i;
   return std::nullopt;
 }
 

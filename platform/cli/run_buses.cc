@@ -4,28 +4,11 @@
 #include <cmath>
 
 #include "hal/canopen.h"
+#include "platform/cli/named_address.h"
 #include "platform/rig_filters.h"
 
 namespace godobject {
 namespace {
-
-struct GivenBus {
-  std::string name;  // empty: an address alone
-  std::string address;
-};
-
-/// An address has a colon, a bus's name before the first '=' has none.
-GivenBus split(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || text.find(':') < equals) return {.name = "", .address = text};
-  return {.name = text.substr(0, equals), .address = text.substr(equals + 1)};
-}
-
-std::string names_of(const RigParams& rig) {
-  std::string names;
-  for (const BusParams& bus : rig.buses) names += (names.empty() ? "'" : ", '") + bus.name + "'";
-  return names;
-}
 
 std::string how_to(const SceneConfig& scene) {
   std::string text;
@@ -34,19 +17,19 @@ std::string how_to(const SceneConfig& scene) {
 }
 
 /// Index of the bus that `given` means; none, with the reason in errors.
-std::optional<std::size_t> bus_of(const GivenBus& given, const SceneConfig& scene,
+std::optional<std::size_t> bus_of(const NamedAddress& given, const SceneConfig& scene,
                                   std::vector<std::string>& errors) {
   const std::vector<BusParams>& buses = scene.device->rig->buses;
   if (given.name.empty() && buses.size() == 1) return 0;
   if (given.name.empty()) {
     errors.push_back("--bus: '" + given.address + "' names no bus of the scene, which has " +
-                     names_of(*scene.device->rig) + ": give" + how_to(scene));
+                     quoted_names(buses) + ": give" + how_to(scene));
     return std::nullopt;
   }
   const auto named = std::ranges::find(buses, given.name, &BusParams::name);
   if (named != buses.end()) return static_cast<std::size_t>(named - buses.begin());
   errors.push_back("--bus: scene '" + scene.name + "' has no bus '" + given.name + "': its buses are " +
-                   names_of(*scene.device->rig));
+                   quoted_names(buses));
   return std::nullopt;
 }
 
@@ -61,7 +44,7 @@ void plan_real_buses(std::span<const std::string> given, const SceneConfig& scen
   std::vector<std::optional<BusAddress>> addresses(rig.buses.size());
   plan.texts.resize(rig.buses.size());
   for (const std::string& text : given) {
-    const GivenBus bus = split(text);
+    const NamedAddress bus = split_name(text, ':');
     const std::optional<std::size_t> index = bus_of(bus, scene, errors);
     if (!index) continue;
     if (!plan.texts[*index].empty())

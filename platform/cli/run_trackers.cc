@@ -2,43 +2,27 @@
 
 #include <algorithm>
 
+#include "platform/cli/named_address.h"
+
 namespace godobject {
 namespace {
 
-/// The port is a path: what stands before a '=' without a '/' in it is a name.
-struct GivenTracker {
-  std::string name;  // empty: a port alone
-  std::string port;
-};
-
-GivenTracker split(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || text.find('/') < equals) return {.name = "", .port = text};
-  return {.name = text.substr(0, equals), .port = text.substr(equals + 1)};
-}
-
-std::string names_of(const std::vector<TrackerParams>& trackers) {
-  std::string names;
-  for (const TrackerParams& tracker : trackers) names += (names.empty() ? "'" : ", '") + tracker.name + "'";
-  return names;
-}
-
 void plan_port(const std::string& text, std::vector<TrackerParams>& trackers, std::vector<bool>& has_port,
                std::vector<std::string>& errors) {
-  const GivenTracker given = split(text);
+  const NamedAddress given = split_name(text, '/');  // a port is a path
   const auto tracker = given.name.empty() && trackers.size() == 1
                            ? trackers.begin()
                            : std::ranges::find(trackers, given.name, &TrackerParams::name);
   if (tracker == trackers.end()) {
-    errors.push_back("--tracker " + text + ": the scene's trackers are " + names_of(trackers) + ": give " +
-                     trackers.front().name + "=PORT");
+    errors.push_back("--tracker " + text + ": the scene's trackers are " + quoted_names(trackers) +
+                     ": give " + trackers.front().name + "=PORT");
     return;
   }
   const auto index = static_cast<std::size_t>(tracker - trackers.begin());
   if (has_port[index]) errors.push_back("--tracker: tracker '" + tracker->name + "' is given twice");
-  if (given.port.empty()) errors.push_back("--tracker " + text + ": the port is missing");
+  if (given.address.empty()) errors.push_back("--tracker " + text + ": the port is missing");
   has_port[index] = true;
-  tracker->port = given.port;
+  tracker->port = given.address;
 }
 
 }  // namespace

@@ -7,23 +7,13 @@
 #include "sim/fault_file.h"
 #include "sim/scene_toml.h"
 
+#include "platform/cli/named_address.h"
+
 namespace godobject {
 namespace {
 
 void add(std::vector<std::string>& to, const std::vector<std::string>& from) {
   to.insert(to.end(), from.begin(), from.end());
-}
-
-struct Wanted {
-  std::string name;  // of a bus of the scene; empty: all
-  std::string address;
-};
-
-/// "can0=pty" or "pty". A name of a bus holds no ':', so "slcan:/dev/a=b" is an address.
-Wanted split(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || text.find(':') < equals) return {.name = "", .address = text};
-  return {.name = text.substr(0, equals), .address = text.substr(equals + 1)};
 }
 
 /// The buses that `text` is about, as closed ends of theirs.
@@ -32,7 +22,7 @@ void offer(const std::string& option, const std::string& text, bool is_tap, cons
   const auto complain = [&](const std::string& what) {
     out.errors.push_back(option + " " + text + ": " + what);
   };
-  const Wanted wanted = split(text);
+  const NamedAddress wanted = split_name(text, ':');  // without a name: all buses
   std::string error;
   const std::optional<BusAddress> address = parse_bus_address(wanted.address, error);
   if (!address) return complain(error);
