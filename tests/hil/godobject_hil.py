@@ -228,6 +228,14 @@ class Host(Process):
         return "\n".join(f"{fault['name']}: {fault['text']}" for fault in self.report()["faults"])
 
 
+def was_starved(host):
+    """What a machine that leaves programs without their processor does to a run, with no fault played: a drive hears
+    nothing for its `deadline_ms`, or the host hears nothing for `stale_after`. The run has ended."""
+    faults = host.faults()
+    watchdog = faults == {"emergency"} and "0x8250" in host.fault_text()
+    return watchdog or (bool(faults) and faults <= {"drive_silent", "sample_stale"})
+
+
 def read_candump(path):
     """(interface, id, data) for each frame of a candump log."""
     for line in Path(path).read_text().splitlines():

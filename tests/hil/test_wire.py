@@ -8,7 +8,7 @@ import pytest
 
 import godobject_hil as hil
 
-PERIOD_S = 5e-3  # of rig.toml
+PERIOD_S = 10e-3  # of rig.toml
 ENCODERS, DRIVES = (1, 2), (11, 12)
 
 
@@ -29,15 +29,22 @@ def some_cycles(outsider, count=300):
     return cycles_of(outsider.since(mark))
 
 
+def timely(cycle):
+    """Whether the machine let the nodes answer in a quarter of the period: what is late is late to the host too."""
+    answers = [f.time for f in cycle if f.kind == hil.TPDO1]
+    return len(answers) == len(ENCODERS + DRIVES) and answers[-1] - cycle[0].time < PERIOD_S / 4
+
+
 def test_a_cycle_is_sync_then_answers_then_commands(host, outsider):
-    cycles = some_cycles(outsider)
-    in_order = 0
-    for cycle in cycles:
-        kinds = [f.kind for f in cycle if f.kind in (hil.SYNC, hil.TPDO1, hil.RPDO1)]
-        answers, commands = kinds.count(hil.TPDO1), kinds.count(hil.RPDO1)
-        in_order += kinds == [hil.SYNC] + [hil.TPDO1] * answers + [hil.RPDO1] * commands
-    # A host that wakes late commands late: then the order of that cycle, and of the next, is another.
-    assert in_order >= 0.9 * len(cycles)
+    for _ in range(10):
+        cycles = [cycle for cycle in some_cycles(outsider) if timely(cycle)]
+        if len(cycles) >= 50:
+            break
+    assert len(cycles) >= 50, f"{len(cycles)} of 300 cycles were answered in time"
+    wanted = [hil.SYNC] + [hil.TPDO1] * len(ENCODERS + DRIVES) + [hil.RPDO1] * len(DRIVES)
+    in_order = [[f.kind for f in cycle if f.kind in wanted] == wanted for cycle in cycles]
+    # A host that wakes late itself commands late, and then too soon for the cycle after.
+    assert sum(in_order) >= 0.9 * len(cycles)
 
 
 def test_every_node_answers_every_sync_once(host, outsider):
@@ -65,7 +72,7 @@ def test_host_sends_its_heartbeat(host, outsider):
 
 def test_torque_is_against_the_hand(host, outsider):
     """A hand that speeds up to one side feels the body stay behind: torque to the other side."""
-    lag, least = 10, 20  # cycles between the positions whose second difference is taken; counts
+    lag, least = 5, 20  # cycles between the positions whose second difference is taken; counts
     against, along = Counter(), Counter()
     for _ in range(15):
         cycles = some_cycles(outsider, 300)
