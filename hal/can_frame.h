@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
 namespace godobject {
 
 using Nanoseconds = std::int64_t;  // since an arbitrary origin of the clock in use; never wall time
+inline Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds); }
 
 struct CanFrame {
   std::uint32_t id = 0;  // 11 bits, or 29 when extended

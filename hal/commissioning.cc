@@ -8,8 +8,6 @@ namespace godobject {
 
 namespace {
 
-Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds); }
-
 constexpr int max_frames_per_poll = 512;  // per bus: bounds the work on a bus that babbles
 
 enum class Phase : std::uint8_t { resetting, booting, setting_up, done, failed };

@@ -7,9 +7,9 @@
 namespace godobject {
 namespace {
 
-constexpr Nanoseconds ms = 1'000'000;
-constexpr Nanoseconds command_period = 60 * ms;     // neither model answers: it is given time
-constexpr Nanoseconds record_patience = 1000 * ms;  // for the first record, and then for each
+constexpr Nanoseconds millisecond = 1'000'000;
+constexpr Nanoseconds command_period = 60 * millisecond;     // neither model answers: it is given time
+constexpr Nanoseconds record_patience = 1000 * millisecond;  // for the first record, and then for each
 constexpr double max_speed = 10;                    // m/s
 constexpr double max_jump = 0.02;                   // m, whatever the time between two records
 constexpr int max_refused = 3;                      // records in a row; then it has really moved
@@ -104,7 +104,7 @@ void PolhemusTracker::take(const polhemus::Record& record, Nanoseconds now) noex
   const double wire_s = 10.0 * static_cast<double>(polhemus::fastrak_size) / params_.baud;
   Nanoseconds t = now - std::llround(1e9 * wire_s);
   if (record.model == polhemus::Model::liberty) {
-    const Nanoseconds t_tracker = ms * time_ms_.unwrap(record.t_ms);
+    const Nanoseconds t_tracker = millisecond * time_ms_.unwrap(record.t_ms);
     clock_.add(t_tracker, now);
     t = std::min(clock_.to_host(t_tracker), now);
   }

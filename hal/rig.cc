@@ -11,8 +11,6 @@ namespace {
 
 constexpr int max_refused_in_a_row = 3;
 
-Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds); }
-
 std::string device_text(const RigParams& params, const RigNode& node) {
   switch (node.kind) {
     case NodeKind::encoder: return "encoder of " + params.encoders[node.device].joint;

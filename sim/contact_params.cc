@@ -29,9 +29,9 @@ ContactLaw law_of(const ContactConfig& c) {
 }
 
 /// Fills in one after the other.
-class Builder {
+class ContactBuilder {
  public:
-  explicit Builder(const SceneConfig& scene) {
+  explicit ContactBuilder(const SceneConfig& scene) {
     for (const MaterialUse& use : materials_of(scene)) to_.materials.push_back(use.material);
     for (const ContactConfig& contact : scene.contacts) add(contact);
     for (const ObstacleConfig& obstacle : scene.obstacles) add(obstacle);
@@ -98,7 +98,7 @@ class Builder {
 
 }  // namespace
 
-SceneContacts scene_contacts(const SceneConfig& scene) { return Builder(scene).take(); }
+SceneContacts scene_contacts(const SceneConfig& scene) { return ContactBuilder(scene).take(); }
 
 ContactCounts contact_counts(const SceneConfig& scene) {
   ContactCounts counts;

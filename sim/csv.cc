@@ -6,7 +6,7 @@
 
 namespace godobject {
 
-inline constexpr std::size_t max_reported = 20;
+inline constexpr std::size_t max_reported_rows = 20;
 inline constexpr std::string_view utf8_byte_order_mark = "\xEF\xBB\xBF";
 
 std::optional<std::size_t> CsvTable::find(std::string_view column) const {
@@ -22,7 +22,7 @@ class CsvParser {
 
   CsvResult parse(std::string_view text) {
     if (text.starts_with(utf8_byte_order_mark)) text.remove_prefix(utf8_byte_order_mark.size());
-    while (!text.empty() && num_errors_ < max_reported) {
+    while (!text.empty() && num_errors_ < max_reported_rows) {
       const std::size_t end = std::min(text.find('\n'), text.size());
       ++line_;
       parse_line(text.substr(0, end));

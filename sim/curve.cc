@@ -19,7 +19,7 @@ Sample<T> hermite(const T& x0, const T& rate0, const T& x1, const T& rate1, doub
 }
 
 /// Rotation vector of q, angle in [0, 2 pi): a neighbour more than half a turn away keeps its side.
-Vec3 rotation_vector(const Quat& q) noexcept {
+Vec3 short_rotation(const Quat& q) noexcept {
   const double sine = q.vec().norm();
   if (sine < 1e-12) return 2 * q.vec();
   return q.vec() * (2 * std::atan2(sine, q.w()) / sine);
@@ -119,11 +119,11 @@ RotationCurve::RotationCurve(const TimeGrid& grid, std::vector<Quat> attitudes)
     const TimeGrid::Stencil stencil = grid.derivative_at(i);
     for (std::size_t j = 0; j < stencil.size; ++j) {
       w_B[i] +=
-          stencil.weights[j] * rotation_vector(attitudes_[i].conjugate() * attitudes_[stencil.begin + j]);
+          stencil.weights[j] * short_rotation(attitudes_[i].conjugate() * attitudes_[stencil.begin + j]);
     }
   }
   for (std::size_t i = 0; i + 1 < n; ++i) {
-    const Vec3 phi = rotation_vector(attitudes_[i].conjugate() * attitudes_[i + 1]);
+    const Vec3 phi = short_rotation(attitudes_[i].conjugate() * attitudes_[i + 1]);
     intervals_.push_back({phi, w_B[i], inverse_tangent(phi) * w_B[i + 1]});
   }
 }

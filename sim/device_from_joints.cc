@@ -4,10 +4,11 @@
 #include <map>
 #include <optional>
 
+#include "core/device_holding.h"
+
 namespace godobject {
 namespace {
 
-Pose product(const Pose& X_AB, const Pose& X_BC) { return {X_AB.p + X_AB.q * X_BC.p, X_AB.q * X_BC.q}; }
 Pose inverse(const Pose& X) { return {-(X.q.conjugate() * X.p), X.q.conjugate()}; }
 
 /// Where a body of the instrument is on the device.
@@ -16,9 +17,9 @@ struct Place {
   Pose X_LB;
 };
 
-class Builder {
+class DeviceBuilder {
  public:
-  explicit Builder(const SceneConfig& scene) : scene_(scene) { places_[world_name] = {base_name, {}}; }
+  explicit DeviceBuilder(const SceneConfig& scene) : scene_(scene) { places_[world_name] = {base_name, {}}; }
 
   DeviceTree build() {
     for (const BodyConfig& body : scene_.bodies) {
@@ -34,7 +35,7 @@ class Builder {
   void add(const JointConfig& joint) {
     const auto parent = places_.find(joint.parent);
     if (parent == places_.end()) return;  // nothing joins it to the world
-    Place at{parent->second.link, product(parent->second.X_LB, joint.X_BP)};
+    Place at{parent->second.link, composed(parent->second.X_LB, joint.X_BP)};
     if (joint.kind == JointKind::ball) {
       device_.errors.push_back("joint '" + joint.name +
                                "' is a ball joint, which no encoder measures: describe the device by "
@@ -55,7 +56,7 @@ class Builder {
            .axis_J = axis});
       at = {joint.coordinates[i], {}};
     }
-    places_[joint.child] = {at.link, product(at.X_LB, inverse(joint.X_BC))};
+    places_[joint.child] = {at.link, composed(at.X_LB, inverse(joint.X_BC))};
   }
 
   void hold(const std::string& body) {
@@ -77,6 +78,6 @@ class Builder {
 
 }  // namespace
 
-DeviceTree device_from_joints(const SceneConfig& scene) { return Builder(scene).build(); }
+DeviceTree device_from_joints(const SceneConfig& scene) { return DeviceBuilder(scene).build(); }
 
 }  // namespace godobject

@@ -19,6 +19,11 @@ inline std::string format_diagnostic(const std::string& file, TextPosition at, c
   return file + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": " + what;
 }
 
+/// At the end of `to`.
+inline void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
 /// The whole file; nothing where it cannot be read.
 std::optional<std::string> read_text(const std::string& path);
 

@@ -8,12 +8,6 @@ namespace godobject {
 
 using canopen::ObjectType;
 
-namespace {
-
-constexpr std::uint8_t event_driven = 255;
-
-}  // namespace
-
 void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, SimDefaults defaults,
                        std::uint32_t supported_modes) {
   constexpr auto rw = ObjectAccess::read_write;

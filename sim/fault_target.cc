@@ -17,7 +17,7 @@ bool has_node(const RigParams& rig, std::size_t bus, std::uint8_t id) {
          std::ranges::any_of(rig.buttons, is_it);
 }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 std::string verb_names() {
   std::string names;
@@ -27,7 +27,7 @@ std::string verb_names() {
 }
 
 std::string no_such_verb(const std::string& verb) {
-  return "there is no verb " + quoted(verb) + ": there are " + verb_names();
+  return "there is no verb " + in_quotes(verb) + ": there are " + verb_names();
 }
 
 /// Empty, or what is wrong with the value in effect.
@@ -42,7 +42,7 @@ std::string find_buses(const FaultConfig& config, const RigParams& rig, SimFault
   fault.end_bus = rig.buses.size();
   if (config.bus.empty()) return rig.buses.empty() ? "the scene has no buses" : "";
   const auto bus = std::ranges::find(rig.buses, config.bus, &BusParams::name);
-  if (bus == rig.buses.end()) return "there is no bus " + quoted(config.bus);
+  if (bus == rig.buses.end()) return "there is no bus " + in_quotes(config.bus);
   fault.first_bus = static_cast<std::size_t>(bus - rig.buses.begin());
   fault.end_bus = fault.first_bus + 1;
   return "";
@@ -77,13 +77,13 @@ std::string set(FaultConfig& fault, std::string_view key, std::string_view value
     const bool is_number = to_number(value, number);
     const bool is_node =
         is_number && number >= 1 && number <= canopen::max_node_id && number == std::floor(number);
-    if (!is_number) return quoted(key) + " must be a number, not " + quoted(value);
+    if (!is_number) return in_quotes(key) + " must be a number, not " + in_quotes(value);
     if (key == "value") fault.value = number;
     else if (key == "at" && number >= 0) fault.at = number;
     else if (key == "duration" && number > 0) fault.duration = number;
     else if (key == "node" && is_node) fault.node_id = static_cast<std::uint8_t>(number);
     else
-      return quoted(key) + " = " + quoted(value) +
+      return in_quotes(key) + " = " + in_quotes(value) +
              ": unknown or out of range; there are bus, node (1 to 127), "
              "tracker, value, at (>= 0), duration (> 0)";
   }
@@ -98,7 +98,7 @@ FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   const FaultVerbText& text = text_of(*verb);
   if (!config.tracker.empty()) return {{}, "it is of a tracker, not of buses and nodes"};
   if (text.place == FaultPlace::tracker)
-    return {{}, quoted(text.name) + " is a fault of a tracker: say which"};
+    return {{}, in_quotes(text.name) + " is a fault of a tracker: say which"};
   SimFault fault;
   fault.verb = *verb;
   fault.node_id = config.node_id.value_or(0);
@@ -109,7 +109,7 @@ FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   if (error.empty()) error = find_buses(config, rig, fault);
   if (error.empty() && config.node_id) error = find_node(rig, fault);
   if (error.empty() && !config.node_id && text.place == FaultPlace::node)
-    error = quoted(text.name) + " is a fault of one node: say which";
+    error = in_quotes(text.name) + " is a fault of one node: say which";
   if (!error.empty()) return {{}, error};
   return {fault, ""};
 }
@@ -118,10 +118,10 @@ TrackerFaultResult resolve(const FaultConfig& config, std::span<const TrackerPar
   const std::optional<FaultVerb> verb = fault_verb_named(config.verb);
   if (!verb) return {{}, no_such_verb(config.verb)};
   const FaultVerbText& text = text_of(*verb);
-  if (!acts_on_trackers(text.place)) return {{}, quoted(text.name) + " is no fault of a tracker"};
+  if (!acts_on_trackers(text.place)) return {{}, in_quotes(text.name) + " is no fault of a tracker"};
   if (!config.bus.empty() || config.node_id) return {{}, "a tracker is on no bus: leave bus and node out"};
   const auto named = std::ranges::find(trackers, config.tracker, &TrackerParams::name);
-  if (named == trackers.end()) return {{}, "there is no tracker " + quoted(config.tracker)};
+  if (named == trackers.end()) return {{}, "there is no tracker " + in_quotes(config.tracker)};
   SimTrackerFault fault{.verb = *verb,
                         .tracker = static_cast<std::size_t>(named - trackers.begin()),
                         .tool = 0,
@@ -134,7 +134,7 @@ TrackerFaultResult resolve(const FaultConfig& config, std::span<const TrackerPar
   if (text.place != FaultPlace::tracker) return {fault, ""};
   if (fault.value != std::floor(fault.value) || fault.value > static_cast<double>(named->tools.size()))
     return {{},
-            "tracker " + quoted(config.tracker) + " has tools 1 to " + std::to_string(named->tools.size())};
+            "tracker " + in_quotes(config.tracker) + " has tools 1 to " + std::to_string(named->tools.size())};
   fault.tool = static_cast<std::size_t>(fault.value) - 1;
   return {fault, ""};
 }
@@ -150,7 +150,7 @@ std::optional<FaultConfig> parse_fault(std::string_view words, std::string& erro
     if (fault.verb.empty()) {
       fault.verb = word;
     } else if (equals == std::string_view::npos) {
-      error = quoted(word) + ": expected key=value";
+      error = in_quotes(word) + ": expected key=value";
     } else {
       error = set(fault, word.substr(0, equals), word.substr(equals + 1));
     }

@@ -50,7 +50,7 @@ void visit_holds(V& v, const SceneConfig& scene, std::vector<HoldConfig>& holds)
              t.value(Key{"body", "",
                          "name of a coupled body, or \"nearest\" within `grab_radius`; empty: lets go"},
                      hold.body);
-             if (hold.body != nearest_name) return check_held(t, scene, "body", hold.body);
+             if (hold.body != nearest_body) return check_held(t, scene, "body", hold.body);
              t.check(has_radius, "body", "is \"nearest\": how far is that? Give [device] 'grab_radius'");
            });
 }
@@ -68,7 +68,7 @@ void check_holding(V& v, const SceneConfig& s) {
           "takes hold of bodies one at a time: it needs one handle, not " +
               std::to_string(s.device->rig ? s.device->rig->tree.handles.size() : 0));
   for (const BodyConfig& body : s.bodies)
-    v.check(body.name != nearest_name && body.name != "-", "body",
+    v.check(body.name != nearest_body && body.name != "-", "body",
             "'" + body.name + "' is what a hold calls the nearest body or none: choose another name");
 }
 

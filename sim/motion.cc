@@ -45,7 +45,7 @@ MotionSample evaluate(const MotionConfig& m, double t) noexcept {
 
 HoldWish hold_wish(const SceneConfig& scene, const std::string& name) {
   if (name.empty()) return {};
-  if (name == nearest_name) return {.kind = HoldWish::Kind::nearest};
+  if (name == nearest_body) return {.kind = HoldWish::Kind::nearest};
   return {.kind = HoldWish::Kind::body, .body = body_named(scene, name).value()};
 }
 

@@ -10,7 +10,7 @@
 
 namespace godobject {
 
-inline constexpr double unit_tolerance = 1e-3;  // recorded quaternions are rounded to few digits
+inline constexpr double recorded_unit_tolerance = 1e-3;  // recorded quaternions are rounded to few digits
 inline constexpr std::size_t max_reported = 20;
 inline constexpr double max_position_m = 1e6;  // beyond it a double resolves no more than 0.1 nm
 inline constexpr const char* hold_column = "hold";
@@ -166,8 +166,8 @@ class MotionReader {
     std::size_t num_errors = 0;
     for (std::size_t row = 0; column && row < table_.num_rows() && num_errors < max_reported; ++row) {
       const std::string& name = table_.word(row);
-      if (name == hold_nothing || (name == nearest_name && has_radius)) continue;
-      const std::string why_not = name == nearest_name
+      if (name == hold_nothing || (name == nearest_body && has_radius)) continue;
+      const std::string why_not = name == nearest_body
                                       ? "is \"nearest\": how far is that? Give [device] 'grab_radius'"
                                       : why_not_held(scene_, name);
       if (why_not.empty()) continue;
@@ -236,7 +236,7 @@ class MotionReader {
     std::size_t num_errors = 0;
     for (std::size_t row = 0; row < table_.num_rows() && num_errors < max_reported; ++row) {
       const Quat q(table_.at(row, c[0]), table_.at(row, c[1]), table_.at(row, c[2]), table_.at(row, c[3]));
-      if (!(std::abs(q.norm() - 1) <= unit_tolerance)) {
+      if (!(std::abs(q.norm() - 1) <= recorded_unit_tolerance)) {
         ++num_errors;
         log_.error(
             table_.place(row, c[0]),

@@ -60,9 +60,9 @@ struct PlantConfig {
 };
 
 /// What scene files and motions call the body nearest to the device. No body that can be held has this name.
-inline constexpr const char* nearest_name = "nearest";
+inline constexpr const char* nearest_body = "nearest";
 
-/// From this time on the device holds a body by its name, nearest_name, or nothing.
+/// From this time on the device holds a body by its name, nearest_body, or nothing.
 struct HoldConfig {
   double time = 0;   // s
   std::string body;  // empty: lets go
@@ -72,7 +72,7 @@ struct DeviceConfig {
   std::string name;
   DeviceKind kind = DeviceKind::impedance;
   std::string holds{};                  // name of the body held at the start; empty: none
-  std::optional<double> grab_radius{};  // m from the device to a centre of mass: how far nearest_name reaches
+  std::optional<double> grab_radius{};  // m from the device to a centre of mass: how far nearest_body reaches
   LimitConfig limits;
   std::optional<RigParams> rig;  // absent: the scene can only run with --bus direct
   PlantConfig plant;

@@ -5,7 +5,6 @@ namespace godobject {
 namespace {
 
 constexpr std::uint32_t device_type_401_inputs = 0x0001'0191;
-constexpr std::uint8_t event_driven = 255;
 
 }  // namespace
 

@@ -24,7 +24,6 @@ SimEncoder::SimEncoder(CanBus& bus, std::uint8_t node_id, const Calibration& cal
     : SimCanopenNode(bus, node_id, defaults == SimDefaults::rig ? heartbeat_period_ns : 0),
       calibration_(calibration) {
   constexpr std::uint32_t device_type_406_multi_turn = 0x0002'0196;
-  constexpr std::uint8_t event_driven = 255;
   constexpr auto ro = ObjectAccess::read_only;
   const bool ours = defaults == SimDefaults::rig;
   identify(device_type_406_multi_turn, "simulated CiA 406 encoder", sim_encoder_identity);

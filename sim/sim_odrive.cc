@@ -4,8 +4,6 @@
 
 namespace godobject {
 
-using odrive::Command;
-
 namespace {
 
 // No two drives' clocks agree: their cyclic messages do not come all at once.
@@ -52,31 +50,31 @@ double SimOdrive::applied_torque_Nm() const noexcept {
 }
 
 void SimOdrive::on_frame(const CanFrame& frame, Nanoseconds now) noexcept {
-  const auto is = [&](Command command) {
+  const auto is = [&](odrive::Command command) {
     return !frame.extended && !frame.fd && frame.id == odrive::frame_id(node_id(), command);
   };
   ByteReader bytes(frame.bytes());
   std::uint32_t first = 0, second = 0;
   if (frame.remote) {
-    if (is(Command::encoder_estimates)) send_estimates();
-  } else if (is(Command::set_input_torque)) {
+    if (is(odrive::Command::encoder_estimates)) send_estimates();
+  } else if (is(odrive::Command::set_input_torque)) {
     float torque_Nm = 0;
     if (!bytes.get(torque_Nm).ok() || !std::isfinite(torque_Nm)) return;
     torque_Nm_ = torque_Nm;
     t_fed_ns_ = now;
-  } else if (is(Command::set_controller_mode)) {
+  } else if (is(odrive::Command::set_controller_mode)) {
     if (!bytes.get(first).get(second).ok()) return;
     torque_mode_ = first == odrive::control_torque && second == odrive::input_pass_through;
-  } else if (is(Command::set_axis_state)) {
+  } else if (is(odrive::Command::set_axis_state)) {
     if (!bytes.get(first).ok() || error_ != 0) return;
     if (first == odrive::axis_closed_loop && !closed_loop()) {
       torque_Nm_ = 0;
       t_fed_ns_ = now;
     }
     axis_state_ = first;
-  } else if (is(Command::clear_errors)) {
+  } else if (is(odrive::Command::clear_errors)) {
     error_ = 0;
-  } else if (is(Command::estop)) {
+  } else if (is(odrive::Command::estop)) {
     fail(odrive::error_estop);
   }
 }

@@ -9,6 +9,9 @@
 
 namespace godobject {
 
+/// Transmission type: when the object changes, or as the event timer says (CiA 301).
+inline constexpr std::uint8_t event_driven = 255;
+
 /// What a PDO is after power-up.
 struct SimPdoDefault {
   PdoDirection direction = PdoDirection::transmit;

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include <Eigen/Eigenvalues>
+#include "core/setup.h"
 
 namespace godobject {
 
@@ -57,11 +57,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 bool is_symmetric(const Mat3& I) {
   return (I - I.transpose()).cwiseAbs().maxCoeff() <= inertia_tolerance * I.cwiseAbs().maxCoeff();
-}
-
-/// Ascending.
-Vec3 principal_moments(const Mat3& I) {
-  return Eigen::SelfAdjointEigenSolver<Mat3>(I, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 std::string listed(const Vec3& moments) {

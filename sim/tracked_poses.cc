@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/device_holding.h"
+
 namespace godobject {
-namespace {
-
-Pose product(const Pose& a, const Pose& b) noexcept { return {.p = a.p + a.q * b.p, .q = a.q * b.q}; }
-
-}  // namespace
 
 TrackedPoses::TrackedPoses(std::vector<std::unique_ptr<TrackerLink>> links)
     : links_(std::move(links)), reports_(links_.size()) {
@@ -52,7 +49,7 @@ void TrackedPoses::take(Tool& tool, const ToolSample& sample, Nanoseconds now) n
   if (dt > links_[tool.tracker]->params().stale_after_s) tool.filter.reset();
   tool.number = sample.number;
   tool.t = sample.t_ns;
-  const Pose X_WD = product(tool.X_WT, product(sample.X_TH, tool.X_TH));
+  const Pose X_WD = composed(tool.X_WT, composed(sample.X_TH, tool.X_TH));
   tool.track.push(tool.filter.filter(X_WD, dt), sample.t_ns, now);
 }
 

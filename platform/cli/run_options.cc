@@ -30,10 +30,6 @@ struct NamedPath {
   std::string path;
 };
 
-void add(std::vector<std::string>& to, const std::vector<std::string>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
   return fs::equivalent(a, b, ignored) ||
@@ -96,8 +92,8 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
 std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
   if (options.motion.empty()) return Motion(scene);
   MotionResult result = Motion::read(options.motion, scene);
-  add(run.errors, result.errors);
-  add(run.notes, result.notes);
+  append(run.errors, result.errors);
+  append(run.notes, result.notes);
   return std::move(result.motion);
 }
 
@@ -130,7 +126,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
     device.buses = std::move(link);
     RigProfilesResult profiles =
         load_profiles(*scene.device->rig, fs::path(options.scene).parent_path().string());
-    add(run.errors, profiles.errors);
+    append(run.errors, profiles.errors);
     run.profiles = std::move(profiles.profiles);
   }
   if (!options.trackers.empty())
@@ -166,8 +162,8 @@ void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigP
 PreparedRun prepare(const RunOptions& options) {
   PreparedRun run;
   LoadResult loaded = load_scene(options.scene);
-  add(run.errors, loaded.errors);
-  add(run.notes, loaded.warnings);
+  append(run.errors, loaded.errors);
+  append(run.notes, loaded.warnings);
   check_outputs(options, run.errors);
   if (!loaded.scene) return run;
 

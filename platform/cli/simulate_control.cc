@@ -55,7 +55,7 @@ LineInput::~LineInput() { fcntl(descriptor_, F_SETFL, former_flags_); }
 bool LineInput::try_line(std::string& line) {
   std::array<char, 256> buffer{};
   while (!ended_ && text_.find('\n') == std::string::npos && text_.size() < max_line) {
-    const ssize_t size = read(descriptor_, buffer.data(), buffer.size());
+    const ssize_t size = ::read(descriptor_, buffer.data(), buffer.size());
     if (size < 0 && errno == EINTR) continue;
     if (size < 0 && errno == EAGAIN) return false;
     if (size <= 0) ended_ = true;

@@ -12,10 +12,6 @@
 namespace godobject {
 namespace {
 
-void add(std::vector<std::string>& to, const std::vector<std::string>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
 /// The buses that `text` is about, as closed ends of theirs.
 void offer(const std::string& option, const std::string& text, bool is_tap, const RigParams& rig,
            PreparedSimulation& out, std::vector<OfferedBus>& offered) {
@@ -73,8 +69,8 @@ void open_all(const std::vector<OfferedBus>& offered, PreparedSimulation& out) {
 /// Scene and faults; none where they have errors.
 std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulation& out) {
   LoadResult loaded = load_scene(options.scene);
-  add(out.errors, loaded.errors);
-  add(out.notes, loaded.warnings);
+  append(out.errors, loaded.errors);
+  append(out.notes, loaded.warnings);
   if (!loaded.scene) return std::nullopt;
   SceneConfig& scene = *loaded.scene;
   if (!scene.device || (!scene.device->rig && scene.device->trackers.empty())) {
@@ -85,7 +81,7 @@ std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulati
   if (scene.device->rig) scene.device->rig->cycle_s = scene.step;
   if (!options.faults.empty()) {
     FaultsResult faults = load_faults(options.faults, scene);
-    add(out.errors, faults.errors);
+    append(out.errors, faults.errors);
     scene.faults.insert(scene.faults.end(), faults.faults.begin(), faults.faults.end());
   }
   if (scene.device->rig)
@@ -120,8 +116,8 @@ PreparedSimulation prepare(const SimulateOptions& options) {
   MotionResult motion;
   if (options.motion.empty()) motion.motion.emplace(*scene);
   else motion = Motion::read(options.motion, *scene);
-  add(out.errors, motion.errors);
-  add(out.notes, motion.notes);
+  append(out.errors, motion.errors);
+  append(out.notes, motion.notes);
   if (out.errors.empty() && has_rig) {
     const std::string why_not = SimRig::why_not(*scene, *motion.motion);
     if (!why_not.empty()) out.errors.push_back(options.scene + ": " + why_not);

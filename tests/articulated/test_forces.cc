@@ -5,7 +5,7 @@
 #include "hal/kinematic_tree.h"
 #include "tests/articulated/hung_grasper.h"
 
-namespace godobject {
+namespace godobject::test_forces {
 namespace {
 
 constexpr Real tolerance = 1e-9;
@@ -87,4 +87,4 @@ TEST(Forces, PowerOfTheMotorsIsThePowerOfTheCoupling) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_forces

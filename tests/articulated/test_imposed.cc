@@ -4,7 +4,7 @@
 #include "tests/articulated/grasper_tool.h"
 #include "tests/articulated/random_tool.h"
 
-namespace godobject {
+namespace godobject::test_imposed {
 namespace {
 
 using Imposing = TreeJoints<None, ImposedJoints>;
@@ -249,4 +249,4 @@ TYPED_TEST(Imposed, NotANumberIsAFaultThatLosesNothing) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_imposed

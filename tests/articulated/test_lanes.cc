@@ -5,7 +5,7 @@
 #include "core/block.h"
 #include "tests/articulated/random_tool.h"
 
-namespace godobject {
+namespace godobject::test_lanes {
 namespace {
 
 template <class I, class T>
@@ -174,4 +174,4 @@ TEST_F(Numbers, NotANumberStaysInItsLane) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_lanes

@@ -7,7 +7,7 @@
 #include "tests/articulated/oracle_tool.h"
 #include "tests/oracle/reference_case.h"
 
-namespace godobject {
+namespace godobject::test_reference {
 namespace {
 
 struct Errors {
@@ -105,4 +105,4 @@ TEST_F(ArticulatedReference, HeavyTop) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_reference

@@ -4,7 +4,7 @@
 
 #include "tests/articulated/grasper_tool.h"
 
-namespace godobject {
+namespace godobject::test_stabilisation {
 namespace {
 
 template <class Stabilisation, class I = ImplicitEuler>
@@ -90,4 +90,4 @@ TEST(Stabilisation, DriftInMotion) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_stabilisation

@@ -3,7 +3,7 @@
 
 #include "tests/articulated/grasper_tool.h"
 
-namespace godobject {
+namespace godobject::test_stops {
 namespace {
 
 using WithStops = TreeJoints<JointStops>;
@@ -204,4 +204,4 @@ TYPED_TEST(Stops, NeverPulls) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_stops

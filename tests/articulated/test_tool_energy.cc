@@ -6,7 +6,7 @@
 #include "tests/articulated/grasper_tool.h"
 #include "tests/articulated/random_tool.h"
 
-namespace godobject {
+namespace godobject::test_tool_energy {
 namespace {
 
 template <class I>
@@ -222,4 +222,4 @@ TYPED_TEST(ToolEnergy, JointsTurnedApartArePulledTogetherWithoutOvershoot) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_tool_energy

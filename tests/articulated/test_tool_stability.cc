@@ -5,7 +5,7 @@
 
 #include "tests/articulated/grasper_tool.h"
 
-namespace godobject {
+namespace godobject::test_tool_stability {
 namespace {
 
 /// What a run went through.
@@ -177,4 +177,4 @@ TYPED_TEST(ToolStability, GapsOfTheDevice) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_tool_stability

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
-namespace godobject {
+namespace godobject::test_tree_solve {
 namespace {
 
 using Matrix6 = Eigen::Matrix<Real, 6, 6>;
@@ -201,4 +201,4 @@ TEST(TreeSolve, RootWithoutAJointIsSolvedByItself) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_tree_solve

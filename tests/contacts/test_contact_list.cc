@@ -7,7 +7,7 @@
 
 #include "tests/contacts/contact_scene.h"
 
-namespace godobject {
+namespace godobject::test_contact_list {
 namespace {
 
 constexpr Real radius = 0.01;
@@ -287,4 +287,4 @@ TEST(SceneWithoutContacts, HasNotAByteForThem) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_contact_list

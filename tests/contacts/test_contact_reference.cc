@@ -11,7 +11,7 @@
 #include "tests/oracle/reference_case.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject {
+namespace godobject::test_contact_reference {
 namespace {
 
 /// A reference case: one body on the plane z = 0, its motion, and its device's if it has one.
@@ -238,4 +238,4 @@ TEST_F(ContactReference, RestitutionThatImplicitEulerLoses) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_contact_reference

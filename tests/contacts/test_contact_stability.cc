@@ -7,7 +7,7 @@
 
 #include "tests/contacts/contact_scene.h"
 
-namespace godobject {
+namespace godobject::test_contact_stability {
 namespace {
 
 /// What happens to the body.
@@ -107,4 +107,4 @@ TYPED_TEST(ContactStability, NoStiffnessDampingOrStepGainsEnergy) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_contact_stability

@@ -7,7 +7,7 @@
 #include "tests/articulated/random_tool.h"
 #include "tests/contacts/contact_scene.h"
 
-namespace godobject {
+namespace godobject::test_contact_tools {
 namespace {
 
 template <class I>
@@ -83,4 +83,4 @@ TYPED_TEST(ContactTools, RandomToolsOnObstaclesGainNothing) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_contact_tools

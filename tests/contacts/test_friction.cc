@@ -5,7 +5,7 @@
 
 #include "tests/contacts/contact_scene.h"
 
-namespace godobject {
+namespace godobject::test_friction {
 namespace {
 
 constexpr Real g = 9.81, m = 0.1, mu = 0.3, half_edge = 0.02, radius = 0.01;
@@ -194,4 +194,4 @@ TYPED_TEST(Friction, OfNothingHoldsNothing) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_friction

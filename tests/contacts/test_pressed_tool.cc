@@ -5,7 +5,7 @@
 
 #include "tests/contacts/contact_scene.h"
 
-namespace godobject {
+namespace godobject::test_pressed_tool {
 namespace {
 
 constexpr Real radius = 0.02, contact_k = 2e5;
@@ -103,4 +103,4 @@ TYPED_TEST(PressedTool, StaysWhereItsSpringsBalance) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_pressed_tool

@@ -5,7 +5,7 @@
 
 #include "tests/contacts/bricks.h"
 
-namespace godobject {
+namespace godobject::test_touching_laws {
 namespace {
 
 using Hands = TouchingBodies<ImplicitEuler, 8>;
@@ -256,4 +256,4 @@ TEST(TouchingLaws, AHeldBrickIsPlacedOnAnother) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_touching_laws

@@ -5,7 +5,7 @@
 
 #include "tests/contacts/bricks.h"
 
-namespace godobject {
+namespace godobject::test_touching_list {
 namespace {
 
 /// A heap of eight bricks has some 150 contacts.
@@ -205,4 +205,4 @@ TEST(TouchingParams, NameABadSphere) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_touching_list

@@ -5,7 +5,7 @@
 
 #include "tests/contacts/bricks.h"
 
-namespace godobject {
+namespace godobject::test_touching_overlap {
 namespace {
 
 template <class I>
@@ -128,4 +128,4 @@ TYPED_TEST(TouchingOverlap, AlignedBricksPart) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_touching_overlap

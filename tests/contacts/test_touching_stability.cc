@@ -7,7 +7,7 @@
 
 #include "tests/contacts/bricks.h"
 
-namespace godobject {
+namespace godobject::test_touching_stability {
 namespace {
 
 template <class I>
@@ -120,4 +120,4 @@ using ImposedStability = TouchingStability<ImplicitEuler>;
 TEST_F(ImposedStability, BricksGainNoMoreThanTheWorkOfTheHand) { sweep(Hand::imposed, "imposed"); }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_touching_stability

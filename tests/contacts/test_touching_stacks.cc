@@ -5,7 +5,7 @@
 
 #include "tests/contacts/bricks.h"
 
-namespace godobject {
+namespace godobject::test_touching_stacks {
 namespace {
 
 using Scene64 = TouchingBodies<ImplicitEuler, 64>;
@@ -107,4 +107,4 @@ TEST(TouchingStacks, StandOnAnyStiffness) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_touching_stacks

@@ -7,7 +7,7 @@
 
 #include "tests/contacts/bricks.h"
 
-namespace godobject {
+namespace godobject::test_touching_tree {
 namespace {
 
 constexpr std::size_t max_bodies = 24, max_pairs = 60;
@@ -324,4 +324,4 @@ TEST(TouchingIteration, TakesOneForATree) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_touching_tree

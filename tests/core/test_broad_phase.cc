@@ -13,7 +13,7 @@
 #include "tests/core/one_body.h"
 #include "tests/support/allocation_guard.h"
 
-namespace godobject {
+namespace godobject::test_broad_phase {
 namespace {
 
 constexpr Real nan = std::numeric_limits<Real>::quiet_NaN();
@@ -411,4 +411,4 @@ TEST_F(BroadPhase, NothingIsAllocatedEvenWhenFull) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_broad_phase

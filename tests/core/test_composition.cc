@@ -3,7 +3,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_composition {
 namespace {
 
 using FreeEuler = OneBody<ImplicitEuler, None, None, None>;
@@ -48,4 +48,4 @@ TEST(Composition, FeedbackDoesNotTouchTheMotion) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_composition

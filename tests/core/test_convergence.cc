@@ -5,7 +5,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_convergence {
 namespace {
 
 /// A smooth motion of all six degrees of freedom with its exact velocity: turns about z, then about x.
@@ -148,4 +148,4 @@ TEST(ConvergenceOfTorqueFree, TrBdf2KeepsEnergyAndAngularMomentum) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_convergence

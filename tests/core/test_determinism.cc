@@ -5,7 +5,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_determinism {
 namespace {
 
 using Scenes = ::testing::Types<OneBody<ImplicitEuler, PoseDevice, DampedSpring, LimitedFeedback>,
@@ -65,4 +65,4 @@ TYPED_TEST(Determinism, ARestoredStateGoesOnAlike) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_determinism

@@ -4,7 +4,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_device {
 namespace {
 
 constexpr Real h = 1e-3;
@@ -183,4 +183,4 @@ TEST(AdmittanceDeviceDrives, AgainstItsSpringTiedToWhereItWasEngaged) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_device

@@ -3,7 +3,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_engage {
 namespace {
 
 /// Fills in a random sample: poses up to 1 m and half a turn apart from step to step.
@@ -147,4 +147,4 @@ TEST(EngageRamp, PullGrowsFromNothing) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_engage

@@ -9,7 +9,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_fault {
 namespace {
 
 constexpr Real inf = std::numeric_limits<Real>::infinity();
@@ -267,4 +267,4 @@ TEST(Validate, RefusesAnAnisotropyThatIsTooSmall) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_fault

@@ -4,7 +4,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_feedback {
 namespace {
 
 TEST(Feedback, IsEquationEight) {
@@ -99,4 +99,4 @@ TEST(Feedback, FadesOutWhenTheSampleIsLost) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_feedback

@@ -3,7 +3,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_holding {
 namespace {
 
 /// Bodies that one device may hold, of 0.1 kg on the coupling of the demo.
@@ -344,4 +344,4 @@ TYPED_TEST(Holding, ReplaysBitForBit) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_holding

@@ -16,7 +16,7 @@
 #include "tests/core/one_body.h"
 #include "tests/support/allocation_guard.h"
 
-namespace godobject {
+namespace godobject::test_no_allocation {
 namespace {
 
 template <class K>
@@ -220,4 +220,4 @@ TEST(AllocationGuardItself, CountsNothingWhenDisarmed) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_no_allocation

@@ -4,7 +4,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_rotation_error {
 namespace {
 
 Quat turn(Real angle, const Vec3& axis) {
@@ -96,4 +96,4 @@ TEST(RotationErrorTo, IsFiniteEverywhereNearTheHalfTurn) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_rotation_error

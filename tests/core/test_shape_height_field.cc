@@ -1,6 +1,6 @@
 #include "tests/core/shape_checks.h"
 
-namespace godobject {
+namespace godobject::test_shape_height_field {
 namespace {
 
 /// Rough ground of 8 by 6 points, 0.25 m apart: 1.75 m by 1.25 m, heights within 0.2 m of zero.
@@ -167,4 +167,4 @@ TEST(HeightField, SizesAreChecked) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_shape_height_field

@@ -4,7 +4,7 @@
 #include "core/mesh_setup.h"
 #include "tests/core/shape_checks.h"
 
-namespace godobject {
+namespace godobject::test_shape_mesh {
 namespace {
 
 /// A mesh with all the arrays that the caller of set_up_mesh() owns.
@@ -288,4 +288,4 @@ TEST(Mesh, BrokenMeshesAreNamed) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_shape_mesh

@@ -1,6 +1,6 @@
 #include "tests/core/shape_checks.h"
 
-namespace godobject {
+namespace godobject::test_shapes {
 namespace {
 
 Pose some_pose(unsigned seed = 3) {
@@ -168,4 +168,4 @@ TEST(Shapes, DimensionsAreChecked) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_shapes

@@ -4,7 +4,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_so3 {
 namespace {
 
 TEST(So3, ExponentialMatchesSineAndCosineUpToHalfATurn) {
@@ -72,4 +72,4 @@ TEST(So3, RenormalisingIsExactForRoundingErrors) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_so3

@@ -5,7 +5,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_stability {
 namespace {
 
 /// One case of the sweep. The damping ratio is g / sqrt(m k), and g_r / sqrt(I_max k_r).
@@ -274,4 +274,4 @@ TYPED_TEST(Stability, ErraticTargetLeavesTheBodyBounded) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_stability

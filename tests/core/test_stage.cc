@@ -6,7 +6,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_stage {
 namespace {
 
 TEST(Stage, Solve3MatchesEigen) {
@@ -90,4 +90,4 @@ TEST(Stage, NoBodyTurnsMoreThanHalfATurnInAStep) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_stage

@@ -4,7 +4,7 @@
 
 #include "tests/core/one_body.h"
 
-namespace godobject {
+namespace godobject::test_target {
 namespace {
 
 /// A smooth motion about a fixed axis and along a curve, with its exact velocity.
@@ -71,4 +71,4 @@ TEST(TargetBetweenSamples, IsUnitAndFiniteHoweverFarApartTheSamplesAre) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_target

@@ -7,7 +7,7 @@
 
 #include "hal/cia406.h"
 
-namespace godobject {
+namespace godobject::test_board_nodes {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -140,4 +140,4 @@ TEST_F(BoardNodesTest, WhatFindsNoRoomIsCounted) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_board_nodes

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-namespace godobject {
+namespace godobject::test_bus_load {
 namespace {
 
 constexpr BusLoadParams cyclic_only{
@@ -107,4 +107,4 @@ TEST(BusLoad, CountsTheButtonsOfANodeOnce) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_bus_load

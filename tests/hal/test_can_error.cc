@@ -5,7 +5,7 @@
 #include <array>
 #include <random>
 
-namespace godobject {
+namespace godobject::test_can_error {
 namespace {
 
 struct Line {
@@ -122,4 +122,4 @@ TEST(CanBus, EveryStateAndErrorHasAName) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_can_error

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-namespace godobject {
+namespace godobject::test_can_timing {
 namespace {
 
 CanFrame frame_of(std::uint8_t size, bool extended = false, bool fd = false) {
@@ -146,4 +146,4 @@ TEST(CanFrame, ValidityFollowsTheFormat) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_can_timing

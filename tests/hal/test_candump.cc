@@ -8,7 +8,7 @@
 
 #include "tests/support/shared_data.h"
 
-namespace godobject {
+namespace godobject::test_candump {
 namespace {
 
 std::string line_of(const ReceivedFrame& received, std::string_view interface = "can0") {
@@ -152,4 +152,4 @@ TEST(Candump, ErrorLeavesTheOutputs) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_candump

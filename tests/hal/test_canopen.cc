@@ -4,7 +4,7 @@
 
 #include "hal/cia406.h"
 
-namespace godobject {
+namespace godobject::test_canopen {
 namespace {
 
 using namespace canopen;
@@ -104,4 +104,4 @@ TEST(Cia406, PositionRoundTripAndRejects) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_canopen

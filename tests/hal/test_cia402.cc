@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace godobject {
+namespace godobject::test_cia402 {
 namespace {
 
 using namespace cia402;
@@ -136,4 +136,4 @@ TEST(Cia402, WrongSizesAndIdentifiersAreRejected) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_cia402

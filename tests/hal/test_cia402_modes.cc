@@ -4,7 +4,7 @@
 #include "hal/cia402_homing.h"
 #include "hal/cia402_link.h"
 
-namespace godobject {
+namespace godobject::test_cia402_modes {
 namespace {
 
 using namespace cia402;
@@ -144,4 +144,4 @@ TEST_F(Cia402LinkTest, ControlwordsOfTheGoals) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_cia402_modes

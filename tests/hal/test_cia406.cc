@@ -5,7 +5,7 @@
 
 #include "hal/cia401.h"
 
-namespace godobject {
+namespace godobject::test_cia406 {
 namespace {
 
 TEST(Cia406, PositionAndSpeed) {
@@ -54,4 +54,4 @@ TEST(Cia401, FirstByteOfTheInputs) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_cia406

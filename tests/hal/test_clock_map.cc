@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace godobject {
+namespace godobject::test_clock_map {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -71,4 +71,4 @@ TEST(UnwrappedCount, GoesOnBeyondTheWrap) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_clock_map

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace godobject {
+namespace godobject::test_cobs {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -123,4 +123,4 @@ TEST(Cobs, EncoderRefusesASmallBuffer) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_cobs

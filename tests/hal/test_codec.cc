@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace godobject {
+namespace godobject::test_codec {
 namespace {
 
 TEST(Codec, WritesLittleEndian) {
@@ -71,4 +71,4 @@ TEST(Codec, SaturatesAndRounds) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_codec

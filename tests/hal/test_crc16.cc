@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace godobject {
+namespace godobject::test_crc16 {
 namespace {
 
 std::vector<std::uint8_t> bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
@@ -47,4 +47,4 @@ TEST(Crc16, EveryChangeOfOneByteIsSeen) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_crc16

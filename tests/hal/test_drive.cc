@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace godobject {
+namespace godobject::test_drive {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -115,4 +115,4 @@ TEST(Drive, RefusesAnotherNodesStatus) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_drive

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace godobject {
+namespace godobject::test_encoder {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -177,4 +177,4 @@ TEST(Encoder, TurnIsTakenAnewAfterAGapLongEnoughForHalfATurn) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_encoder

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace godobject {
+namespace godobject::test_encoder_board {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -132,4 +132,4 @@ TEST(EncoderBoard, AnyBytesAreSurvived) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_encoder_board

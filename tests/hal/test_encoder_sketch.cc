@@ -7,7 +7,7 @@
 
 #include "hal/encoder_board.h"
 
-namespace godobject {
+namespace godobject::test_encoder_sketch {
 namespace sketch {
 
 #pragma GCC diagnostic push
@@ -71,4 +71,4 @@ TEST(EncoderSketch, WhatItSendsIsWhatTheHostReads) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_encoder_sketch

@@ -11,7 +11,7 @@
 #include "tests/support/grasper_device.h"
 #include "tests/support/phantom_arm.h"
 
-namespace godobject {
+namespace godobject::test_kinematic_tree {
 namespace {
 
 constexpr std::size_t num_joints = 8;
@@ -270,4 +270,4 @@ TEST(KinematicTree, HoldsItsCapacitiesOfJointsAndHandles) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_kinematic_tree

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace godobject::lss {
+namespace godobject::lss::test_lss {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -122,4 +122,4 @@ TEST(Lss, BitTimingTable) {
 }
 
 }  // namespace
-}  // namespace godobject::lss
+}  // namespace godobject::lss::test_lss

@@ -9,7 +9,7 @@
 
 #include "hal/can_timing.h"
 
-namespace godobject {
+namespace godobject::test_moteus {
 namespace {
 
 constexpr std::uint8_t node = 1;
@@ -189,4 +189,4 @@ TEST_F(MoteusLinkTest, AStopDoesNotWaitForTheNextCycle) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_moteus

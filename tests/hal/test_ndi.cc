@@ -12,7 +12,7 @@
 #include "tests/support/ndi_stream.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject::ndi {
+namespace godobject::ndi::test_ndi {
 namespace {
 
 using Event = ReplyReceiver::Event;
@@ -281,4 +281,4 @@ TEST(NdiReply, AnyBytesAreSurvived) {
 }
 
 }  // namespace
-}  // namespace godobject::ndi
+}  // namespace godobject::ndi::test_ndi

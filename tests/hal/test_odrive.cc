@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace godobject {
+namespace godobject::test_odrive {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -143,4 +143,4 @@ TEST_F(OdriveLinkTest, PositionsAreHundredThousandthsOfATurn) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_odrive

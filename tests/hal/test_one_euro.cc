@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace godobject {
+namespace godobject::test_one_euro {
 namespace {
 
 Pose pose(double x, double angle) {
@@ -55,4 +55,4 @@ TEST(OneEuro, AttitudeTakesTheShortWay) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_one_euro

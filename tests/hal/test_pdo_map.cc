@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace godobject {
+namespace godobject::test_pdo_map {
 namespace {
 
 using canopen::ObjectAddress;
@@ -110,4 +110,4 @@ TEST(PdoMap, WhatAPdoCannotCarryIsAnError) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_pdo_map

@@ -9,7 +9,7 @@
 #include "tests/support/polhemus_recording.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject::polhemus {
+namespace godobject::polhemus::test_polhemus {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -160,4 +160,4 @@ TEST(Polhemus, AnyBytesAreSurvived) {
 }
 
 }  // namespace
-}  // namespace godobject::polhemus
+}  // namespace godobject::polhemus::test_polhemus

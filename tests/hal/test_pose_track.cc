@@ -7,7 +7,7 @@
 
 #include "tests/support/pose_recordings.h"
 
-namespace godobject {
+namespace godobject::test_pose_track {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -256,4 +256,4 @@ TEST(PoseTrack, SamplesOutOfOrderAreIgnored) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_pose_track

@@ -9,7 +9,7 @@
 #include "hal/cia402.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject {
+namespace godobject::test_recorded_can {
 namespace {
 
 using cia402::DriveState;
@@ -143,4 +143,4 @@ TEST_F(RecordedCan, RoboteqDriveIdles) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_recorded_can

@@ -11,7 +11,7 @@
 #include "hal/cia402.h"
 #include "hal/cia406.h"
 
-namespace godobject {
+namespace godobject::test_rig {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -508,4 +508,4 @@ TEST(RigFault, EveryBitHasItsTextsInOrder) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_rig

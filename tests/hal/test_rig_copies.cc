@@ -7,7 +7,7 @@
 #include "hal/cia406.h"
 #include "tests/support/simulated_rig.h"
 
-namespace godobject {
+namespace godobject::test_rig_copies {
 namespace {
 
 constexpr Nanoseconds us = 1000;
@@ -52,4 +52,4 @@ TEST(RigCopies, LateCopyOfAnAnswerIsNoJump) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_rig_copies

@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-namespace godobject {
+namespace godobject::test_rig_validate {
 namespace {
 
 using testing::Contains;
@@ -152,4 +152,4 @@ const BrokenRule broken_rules[] = {
 INSTANTIATE_TEST_SUITE_P(Rules, RigValidateEach, testing::ValuesIn(broken_rules));
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_rig_validate

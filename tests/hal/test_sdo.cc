@@ -8,7 +8,7 @@
 
 #include "hal/sdo_client.h"
 
-namespace godobject::sdo {
+namespace godobject::sdo::test_sdo {
 namespace {
 
 constexpr std::uint8_t node = 9;
@@ -287,4 +287,4 @@ TEST(ObjectNumbers, RoundTripAtTheirLimits) {
 }
 
 }  // namespace
-}  // namespace godobject::sdo
+}  // namespace godobject::sdo::test_sdo

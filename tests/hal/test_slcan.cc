@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace godobject::slcan {
+namespace godobject::slcan::test_slcan {
 namespace {
 
 CanFrame data_frame(std::uint32_t id, bool extended, std::initializer_list<int> bytes) {
@@ -233,4 +233,4 @@ TEST(Slcan, AnyBytesAreReadWithoutHarm) {
 }
 
 }  // namespace
-}  // namespace godobject::slcan
+}  // namespace godobject::slcan::test_slcan

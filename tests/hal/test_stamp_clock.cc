@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace godobject {
+namespace godobject::test_stamp_clock {
 namespace {
 
 constexpr Nanoseconds us = 1'000, ms = 1'000'000, s = 1'000'000'000;
@@ -48,4 +48,4 @@ TEST(StampClock, AClockSetAnewIsFollowedAtOnce) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_stamp_clock

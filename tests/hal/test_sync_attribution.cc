@@ -6,7 +6,7 @@
 #include "hal/cia402.h"
 #include "hal/cia406.h"
 
-namespace godobject {
+namespace godobject::test_sync_attribution {
 namespace {
 
 constexpr Nanoseconds us = 1000;
@@ -87,4 +87,4 @@ TEST_F(SyncAttributionTest, FramesOfUnknownRateAnswerNothing) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sync_attribution

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace godobject {
+namespace godobject::test_transmit_slots {
 namespace {
 
 using testing::ElementsAre;
@@ -202,4 +202,4 @@ TEST_F(Paced, EveryFrameIsAccountedFor) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_transmit_slots

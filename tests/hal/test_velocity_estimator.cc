@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-namespace godobject {
+namespace godobject::test_velocity_estimator {
 namespace {
 
 constexpr double quantum = 1e-4;
@@ -101,4 +101,4 @@ TEST(VelocityEstimator, RestartsAfterReset) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_velocity_estimator

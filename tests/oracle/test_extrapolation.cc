@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace godobject::oracle {
+namespace godobject::oracle::test_extrapolation {
 namespace {
 
 void decay(Scalar, const ScalarVector& y, ScalarVector& dy_dt) { dy_dt = -y; }
@@ -69,4 +69,4 @@ TEST(Extrapolation, ReportsASolutionThatEnds) {
 }
 
 }  // namespace
-}  // namespace godobject::oracle
+}  // namespace godobject::oracle::test_extrapolation

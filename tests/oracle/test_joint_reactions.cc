@@ -9,7 +9,7 @@
 #include "tests/oracle/energy.h"
 #include "tests/oracle/solve.h"
 
-namespace godobject::oracle {
+namespace godobject::oracle::test_joint_reactions {
 namespace {
 
 constexpr double g = 9.81;
@@ -268,4 +268,4 @@ TEST(ImposedJoint, StepsEndAtItsKnots) {
 }
 
 }  // namespace
-}  // namespace godobject::oracle
+}  // namespace godobject::oracle::test_joint_reactions

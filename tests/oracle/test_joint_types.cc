@@ -12,7 +12,7 @@
 #include "tests/oracle/joint_rows.h"
 #include "tests/oracle/validate.h"
 
-namespace godobject::oracle {
+namespace godobject::oracle::test_joint_types {
 namespace {
 
 Quaterniond turn(const Vector3d& axis, double angle) { return Quaterniond(Eigen::AngleAxisd(angle, axis)); }
@@ -264,4 +264,4 @@ TEST(JointRules, AnAxisMustNotPointAgainstItsPartner) {
 }
 
 }  // namespace
-}  // namespace godobject::oracle
+}  // namespace godobject::oracle::test_joint_types

@@ -12,7 +12,7 @@
 #include "tests/oracle/energy.h"
 #include "tests/oracle/scenes.h"
 
-namespace godobject::oracle {
+namespace godobject::oracle::test_reference_case {
 namespace {
 
 namespace fs = std::filesystem;
@@ -191,4 +191,4 @@ TEST(ReferenceCase, NamesTheFileThatIsMissing) {
 }
 
 }  // namespace
-}  // namespace godobject::oracle
+}  // namespace godobject::oracle::test_reference_case

@@ -14,7 +14,7 @@
 #include "tests/oracle/scenes.h"
 #include "tests/oracle/target.h"
 
-namespace godobject::oracle {
+namespace godobject::oracle::test_solve {
 namespace {
 
 Vector3d rotated_by(const Quaterniond& q) { return rotation_vector(q.cast<Scalar>()).cast<double>(); }
@@ -219,4 +219,4 @@ TEST(Solve, RefusesACaseThatBreaksItsRules) {
 }
 
 }  // namespace
-}  // namespace godobject::oracle
+}  // namespace godobject::oracle::test_solve

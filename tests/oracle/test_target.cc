@@ -5,7 +5,7 @@
 #include "tests/oracle/compare.h"
 #include "tests/oracle/scenes.h"
 
-namespace godobject::oracle {
+namespace godobject::oracle::test_target {
 namespace {
 
 /// Velocities by fourth-order central differences of the poses.
@@ -94,4 +94,4 @@ TEST(TabulatedTarget, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace godobject::oracle
+}  // namespace godobject::oracle::test_target

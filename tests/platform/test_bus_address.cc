@@ -3,7 +3,7 @@
 
 #include "platform/linux_bus.h"
 
-namespace godobject {
+namespace godobject::test_bus_address {
 namespace {
 
 using testing::HasSubstr;
@@ -61,4 +61,4 @@ TEST(BusAddress, WhatIsWrongIsSaid) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_bus_address

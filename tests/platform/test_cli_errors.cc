@@ -3,7 +3,7 @@
 
 #include "tests/support/program.h"
 
-namespace godobject::test {
+namespace godobject::test::test_cli_errors {
 namespace {
 
 using testing::HasSubstr;
@@ -173,4 +173,4 @@ TEST_F(CliErrors, AMotionOutOfTheDevicesReachIsAFault) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_cli_errors

@@ -15,7 +15,7 @@
 #include "sim/trace.h"
 #include "tests/support/program.h"
 
-namespace godobject::test {
+namespace godobject::test::test_cli_run {
 namespace {
 
 using testing::HasSubstr;
@@ -252,4 +252,4 @@ TEST_F(CliRun, CheckRefusesABusThatCannotCarryItsMessages) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_cli_run

@@ -8,7 +8,7 @@
 
 #include "platform/clock.h"
 
-namespace godobject {
+namespace godobject::test_cyclic {
 namespace {
 
 using testing::ElementsAre;
@@ -93,4 +93,4 @@ TEST(MonotonicClock, NeverWakesEarly) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_cyclic

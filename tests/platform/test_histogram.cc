@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace godobject {
+namespace godobject::test_histogram {
 namespace {
 
 std::size_t bin_of(std::int64_t value) {
@@ -68,4 +68,4 @@ TEST(Histogram, EmptyIsZero) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_histogram

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace godobject {
+namespace godobject::test_object_text {
 namespace {
 
 using canopen::ObjectAddress;
@@ -43,4 +43,4 @@ TEST(ObjectText, BytesAsTheirTypeOrAsAllTheyMayBe) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_object_text

@@ -8,7 +8,7 @@
 #include "sim/scene_toml.h"
 #include "tests/support/allocation_guard.h"
 
-namespace godobject {
+namespace godobject::test_realtime_cycle {
 namespace {
 
 class RealtimeCycleOf : public testing::TestWithParam<std::pair<const char*, BusChoice>> {};
@@ -62,4 +62,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RealtimeCycleOf,
                                          std::pair{"admittance.toml", BusChoice::direct}));
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_realtime_cycle

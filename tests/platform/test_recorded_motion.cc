@@ -7,7 +7,7 @@
 #include "tests/support/program.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject::test {
+namespace godobject::test::test_recorded_motion {
 namespace {
 
 class RecordedMotion : public ProgramTest {
@@ -93,4 +93,4 @@ INSTANTIATE_TEST_SUITE_P(Desk, RecordedGrasper,
                          });
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_recorded_motion

@@ -9,7 +9,7 @@
 #include "tests/support/program.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject::test {
+namespace godobject::test::test_reference_runs {
 namespace {
 
 struct WorstError {
@@ -229,4 +229,4 @@ TEST_F(ReferenceRuns, TorqueFreeKeepsEnergyAndAngularMomentum) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_reference_runs

@@ -9,7 +9,7 @@
 #include "tests/support/program.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject::test {
+namespace godobject::test::test_replay_bus {
 namespace {
 
 using testing::HasSubstr;
@@ -160,4 +160,4 @@ TEST_F(Replay, ARecordingOfACarPlaysWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_replay_bus

@@ -4,7 +4,7 @@
 
 #include "hal/canopen.h"
 
-namespace godobject {
+namespace godobject::test_rig_filters {
 namespace {
 
 RigParams rig() {
@@ -53,4 +53,4 @@ TEST(RigFilters, LeaveOutTheRest) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_rig_filters

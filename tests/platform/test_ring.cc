@@ -5,7 +5,7 @@
 
 #include <thread>
 
-namespace godobject {
+namespace godobject::test_ring {
 namespace {
 
 struct Record {
@@ -54,4 +54,4 @@ TEST(Ring, BetweenTwoThreadsNothingIsTornReorderedOrLostUncounted) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_ring

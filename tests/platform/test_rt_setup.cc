@@ -6,7 +6,7 @@
 
 #include <thread>
 
-namespace godobject {
+namespace godobject::test_rt_setup {
 namespace {
 
 TEST(RtSetup, EveryStepSaysWhatIsInEffectAndWhatToDo) {
@@ -34,4 +34,4 @@ TEST(RtSetup, TableShowsResultDetailAndRemedy) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_rt_setup

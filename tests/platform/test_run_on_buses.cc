@@ -14,7 +14,7 @@
 #include "tests/support/program.h"
 #include "tests/support/rig_player.h"
 
-namespace godobject::test {
+namespace godobject::test::test_run_on_buses {
 namespace {
 
 using testing::HasSubstr;
@@ -222,4 +222,4 @@ TEST_F(RunOnBuses, TheCycleDoesNotTouchTheHeap) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_run_on_buses

@@ -9,7 +9,7 @@
 #include "platform/cli/simulation.h"
 #include "tests/support/faulty_rig.h"
 
-namespace godobject {
+namespace godobject::test_simulate {
 namespace {
 
 using testing::Contains;
@@ -152,4 +152,4 @@ TEST_F(SimulateTest, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_simulate

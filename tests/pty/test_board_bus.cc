@@ -12,7 +12,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/pseudo_terminal.h"
 
-namespace godobject::test {
+namespace godobject::test::test_board_bus {
 namespace {
 
 using testing::HasSubstr;
@@ -189,4 +189,4 @@ TEST_F(BoardBusTest, WhatIsNoBoardIsSaid) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_board_bus

@@ -12,7 +12,7 @@
 #include "platform/cli/fault_texts.h"
 #include "tests/support/program.h"
 
-namespace godobject::test {
+namespace godobject::test::test_cli_bus_tools {
 namespace {
 
 using testing::ContainsRegex;
@@ -199,4 +199,4 @@ TEST_F(CliMonitor, SaysWhatIsWrongWithABus) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_cli_bus_tools

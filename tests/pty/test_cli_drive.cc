@@ -10,7 +10,7 @@
 #include "tests/support/node_on_pty.h"
 #include "tests/support/program.h"
 
-namespace godobject {
+namespace godobject::test_cli_drive {
 namespace {
 
 using testing::HasSubstr;
@@ -249,4 +249,4 @@ TEST(MoveRamp, BeginsAndEndsAtRestAndItsWayIsItsIntegral) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_cli_drive

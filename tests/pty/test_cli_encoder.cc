@@ -5,7 +5,7 @@
 #include "sim/sim_encoder.h"
 #include "tests/support/node_on_pty.h"
 
-namespace godobject {
+namespace godobject::test_cli_encoder {
 namespace {
 
 using testing::HasSubstr;
@@ -70,4 +70,4 @@ TEST(CliEncoder, OptionsAreChecked) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_cli_encoder

@@ -5,7 +5,7 @@
 #include "sim/sim_encoder.h"
 #include "tests/support/node_on_pty.h"
 
-namespace godobject {
+namespace godobject::test_cli_sdo {
 namespace {
 
 using testing::HasSubstr;
@@ -65,4 +65,4 @@ TEST(CliLss, GivesANodeItsIdAndBitRate) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_cli_sdo

@@ -6,7 +6,7 @@
 #include "tests/support/background_program.h"
 #include "tests/support/program.h"
 
-namespace godobject::test {
+namespace godobject::test::test_cli_trackers {
 namespace {
 
 using testing::HasSubstr;
@@ -102,4 +102,4 @@ TEST_F(CliTrackers, WhatIsWrongWithTheOptionIsSaid) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_cli_trackers

@@ -9,7 +9,7 @@
 #include "tests/support/program.h"
 #include "tests/support/pseudo_terminal.h"
 
-namespace godobject::test {
+namespace godobject::test::test_serial_port {
 namespace {
 
 using testing::HasSubstr;
@@ -166,4 +166,4 @@ TEST_F(LatencyTimer, IsReadWhereTheDriverHasOne) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_serial_port

@@ -17,7 +17,7 @@
 #include "tests/support/program.h"
 #include "tests/support/pseudo_terminal.h"
 
-namespace godobject::test {
+namespace godobject::test::test_slcan_bus {
 namespace {
 
 using testing::HasSubstr;
@@ -386,4 +386,4 @@ TEST(PtyBus, PythonCanTalksToIt) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_slcan_bus

@@ -9,7 +9,7 @@
 
 #include "hal/crc16.h"
 
-namespace godobject {
+namespace godobject::test_tracker_thread {
 namespace {
 
 /// The far end of a pseudo-terminal that speaks from a recording of the test's own: a wired tool that is always seen.
@@ -161,4 +161,4 @@ TEST(ToolDefinitions, FilesAreNamedWhenTheyAreNotThatOrNotThere) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_tracker_thread

@@ -4,7 +4,7 @@
 
 #include "tests/support/tool_scene.h"
 
-namespace godobject::test {
+namespace godobject::test::test_articulated_scene {
 namespace {
 
 using testing::AllOf;
@@ -158,4 +158,4 @@ TEST(ArticulatedScene, ImposedJointsNeedADeviceThatMeasuresThem) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_articulated_scene

@@ -8,7 +8,7 @@
 #include "sim/joint_params.h"
 #include "tests/support/tool_scene.h"
 
-namespace godobject::test {
+namespace godobject::test::test_articulated_session {
 namespace {
 
 using testing::AllOf;
@@ -215,4 +215,4 @@ TEST(ArticulatedSession, ChainOf256LinksHoldsTogetherAndReadsBack) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_articulated_session

@@ -6,7 +6,7 @@
 #include "sim/scene_toml.h"
 #include "sim/session.h"
 
-namespace godobject {
+namespace godobject::test_buttons {
 namespace {
 
 // The demo's arm with an input node.
@@ -61,4 +61,4 @@ TEST(Buttons, TheClutchOfARelativeDevice) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_buttons

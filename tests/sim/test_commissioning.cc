@@ -15,7 +15,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_rig.h"
 
-namespace godobject {
+namespace godobject::test_commissioning {
 namespace {
 
 using test::SimulatedRig;
@@ -424,4 +424,4 @@ TEST(Profile, NameThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_commissioning

@@ -8,7 +8,7 @@
 #include "sim/engine.h"
 #include "tests/support/contact_config.h"
 
-namespace godobject {
+namespace godobject::test_contact_engine {
 namespace {
 
 using testing::HasSubstr;
@@ -116,4 +116,4 @@ TEST(ContactEngine, RunsAreEqualBitForBit) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_contact_engine

@@ -8,7 +8,7 @@
 #include "sim/contact_params.h"
 #include "sim/scene_toml.h"
 
-namespace godobject {
+namespace godobject::test_contact_scene {
 namespace {
 
 using testing::ElementsAre;
@@ -258,4 +258,4 @@ TEST(ContactScene, ManySpheresFromOneFile) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_contact_scene

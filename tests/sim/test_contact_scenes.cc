@@ -10,7 +10,7 @@
 #include "sim/session.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject {
+namespace godobject::test_contact_scenes {
 namespace {
 
 const std::string scenes = GODOBJECT_SOURCE_DIR "/sim/scenes/";
@@ -154,4 +154,4 @@ TEST(ContactScenes, FilesAreWhatTheirScriptsWrite) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_contact_scenes

@@ -9,7 +9,7 @@
 #include "sim/study/study.h"
 #include "tests/support/shared_data.h"
 
-namespace godobject::study {
+namespace godobject::study::test_contact_study {
 namespace {
 
 void say_nothing(const std::string&) {}
@@ -148,4 +148,4 @@ TEST(ContactCosts, ContactsCostDataAndOnlyWhereTheyAre) {
 }
 
 }  // namespace
-}  // namespace godobject::study
+}  // namespace godobject::study::test_contact_study

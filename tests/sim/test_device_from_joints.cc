@@ -10,7 +10,7 @@
 #include "sim/joint_params.h"
 #include "tests/support/tool_scene.h"
 
-namespace godobject::test {
+namespace godobject::test::test_device_from_joints {
 namespace {
 
 using testing::ElementsAre;
@@ -122,4 +122,4 @@ TEST(DeviceFromJoints, HandlesAreWhereTheBodiesWouldBe) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_device_from_joints

@@ -6,7 +6,7 @@
 #include "hal/rig_validate.h"
 #include "sim/scene_toml.h"
 
-namespace godobject {
+namespace godobject::test_device_keys {
 namespace {
 
 using testing::Contains;
@@ -219,4 +219,4 @@ TEST(DeviceKeys, ButtonsHaveAnInputOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_device_keys

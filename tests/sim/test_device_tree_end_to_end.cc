@@ -8,7 +8,7 @@
 #include "tests/support/grasper_device.h"
 #include "tests/support/simulated_rig.h"
 
-namespace godobject {
+namespace godobject::test_device_tree_end_to_end {
 namespace {
 
 using test::SimulatedRig;
@@ -181,4 +181,4 @@ TEST(DeviceTreeEndToEnd, ReadAndCommandDoNotAllocate) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_device_tree_end_to_end

@@ -8,7 +8,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/faulty_rig.h"
 
-namespace godobject {
+namespace godobject::test_drive_protocols {
 namespace {
 
 using test::FaultyRig;
@@ -185,4 +185,4 @@ TEST(DriveProtocolsOnTheWire, TheDrivesOwnPositionIsASensor) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_drive_protocols

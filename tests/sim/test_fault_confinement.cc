@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace godobject {
+namespace godobject::test_fault_confinement {
 namespace {
 
 TEST(FaultConfinement, TransmitErrorsLeadThroughTheStates) {
@@ -49,4 +49,4 @@ TEST(FaultConfinement, CountersStopAtZero) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_fault_confinement

@@ -9,7 +9,7 @@
 #include "tests/support/fault_reactions.h"
 #include "tests/support/faulty_rig.h"
 
-namespace godobject {
+namespace godobject::test_fault_injector {
 namespace {
 
 class EveryReaction : public testing::TestWithParam<test::FaultReaction> {};
@@ -124,4 +124,4 @@ TEST(FaultInjector, DoesNotAllocate) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_fault_injector

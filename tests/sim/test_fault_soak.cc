@@ -11,7 +11,7 @@
 #include "tests/support/fault_reactions.h"
 #include "tests/support/faulty_rig.h"
 
-namespace godobject {
+namespace godobject::test_fault_soak {
 namespace {
 
 using test::FaultReaction;
@@ -73,4 +73,4 @@ TEST(FaultSoak, EveryFaultIsSeenNamedAndRecoveredFrom) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_fault_soak

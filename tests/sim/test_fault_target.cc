@@ -6,7 +6,7 @@
 #include "sim/fault_file.h"
 #include "tests/support/faulty_rig.h"
 
-namespace godobject {
+namespace godobject::test_fault_target {
 namespace {
 
 using testing::ElementsAre;
@@ -107,4 +107,4 @@ TEST(FaultFile, SceneHasTheSameTables) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_fault_target

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace godobject {
+namespace godobject::test_fault_verb {
 namespace {
 
 TEST(FaultVerb, TableIsInTheOrderOfTheEnum) {
@@ -39,4 +39,4 @@ TEST(FaultVerb, DocumentHoldsTheGeneratedTable) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_fault_verb

@@ -12,7 +12,7 @@
 #include "sim/scene_toml.h"
 #include "tests/support/allocation_guard.h"
 
-namespace godobject {
+namespace godobject::test_grip {
 namespace {
 
 using testing::ElementsAre;
@@ -376,4 +376,4 @@ TEST(ImposedCoupling, NeedsABodyAndAPose) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_grip

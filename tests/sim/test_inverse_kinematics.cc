@@ -8,7 +8,7 @@
 
 #include "tests/support/phantom_arm.h"
 
-namespace godobject {
+namespace godobject::test_inverse_kinematics {
 namespace {
 
 constexpr double half_range_m = 0.12;
@@ -134,4 +134,4 @@ TEST(InverseKinematics, InvertsOneHandleThatAllSixJointsMoveAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_inverse_kinematics

@@ -10,7 +10,7 @@
 #include "sim/mesh_solid.h"
 #include "sim/obstacle_file.h"
 
-namespace godobject {
+namespace godobject::test_mesh_file {
 namespace {
 
 using testing::HasSubstr;
@@ -134,4 +134,4 @@ TEST(CentresFile, NeedsItsColumns) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_mesh_file

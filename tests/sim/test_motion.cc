@@ -14,7 +14,7 @@
 
 #include "sim/key.h"
 
-namespace godobject {
+namespace godobject::test_motion {
 namespace {
 
 using testing::Contains;
@@ -458,4 +458,4 @@ TEST(Motion, RecordedTeleoperationStaysBounded) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_motion

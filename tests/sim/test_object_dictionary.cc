@@ -11,7 +11,7 @@
 #include "sim/sim_drive.h"
 #include "sim/sim_encoder.h"
 
-namespace godobject {
+namespace godobject::test_object_dictionary {
 namespace {
 
 using canopen::NmtCommand;
@@ -341,4 +341,4 @@ TEST_F(LssNetwork, StoredSettingsOutliveThePower) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_object_dictionary

@@ -7,7 +7,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_rig.h"
 
-namespace godobject {
+namespace godobject::test_rig_end_to_end {
 namespace {
 
 using test::SimulatedRig;
@@ -313,4 +313,4 @@ TEST(RigEndToEnd, TheCycleDoesNotAllocate) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_rig_end_to_end

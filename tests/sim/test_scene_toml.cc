@@ -13,7 +13,7 @@
 
 #include "sim/key.h"
 
-namespace godobject {
+namespace godobject::test_scene_toml {
 namespace {
 
 using testing::ElementsAre;
@@ -323,4 +323,4 @@ TEST(Key, RangesReadAsText) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_scene_toml

@@ -15,7 +15,7 @@
 #include "sim/key.h"
 #include "sim/scene_toml.h"
 
-namespace godobject {
+namespace godobject::test_session {
 namespace {
 
 /// Cycles from which a switch has its other value; it begins on.
@@ -221,4 +221,4 @@ INSTANTIATE_TEST_SUITE_P(Haptic, SessionShutDown,
 INSTANTIATE_TEST_SUITE_P(Relative, SessionClutch, on_both_buses({"relative.toml"}), name_of);
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_session

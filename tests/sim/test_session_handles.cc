@@ -9,7 +9,7 @@
 #include "sim/key.h"
 #include "sim/scene_toml.h"
 
-namespace godobject {
+namespace godobject::test_session_handles {
 namespace {
 
 using testing::ElementsAre;
@@ -121,4 +121,4 @@ TEST(SessionHandles, AHandleOfABodyThatIsNotThereIsRefused) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_session_handles

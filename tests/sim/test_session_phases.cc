@@ -6,7 +6,7 @@
 #include "sim/scene_toml.h"
 #include "sim/session.h"
 
-namespace godobject {
+namespace godobject::test_session_phases {
 namespace {
 
 class SessionPhases : public testing::Test {
@@ -85,4 +85,4 @@ TEST_F(SessionPhases, RestartEngagesByTheRamp) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_session_phases

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-namespace godobject {
+namespace godobject::test_sim_can_bus {
 namespace {
 
 using testing::ElementsAre;
@@ -499,4 +499,4 @@ TEST(SimCanBus, SameSeedSameEvents) {
 TEST(SimCanBus, StepsOfTheClockDoNotMatter) { EXPECT_EQ(noisy_run(7, 1000 * us), noisy_run(7, 3777)); }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sim_can_bus

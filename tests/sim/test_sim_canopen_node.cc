@@ -8,7 +8,7 @@
 #include "hal/cia406.h"
 #include "sim/sim_encoder.h"
 
-namespace godobject {
+namespace godobject::test_sim_canopen_node {
 namespace {
 
 using canopen::NmtCommand;
@@ -130,4 +130,4 @@ TEST(SimCanopenNode, BootUpWaitsForABusThatTakesIt) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sim_canopen_node

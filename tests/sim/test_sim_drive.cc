@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace godobject {
+namespace godobject::test_sim_drive {
 namespace {
 
 using canopen::NmtCommand;
@@ -389,4 +389,4 @@ TEST(SimDrive, QuickStopEndsAsItsOptionSays) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sim_drive

@@ -7,7 +7,7 @@
 
 #include "hal/cia406.h"
 
-namespace godobject {
+namespace godobject::test_sim_encoder {
 namespace {
 
 TEST(SimEncoder, CountsInvertTheCalibration) {
@@ -77,4 +77,4 @@ TEST(SimEncoder, SamplesWhenSyncArrives) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sim_encoder

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace godobject {
+namespace godobject::test_sim_encoder_board {
 namespace {
 
 /// The board and the host's end, in steps of 0.1 ms.
@@ -56,4 +56,4 @@ TEST(SimEncoderBoard, DriftOfItsClockIsFollowed) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sim_encoder_board

@@ -6,7 +6,7 @@
 
 #include "tests/support/simulated_tracker.h"
 
-namespace godobject {
+namespace godobject::test_sim_ndi {
 namespace {
 
 using test::SimulatedTracker;
@@ -202,4 +202,4 @@ TEST(SimNdi, SetUpIsRefusedWithReasons) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sim_ndi

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace godobject {
+namespace godobject::test_sim_plant {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -119,4 +119,4 @@ TEST(SimPlant, SubstepsDoNotDependOnHowTheTimeIsCutUp) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sim_plant

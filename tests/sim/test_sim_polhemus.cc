@@ -4,7 +4,7 @@
 
 #include "tests/support/simulated_tracker.h"
 
-namespace godobject {
+namespace godobject::test_sim_polhemus {
 namespace {
 
 using polhemus::Model;
@@ -71,4 +71,4 @@ TEST(SimPolhemus, NoiseCostsRecords) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sim_polhemus

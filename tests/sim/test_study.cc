@@ -8,7 +8,7 @@
 #include "sim/engine.h"
 #include "sim/study/tool.h"
 
-namespace godobject::study {
+namespace godobject::study::test_study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -278,4 +278,4 @@ TEST(Tool, ReportsStatusAndKeepsArgumentsWhole) {
 }
 
 }  // namespace
-}  // namespace godobject::study
+}  // namespace godobject::study::test_study

@@ -11,7 +11,7 @@
 #include "sim/engine.h"
 #include "tests/support/contact_config.h"
 
-namespace godobject {
+namespace godobject::test_top_speed {
 namespace {
 
 using testing::HasSubstr;
@@ -140,4 +140,4 @@ TEST(TopSpeed, FarAboveItTheSpherePasses) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_top_speed

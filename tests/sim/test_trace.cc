@@ -9,7 +9,7 @@
 
 #include "sim/csv.h"
 
-namespace godobject {
+namespace godobject::test_trace {
 namespace {
 
 SceneConfig coupled_and_free() {
@@ -159,4 +159,4 @@ TEST(Trace, UnwritableFileIsReported) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_trace

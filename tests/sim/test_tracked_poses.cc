@@ -6,7 +6,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_tracker.h"
 
-namespace godobject {
+namespace godobject::test_tracked_poses {
 namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
@@ -94,4 +94,4 @@ TEST(TrackedPoses, ACycleAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_tracked_poses

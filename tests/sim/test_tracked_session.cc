@@ -6,7 +6,7 @@
 #include "sim/session.h"
 #include "tests/support/allocation_guard.h"
 
-namespace godobject {
+namespace godobject::test_tracked_session {
 namespace {
 
 using testing::HasSubstr;
@@ -131,4 +131,4 @@ TEST(TrackedSession, DoesNotAllocate) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_tracked_session

@@ -15,7 +15,7 @@
 
 #include "tests/socketcan/can_test.h"
 
-namespace godobject::test {
+namespace godobject::test::test_controller {
 namespace {
 
 constexpr double bit_rate_of_the_interface = 500e3;
@@ -207,4 +207,4 @@ TEST_F(VirtualCanTest, ARestartEndsBusOff) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_controller

@@ -1,7 +1,7 @@
 // Interfaces that go down, vanish, come back, or are not what was expected.
 #include "tests/socketcan/can_test.h"
 
-namespace godobject::test {
+namespace godobject::test::test_interface {
 namespace {
 
 bool mentions(const std::string& text, const std::string& what) {
@@ -106,4 +106,4 @@ TEST_F(VirtualCanTest, AQueueThatDropsSilentlyIsNamed) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_interface

@@ -7,7 +7,7 @@
 #include "platform/can_link.h"
 #include "platform/socket_can_frame.h"
 
-namespace godobject::test {
+namespace godobject::test::test_link {
 namespace {
 
 CanLink controller_at(std::uint32_t bit_rate, std::uint32_t data_bit_rate = 0) {
@@ -95,4 +95,4 @@ TEST(SocketCanFrame, WhatIsNoFrameIsRefused) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_link

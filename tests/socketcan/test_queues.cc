@@ -5,7 +5,7 @@
 
 #include "tests/socketcan/can_test.h"
 
-namespace godobject::test {
+namespace godobject::test::test_queues {
 namespace {
 
 // Own frames come back through the receive queue too, so the sender reads.
@@ -126,4 +126,4 @@ TEST_F(CanPairTest, NoFrameIsLostOrReorderedUnreportedAtFullLoad) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_queues

@@ -8,7 +8,7 @@
 #include "tests/socketcan/can_test.h"
 #include "tests/support/allocation_guard.h"
 
-namespace godobject::test {
+namespace godobject::test::test_round_trip {
 namespace {
 
 CanFrame frame_of(std::uint32_t id, std::uint8_t size, bool fd = false) {
@@ -180,4 +180,4 @@ TEST_F(CanPairTest, CandumpSeesTheSameFrames) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_round_trip
