@@ -10,7 +10,7 @@
 // passes over that (29), island by island. What they leave is the residual.
 #pragma once
 
-#include "core/contact_descent.h"
+#include "core/contact_joints.h"
 
 namespace godobject {
 
@@ -126,6 +126,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   find_contacts(par, num_bodies, w.finder, w.near);
   find_pairs(par, num_bodies, h, w);
   begin_contacts(par, before, num_bodies, step, h, w);
+  if constexpr (Contacts::jointed) shift_contacts(h, w);
   w.report = {.num_near = w.near.size};
   for (std::size_t n = 0; n < w.tree.num_islands; ++n) solve_island(h, w.tree.islands[n], w);
 }

@@ -26,6 +26,7 @@ std::vector<CompositionRow> table() {
   add_pose_contacts(rows);
   add_haptic_contacts(rows);
   add_touching(rows);
+  add_touching_joints(rows);
   std::stable_sort(rows.begin(), rows.end(), [](const CompositionRow& a, const CompositionRow& b) {
     return a.composition.bytes() < b.composition.bytes();
   });

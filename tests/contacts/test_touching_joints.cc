@@ -1,0 +1,320 @@
+// Bodies on joints that touch each other, free bodies and the world.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "tests/articulated/random_tool.h"
+#include "tests/contacts/bricks.h"
+
+namespace godobject {
+namespace {
+
+using AllJoints = TreeJoints<JointStops, ImposedJoints>;
+struct Jointed {
+  static constexpr std::size_t max_bodies = 8;
+  using Integrator = ImplicitEuler;
+  using Device = PoseDevice;
+  using Joints = AllJoints;
+  using Coupling = DampedSpring;
+  using Feedback = None;
+  using Contacts = BodyContacts<96, 10, 288>;
+};
+static_assert(Scene<Jointed>);
+using Tool = Articulated<ImplicitEuler, AllJoints>;
+
+const Vec3 x_axis = Vec3::UnitX(), y_axis = Vec3::UnitY(), z_axis = Vec3::UnitZ();
+
+/// A frame whose z is this axis of its body.
+JointFrame frame(const Vec3& p, const Vec3& axis = z_axis) {
+  const Quat turn = Quat(Eigen::Quaternion<Real>::FromTwoVectors(z_axis, axis));
+  return {.p = p, .R = turn.toRotationMatrix()};
+}
+
+class JointedPile : public Pile<Jointed> {
+ public:
+  /// Hangs body i on another, where that one is.
+  void join(std::size_t i, JointKind kind, std::size_t parent, const JointFrame& P, const JointFrame& C,
+            const JointMove& m = {}) {
+    auto& joint = par.bodies[i].joint;
+    joint.kind = kind;
+    joint.parent = parent;
+    joint.P = P;
+    joint.C = C;
+    place(x, i, joined(par, x, i, m));
+  }
+  /// `links` bricks, each hinged about y to the end of the one before along x; the first is at `start`.
+  void add_chain(std::size_t links, const Start& start, JointKind kind = JointKind::hinge) {
+    const Vec3 end(brick_half.x() + 0.001, 0, 0);
+    for (std::size_t k = 0; k < links; ++k) {
+      const std::size_t i = add_brick(start);
+      if (k > 0) join(i, kind, i - 1, frame(end, y_axis), frame(-end, y_axis));
+    }
+  }
+  /// Weight, coupling, contacts and joints of a body, about its centre of mass: what accelerates it.
+  Wrench unbalanced(std::size_t i) const {
+    Wrench F = coupling_wrench(par, x, i);
+    F.f += par.bodies[i].body.m * par.gravity_W + out.bodies[i].contact.F_W.f;
+    F.tau += out.bodies[i].contact.F_W.tau;
+    for (std::size_t c = i; c < par.num_bodies; ++c) {
+      const auto& joint = par.bodies[c].joint;
+      if (joint.kind == JointKind::free || (c != i && joint.parent != i)) continue;
+      const Real sign = c == i ? 1 : -1;
+      const Wrench& F_C = out.bodies[c].joint.F_C;
+      const Vec3 r = at(c).X_WB.p + at(c).X_WB.q * joint.C.p - p(i);
+      F.f += sign * F_C.f;
+      F.tau += sign * (F_C.tau + r.cross(F_C.f));
+    }
+    return F;
+  }
+  Vec3 momentum() const {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < par.num_bodies; ++i) sum += par.bodies[i].body.m * at(i).v_W;
+    return sum;
+  }
+  Drift joints_apart() const { return drift(par, x); }
+};
+
+/// With nothing to touch, the tree of contacts is the tree of joints: all kinds of joints, stops, and violations.
+TEST(TouchingJoints, ToolsByThemselvesMoveAsWithoutContacts) {
+  Random random(1);
+  Real off = 0, off_force = 0;
+  for (int n = 0; n < 200; ++n) {
+    const auto tool = std::make_unique<Running<Tool>>();
+    const auto pile = std::make_unique<JointedPile>();
+    tool->par.num_bodies = pile->par.num_bodies = static_cast<std::size_t>(random.integer(1, 8));
+    tool->par.gravity_W = pile->par.gravity_W = 10 * random.direction();
+    for (std::size_t i = 0; i < tool->par.num_bodies; ++i) {
+      add_random_body(tool->par, i, 0.1, random);
+      for (StopParams& stop : tool->par.bodies[i].joint.stop.stops)
+        if (random.integer(0, 1) == 0)
+          stop = {.lower = -1, .upper = -0.1, .k = random.log_uniform(1, 1e4), .width = 0.01};
+    }
+    place_randomly(tool->par, tool->x, 0.1, 0, random);
+    for (std::size_t i = 0; i < tool->par.num_bodies; ++i) {
+      tool->x.bodies[i].x.X_WB.p += 1e-4 * random.vector();
+      tool->in.devices[i].engaged = false;
+      pile->par.bodies[i].body = tool->par.bodies[i].body;
+      pile->par.bodies[i].joint = tool->par.bodies[i].joint;
+      pile->x.bodies[i].x = tool->x.bodies[i].x;
+    }
+    tool->step();
+    pile->step();
+    ASSERT_FALSE(any(tool->out.fault | pile->out.fault));
+    Real speed = 0, force = 0;
+    for (std::size_t i = 0; i < tool->par.num_bodies; ++i) {
+      speed = std::max({speed, tool->x.bodies[i].x.v_W.norm(), 0.1 * tool->x.bodies[i].x.w_B.norm()});
+      const Wrench& F = tool->out.bodies[i].joint.F_C;
+      force = std::max({force, F.f.norm(), 10 * F.tau.norm()});
+    }
+    for (std::size_t i = 0; i < tool->par.num_bodies; ++i) {
+      const RigidBodyState &a = pile->at(i), &b = tool->x.bodies[i].x;
+      off = std::max({off, (a.v_W - b.v_W).norm() / speed, 0.1 * (a.w_B - b.w_B).norm() / speed});
+      const Wrench &F = pile->out.bodies[i].joint.F_C, &G = tool->out.bodies[i].joint.F_C;
+      if (force > 0)
+        off_force = std::max({off_force, (F.f - G.f).norm() / force, 10 * (F.tau - G.tau).norm() / force});
+    }
+  }
+  std::printf("tools by themselves: off by %.1e of the velocities, %.1e of the forces\n", off, off_force);
+  EXPECT_LT(off, 1e-9);
+  EXPECT_LT(off_force, 1e-9);
+}
+
+/// A brick is thrown at a chain that floats.
+TEST(TouchingJoints, AChainThatIsHitKeepsMomentumAndGainsNoEnergy) {
+  for (const JointKind kind : {JointKind::hinge, JointKind::ball, JointKind::fixed}) {
+    const auto pile = std::make_unique<JointedPile>();
+    pile->add_chain(4, {}, kind);
+    const Vec3 half = brick_half;
+    pile->add_brick({.X_WB = at(Vec3(0.05, 0.002, 0.03), Vec3(0.3, 0.2, 0.1)),
+                     .V_WB = {.w = Vec3(3, -5, 2), .v = Vec3(0.1, 0, -1)}},
+                    brick_mass, half);
+    const Vec3 first = pile->momentum();
+    const Real before = pile->kinetic();
+    Real gained = 0, off = 0, allowed = 0;
+    std::size_t contacts = 0;
+    Drift apart;
+    for (int n = 0; n < 300; ++n) {
+      pile->step();
+      ASSERT_FALSE(any(pile->out.fault));
+      contacts += pile->out.contacts.num_contacts;
+      allowed += 5 * pile->out.contacts.residual * pile->par.h;
+      gained = std::max(gained, pile->kinetic() - before);
+      off = std::max(off, (pile->momentum() - first).norm());
+      EXPECT_LE(off, allowed + 1e-10 * first.norm());
+      apart = worst(apart, pile->joints_apart());
+    }
+    std::printf(
+        "chain of joints %d: %zu contacts, energy %.2e to %.2e J, gained %.1e J; momentum off by %.1e; "
+        "joints apart by %.1e m, %.1e rad\n",
+        static_cast<int>(kind), contacts, before, pile->kinetic(), gained, off / first.norm(), apart.m,
+        apart.rad);
+    EXPECT_GT(contacts, 5u);
+    EXPECT_LT(gained, 1e-9);
+    EXPECT_LT(off, 1e-2 * first.norm());
+    EXPECT_LT(apart.m, 1e-5);
+    EXPECT_LT(apart.rad, 1e-3);
+  }
+}
+
+/// Over two bricks that stand apart on a floor; then another brick falls on it.
+TEST(TouchingJoints, AChainComesToRestOnBricks) {
+  const auto pile = std::make_unique<JointedPile>();
+  pile->add_floor();
+  pile->add_chain(4, {.X_WB = at(Vec3(-0.05, 0, 0.0165)), .V_WB = {}});
+  pile->add_brick({.X_WB = at(Vec3(-0.05, 0, 0.005)), .V_WB = {}});
+  pile->add_brick({.X_WB = at(Vec3(0.04, 0, 0.005)), .V_WB = {}});
+  pile->add_brick({.X_WB = at(Vec3(-0.01, 0, 0.06), Vec3(0, 0.3, 0)), .V_WB = {}});
+  ASSERT_TRUE(pile->run(2));
+  const std::vector<Vec3> there = pile->positions();
+  ASSERT_TRUE(pile->run(1));
+  Real unbalanced = 0;
+  for (std::size_t i = 0; i < pile->par.num_bodies; ++i)
+    unbalanced = std::max(unbalanced, pile->unbalanced(i).f.norm());
+  const Drift apart = pile->joints_apart();
+  std::printf(
+      "chain on bricks: kinetic energy %.1e J, drift %.1e m/s, unbalanced %.1e N, joints apart by %.1e m, "
+      "%.1e rad\n",
+      pile->kinetic(), pile->drift_since(there), unbalanced, apart.m, apart.rad);
+  EXPECT_LT(pile->kinetic(), 1e-9);
+  EXPECT_LT(pile->drift_since(there), 1e-5);
+  EXPECT_LT(unbalanced, 1e-3);
+  EXPECT_LT(apart.m, 1e-8);
+  EXPECT_LT(apart.rad, 1e-8);
+}
+
+/// Two plates hinged to a body that the device holds, turned against a brick between them by their couplings.
+class Gripper : public JointedPile {
+ public:
+  static constexpr Real height = 0.2;
+  static constexpr std::size_t palm = 0, brick = 3;
+
+  Gripper() {
+    par.gravity_W = Vec3(0, 0, -earth_gravity);
+    add_brick({.X_WB = at(Vec3(0, 0, height)), .V_WB = {}}, 0.05, Vec3(0.03, 0.01, 0.005));
+    hold_at(palm, Pile::at(palm).X_WB, spring(par.bodies[palm].body, 2000, 1));
+    for (const Real side : {-1.0, 1.0}) {
+      const std::size_t jaw = add_brick({}, 0.01, Vec3(0.003, 0.008, 0.02));
+      join(jaw, JointKind::hinge, palm, frame(Vec3(0.019 * side, 0, -0.02), y_axis),
+           frame(Vec3(0, 0, 0.018), y_axis));
+      hold_at(jaw, at(p(jaw), Vec3(0, 0.15 * side, 0)), {.k = 0, .g = 0, .k_r = 0.1, .g_r = 1e-3});
+    }
+    add_brick({.X_WB = at(Vec3(0, 0, height - 0.05)), .V_WB = {}});
+  }
+  using JointedPile::at;
+  static Pose at(const Vec3& p, const Vec3& turn = Vec3::Zero()) { return godobject::at(p, turn); }
+};
+
+TEST(TouchingJoints, AGripperHoldsAndLiftsABrick) {
+  const auto grip = std::make_unique<Gripper>();
+  ASSERT_TRUE(grip->run(0.5));
+  const Vec3 held = grip->p(Gripper::brick);
+  ASSERT_TRUE(grip->run(1));
+  Real unbalanced = 0, torque = 0;
+  for (std::size_t i = 0; i < grip->par.num_bodies; ++i) {
+    unbalanced = std::max(unbalanced, grip->unbalanced(i).f.norm());
+    torque = std::max(torque, grip->unbalanced(i).tau.norm());
+  }
+  const Real weight = brick_mass * earth_gravity, fall = (grip->p(Gripper::brick) - held).norm();
+  const Vec3 F = grip->out.bodies[Gripper::brick].contact.F_W.f;
+  std::printf(
+      "gripper: the brick slips at %.1e m/s; contacts bear %.6f of its weight; unbalanced %.1e N, %.1e N m; "
+      "%d passes, %d iterations, residual %.1e N\n",
+      fall, F.z() / weight, unbalanced, torque, grip->out.contacts.passes, grip->out.contacts.iterations,
+      grip->out.contacts.residual);
+  EXPECT_NEAR(F.z(), weight, 1e-3 * weight);
+  EXPECT_LT(fall, 1e-6);
+  EXPECT_LT(unbalanced, 1e-3);
+  EXPECT_LT(torque, 1e-5);
+  // up by 5 cm in half a second
+  const Vec3 from = grip->p(Gripper::brick) - grip->p(Gripper::palm);
+  Drift apart;
+  for (int n = 1; n <= 500; ++n) {
+    grip->lead_to(Gripper::palm, Vec3(0, 0, Gripper::height + 0.025 * (1 - std::cos(pi * n / 500))));
+    grip->step();
+    ASSERT_FALSE(any(grip->out.fault));
+    apart = worst(apart, grip->joints_apart());
+  }
+  ASSERT_TRUE(grip->run(0.3));
+  EXPECT_NEAR(grip->p(Gripper::brick).z(), held.z() + 0.05, 2e-4);
+  EXPECT_LT((grip->p(Gripper::brick) - grip->p(Gripper::palm) - from).norm(), 1e-4);
+  std::printf("lifted: joints apart by %.1e m, %.1e rad\n", apart.m, apart.rad);
+  EXPECT_LT(apart.m, 1e-8);
+  EXPECT_LT(apart.rad, 1e-8);
+}
+
+struct Knock {
+  Real k, zeta, h;
+};
+/// Two pendulums of two links each, hinged to the world a brick's width apart, let fall against each other with a free
+/// brick between them.
+Real gained_by_knocking(const Knock& c, Drift& apart, std::size_t& contacts) {
+  const auto pile = std::make_unique<JointedPile>();
+  pile->par.h = c.h;
+  pile->par.gravity_W = Vec3(0, 0, -earth_gravity);
+  set_law(pile->par, law_of(c.k, c.zeta));
+  const Vec3 end(brick_half.x() + 0.001, 0, 0);
+  for (const Real side : {-1.0, 1.0}) {
+    const Vec3 pivot(0.02 * side, 0, 0.1);
+    const Vec3 down(0, pi / 2, 0);  // x of the links down
+    const std::size_t upper = pile->add_brick({});
+    pile->par.bodies[upper].joint.C = frame(-end, y_axis);
+    pile->join(upper, JointKind::hinge, world,
+               {.p = pivot, .R = exp_so3(down).toRotationMatrix() * frame({}, y_axis).R}, frame(-end, y_axis),
+               {.q = Vec3(-1.2 * side, 0, 0)});
+    const std::size_t lower = pile->add_brick({});
+    pile->join(lower, JointKind::hinge, upper, frame(end, y_axis), frame(-end, y_axis));
+  }
+  pile->add_brick({.X_WB = at(Vec3(0, 0.001, 0.05)), .V_WB = {.w = {}, .v = Vec3(0, 0, 0.5)}});
+  const Real first = energy(pile->par, pile->x);
+  Real gained = 0;
+  for (int n = 0; n < 0.4 / c.h; ++n) {
+    pile->step();
+    if (any(pile->out.fault)) return std::numeric_limits<Real>::infinity();
+    gained = std::max(gained, energy(pile->par, pile->x) - first);
+    apart = worst(apart, pile->joints_apart());
+    contacts += pile->out.contacts.num_contacts;
+  }
+  return gained;
+}
+
+TEST(TouchingJoints, PendulumsThatKnockGainNoEnergy) {
+  for (const Real k : {1e3, 2e4, 1e6})
+    for (const Real zeta : {0.0, 0.3, 10.0})
+      for (const Real h : {3e-4, 1e-3, 3e-3}) {
+        Drift apart;
+        std::size_t contacts = 0;
+        const Real gained = gained_by_knocking({k, zeta, h}, apart, contacts);
+        std::printf(
+            "pendulums: k %.0e N/m, %g times critical, h %g s: %zu contacts, gained %.1e J, apart by %.1e m, "
+            "%.1e rad\n",
+            k, zeta, h, contacts, gained, apart.m, apart.rad);
+        EXPECT_LT(gained, 1e-9);
+        EXPECT_GT(contacts, 0u);
+      }
+}
+
+/// Led together by the device, whatever is between.
+TEST(TouchingJoints, ImposedJawsCloseOnABrick) {
+  const auto grip = std::make_unique<Gripper>();
+  for (const std::size_t jaw : {1, 2}) {
+    grip->par.bodies[jaw].coupling = {};
+    grip->par.bodies[jaw].joint.lead.imposed = true;
+  }
+  constexpr Real closed = 2e-3;
+  for (int n = 0; n < 500; ++n) {
+    const Real q = closed * std::min(n / 200.0, 1.0);
+    grip->in.joints[1].q[0] = -q;
+    grip->in.joints[2].q[0] = q;
+    grip->step();
+    ASSERT_FALSE(any(grip->out.fault));
+  }
+  const Vec3 F = grip->out.bodies[Gripper::brick].contact.F_W.f;
+  EXPECT_NEAR(F.z(), brick_mass * earth_gravity, 1e-4);
+  for (const std::size_t jaw : {1, 2}) {
+    const Real q = HingeJoint::coordinates(joint_of(grip->par, grip->x, jaw).X)[0];
+    EXPECT_NEAR(q, jaw == 1 ? -closed : closed, 1e-7);
+  }
+}
+
+}  // namespace
+}  // namespace godobject
