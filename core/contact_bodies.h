@@ -100,6 +100,8 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
   ContactMiss most;
   each_pack(w.V_0, island, w,
             [&](ContactPack& c, const AnchorTwist& V) noexcept { update(c, V, touching_pass(0), most); });
+  // the skew part of A acts on the velocities of the pass before: tools that spin need better ones than those predicted
+  constexpr int min_passes = Contacts::jointed ? 2 : 1;
   Real left = 0;
   int passes = 0, iterations = 0;
   for (bool done = false; !done && passes < max_touching_passes; ++passes) {
@@ -111,7 +113,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
       search_line(h, island, w);
       left = scale_velocities(h, island, w);
     }
-    done = settle_contacts(touching_pass(passes + 1), island, w, most);
+    done = settle_contacts(touching_pass(passes + 1), island, w, most) && passes + 1 >= min_passes;
     w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
   }
   w.report.residual = std::max({w.report.residual, left / h, largest(most.miss)});
