@@ -72,43 +72,59 @@ void each_stop(std::size_t i, const JointEdges<N>& joints, F f) noexcept {
     f(axis_wrench(edge, k, joints.p[i]) * edge.stop_b[static_cast<std::size_t>(k)]);
 }
 
-/// The joint of body i: its edge, V_p of the body, V_0 that obeys the joint, and what tension and stops are to the stages.
+/// How the anchor of a body moves against its parent: what the joint takes back, and what it allows as predicted.
+struct JointTwists {
+  Twist across, along;
+};
+
+/// Axes and stops of the joint of body i.
+template <class Joints, class Led>
+JointTwists set_edge(const typename Joints::Params& par, const Led& led, std::size_t i, const JointAt& now,
+                     Real h, JointEdge& edge) noexcept {
+  using Stabilisation = typename Joints::Stabilisation;
+  static_assert(!Stabilisation::uses_base, "bodies that touch have their joints at the prediction");
+  JointTwists twists;
+  with_joint(par.kind, [&](auto kind) {
+    using Kind = decltype(kind);
+    const auto with_motion = [&](const auto& m) noexcept {
+      const Twist beta = Stabilisation::beta(m, now.V, par.C.p.squaredNorm(), h), V_across = across(m, now.V);
+      set_axes(m, edge);
+      if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(now.X); })
+        set_stops(par.stop.stops, m, Kind::coordinates(now.X), beta, h, edge);
+      twists = {.across = across(m, beta), .along = {.w = now.V.w - V_across.w, .v = now.V.v - V_across.v}};
+    };
+    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(now.X, led[i]); }) {
+      if (par.lead.imposed) return with_motion(FixedJoint::motion(Kind::at(now.X, led[i])));
+    }
+    with_motion(Kind::motion(now.X));
+  });
+  return twists;
+}
+
+/// The joint of body i: its edge, V_p of the body, V_0 that obeys the joint, and what tension and stops are to stages.
 template <Scene S, class Contacts>
 void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
                  const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                  BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
-  using Joints = typename S::Joints;
-  static_assert(!Joints::Stabilisation::uses_base, "bodies that touch have their joints at the prediction");
-  const typename Joints::Params& joint = par.bodies[i].joint;
   auto& all = w.tree.joints;
   JointEdge& edge = all.edges[i];
-  const std::size_t parent = joint.parent;
-  const TreePlace at = anchored(w.finder.at[i], edge.a_W.vec());
-  const JointAt now = joint_at(joint, edge.on_body() ? w.finder.at[parent] : TreePlace{}, at);
-  with_motion<Joints>(joint, tree.led, i, [&](auto kind, auto motion_of) {
-    using Kind = decltype(kind);
-    const auto m = motion_of(now.X);
-    set_axes(m, edge);
-    const Twist beta = Joints::Stabilisation::beta(m, now.V, joint.C.p.squaredNorm(), h),
-                V_across = across(m, now.V);
-    if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(now.X); })
-      set_stops(joint.stop.stops, m, Kind::coordinates(now.X), beta, h, edge);
-    // of the body, with the anchor at `rel` against the parent
-    const auto hung = [&](const std::array<AnchorTwist, S::max_bodies>& V, const Twist& rel) noexcept {
-      AnchorTwist V_C{.w = Column(rel.w), .v = Column(rel.v)};
-      if (edge.on_body()) V_C = V_C + shifted(V[parent], edge.a_W - all.p[parent]);
-      return shifted(V_C, all.p[i] - edge.a_W);
-    };
-    all.V_p[i] = hung(all.V_p, across(m, beta));
-    w.V_0[i] = hung(w.V_0, {.w = now.V.w - V_across.w, .v = now.V.v - V_across.v});
-  });
+  const std::size_t parent = edge.parent;
+  const TreePlace P = edge.on_body() ? w.finder.at[parent] : TreePlace{};
+  const JointAt now = joint_at(par.bodies[i].joint, P, anchored(w.finder.at[i], edge.a_W.vec()));
+  const JointTwists twists = set_edge<typename S::Joints>(par.bodies[i].joint, tree.led, i, now, h, edge);
+  const auto hung = [&](const std::array<AnchorTwist, S::max_bodies>& V, const Twist& rel) noexcept {
+    AnchorTwist V_C{.w = Column(rel.w), .v = Column(rel.v)};
+    if (edge.on_body()) V_C = V_C + shifted(V[parent], edge.a_W - all.p[parent]);
+    return shifted(V_C, all.p[i] - edge.a_W);
+  };
+  all.V_p[i] = hung(all.V_p, twists.across);
+  w.V_0[i] = hung(w.V_0, twists.along);
   all.joined[i] = true;
   if (edge.on_body()) {
     all.joined[parent] = true;
     w.finder.owned[i].tree = w.finder.owned[parent].tree;
     BodyStage& stage = w.stages[parent];
-    add_tension(edge.a_W - all.edges[parent].a_W, Column(f_C), h, Column(w.finder.at[parent].V.w), stage.A_ww,
-                stage.b_w);
+    add_tension(edge.a_W - all.edges[parent].a_W, Column(f_C), h, Column(P.V.w), stage.A_ww, stage.b_w);
   }
   each_stop(i, all, [&](const AnchorTwist& F) noexcept {
     add_impulse(F, w.stages[i]);

@@ -230,47 +230,42 @@ void solve_back(bool hangs, Real h, const TreeNode& parent, TreeNode& child) noe
   child.F_C = {.tau = (F.w * (1 / h)).vec(), .f = (F.v * (1 / h)).vec()};
 }
 
-/// f(kind, motion_of) of the joint of body i, motion_of(frames) what it allows: as it is led, if it is imposed.
-template <class Joints, class Led, class F>
-void with_motion(const typename Joints::Params& par, const Led& led, std::size_t i, F f) noexcept {
-  with_joint(par.kind, [&](auto kind) {
-    using Kind = decltype(kind);
-    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(JointFrames{}, led[i]); }) {
-      if (par.lead.imposed)
-        return f(kind, [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, led[i])); });
-    }
-    f(kind, [](const JointFrames& X) { return Kind::motion(X); });
-  });
-}
-
 /// Joint i and its child out of the system, children before parents. f_C: of the joint in the step before.
 template <class Joints, std::size_t N>
 void eliminate(const typename Joints::Params& par, std::size_t i, const Vec3& f_C, Real h,
                Tree<N, Joints>& tree) noexcept {
   TreeNode& child = tree.nodes[i];
   TreeNode& parent = tree.parent(par);
-  with_motion<Joints>(par, tree.led, i, [&](auto kind, auto motion_of) {
+  with_joint(par.kind, [&](auto kind) {
     using Kind = decltype(kind);
     const JointAt joint = joint_at(par, parent.at, child.at);
     child.d = Column(Vec3(child.at.a_W - parent.at.a_W));
-    const auto m = motion_of(joint.X);
-    using Stabilisation = typename Joints::Stabilisation;
-    Twist beta;
-    if constexpr (Stabilisation::uses_base) {
-      const std::size_t p = par.parent == world ? N : par.parent;
-      const JointAt base = joint_at(par, tree.bases[p], tree.bases[i]);
-      beta = Stabilisation::beta(m, joint.V, h, motion_of(base.X), base.V);
-    } else {
-      beta = Stabilisation::beta(m, joint.V, par.C.p.squaredNorm(), h);
+    const auto with_motion = [&](auto motion_of) {
+      const auto m = motion_of(joint.X);
+      using Stabilisation = typename Joints::Stabilisation;
+      Twist beta;
+      if constexpr (Stabilisation::uses_base) {
+        const std::size_t p = par.parent == world ? N : par.parent;
+        const JointAt base = joint_at(par, tree.bases[p], tree.bases[i]);
+        beta = Stabilisation::beta(m, joint.V, h, motion_of(base.X), base.V);
+      } else {
+        beta = Stabilisation::beta(m, joint.V, par.C.p.squaredNorm(), h);
+      }
+      if constexpr (decltype(m)::num_turns == 3) beta.w.setZero();
+      child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
+      JointCoordinates q = JointCoordinates::Zero();
+      if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
+        q = Kind::coordinates(joint.X);
+      if (par.parent != world)
+        add_tension(child.d, Column(f_C), h, Column(parent.at.V.w), parent.body.A_ww, parent.body.b_w);
+      eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop);
+    };
+    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {
+      if (par.lead.imposed)
+        return with_motion(
+            [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, tree.led[i])); });
     }
-    if constexpr (decltype(m)::num_turns == 3) beta.w.setZero();
-    child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
-    JointCoordinates q = JointCoordinates::Zero();
-    if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
-      q = Kind::coordinates(joint.X);
-    if (par.parent != world)
-      add_tension(child.d, Column(f_C), h, Column(parent.at.V.w), parent.body.A_ww, parent.body.b_w);
-    eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop);
+    with_motion([](const JointFrames& X) { return Kind::motion(X); });
   });
 }
 
