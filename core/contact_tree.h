@@ -30,7 +30,7 @@ struct TouchingPair {
 
 /// A body among those that touch. Worthless between steps.
 struct TouchingBody {
-  std::uint32_t pair = 0, parent = 0;          // in the tree; parent == itself: a root
+  std::uint32_t pair = 0, parent = 0;          // in the tree: edge (pair, or joint) and body; itself: a root
   std::uint32_t first_pack = 0, end_pack = 0;  // contacts with the world
   TwistBlock on_world;                         // of its contacts with the world
   TwistBlock A;                                // of these and its stage
@@ -73,7 +73,7 @@ struct ContactTree {
 
   /// Edges of the tree beyond the pairs: the joint of a body.
   static constexpr std::uint32_t first_joint = max_pairs;
-  /// By which body i hangs in the tree; null: by a pair, or it is free.
+  /// By which the body hangs in the tree; null: by a pair, or it is a free root.
   const JointEdge* joint_of(const TouchingBody& c) const noexcept {
     if constexpr (jointed) {
       if (c.pair >= first_joint && c.pair != no_edge) return &joints.edges[c.pair - first_joint];
