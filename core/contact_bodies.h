@@ -10,7 +10,7 @@
 // passes over that (29), island by island. What they leave is the residual.
 #pragma once
 
-#include "core/contact_descent.h"
+#include "core/contact_joints.h"
 
 namespace godobject {
 
@@ -100,6 +100,8 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
   ContactMiss most;
   each_pack(w.V_0, island, w,
             [&](ContactPack& c, const AnchorTwist& V) noexcept { update(c, V, touching_pass(0), most); });
+  // the skew part of A acts on the velocities of the pass before: tools that spin need better ones than those predicted
+  constexpr int min_passes = Contacts::jointed ? 2 : 1;
   Real left = 0;
   int passes = 0, iterations = 0;
   for (bool done = false; !done && passes < max_touching_passes; ++passes) {
@@ -111,7 +113,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
       search_line(h, island, w);
       left = scale_velocities(h, island, w);
     }
-    done = settle_contacts(touching_pass(passes + 1), island, w, most);
+    done = settle_contacts(touching_pass(passes + 1), island, w, most) && passes + 1 >= min_passes;
     w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
   }
   w.report.residual = std::max({w.report.residual, left / h, largest(most.miss)});
@@ -126,6 +128,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   find_contacts(par, num_bodies, w.finder, w.near);
   find_pairs(par, num_bodies, h, w);
   begin_contacts(par, before, num_bodies, step, h, w);
+  if constexpr (Contacts::jointed) shift_contacts(h, w);
   w.report = {.num_near = w.near.size};
   for (std::size_t n = 0; n < w.tree.num_islands; ++n) solve_island(h, w.tree.islands[n], w);
 }

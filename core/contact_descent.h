@@ -145,14 +145,9 @@ Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts,
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
   const Real s =
       where_flat(2, scale_tolerance * VAV, [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
-  Real most = 0;
-  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
-    w.V[i] = w.V[i] * s;
-    const Column left = w.b[i].v * (1 - s) + w.r[i].v * s;
-    most = std::max(most, dot(left, left));
-  });
+  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V[i] = w.V[i] * s; });
   each_pack(w.V, island, w, [](ContactPack& c, const AnchorTwist& V) noexcept { move(c, V); });
-  return std::sqrt(most);
+  return largest_left(s, island, w);
 }
 
 }  // namespace godobject

@@ -32,6 +32,23 @@ Real eliminated(const Island& island, BodyContactScratch<Contacts, N>& w) noexce
   return 0;
 }
 
+/// The largest force that b (1 - s) + r s leaves unbalanced, times h.
+template <class Contacts, std::size_t N>
+Real largest_left(Real s, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  if constexpr (Contacts::jointed) {
+    w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+      w.Ap[i] = w.b[i] * (1 - s) + w.r[i] * s;
+    });
+    return largest_unborne(island, w.tree, w.stages, w.Ap);
+  }
+  Real most = 0;
+  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+    const Column left = w.b[i].v * (1 - s) + w.r[i].v * s;
+    most = std::max(most, dot(left, left));
+  });
+  return std::sqrt(most);
+}
+
 /// V = A^-1 b by conjugate gradients, from the best multiple of V_0 and with all directions conjugate to it: (28) holds
 /// for every iterate as it does from rest; what rounding takes of it is given back in the end. Every step is the best
 /// one along its direction. Returns the largest force that is left unbalanced, times h.
@@ -95,13 +112,8 @@ Real iterate(int most_iterations, const Island& island, BodyContactScratch<Conta
     V_r.add(w.V[i], w.r[i]);
   });
   const Real V_A_V = V_b - V_r, balance = V_A_V > tiny ? V_b / V_A_V : 1;
-  Real most = 0;
-  each([&](std::uint32_t i) noexcept {
-    w.V[i] = w.V[i] * balance;
-    const Column left = w.b[i].v * (1 - balance) + w.r[i].v * balance;
-    most = std::max(most, dot(left, left));
-  });
-  return std::sqrt(most);
+  each([&](std::uint32_t i) noexcept { w.V[i] = w.V[i] * balance; });
+  return largest_left(balance, island, w);
 }
 
 }  // namespace godobject

@@ -3,7 +3,7 @@
 
 #include "core/contact_find.h"
 #include "core/contact_pack.h"
-#include "core/contact_tree.h"
+#include "core/contact_tree_solve.h"
 
 namespace godobject {
 
@@ -12,6 +12,7 @@ template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
 struct BodyContacts {
   static constexpr std::size_t max_contacts = contacts_;
   static constexpr bool between_bodies = true;
+  static constexpr bool jointed = false;  // OnJoints
   using Params = ContactParams<spheres_, surfaces_>;
   using State = ContactMemories<contacts_>;
   using Output = ContactReport;
@@ -24,6 +25,14 @@ struct BodyStage {
   Real M = 0;
   Column s, b_w, b_v;
 };
+
+inline AnchorTwist times(const BodyStage& stage, const AnchorTwist& V) noexcept {
+  return {.w = stage.A_ww * V.w + cross(stage.s, V.w), .v = V.v * stage.M};
+}
+inline void add_impulse(const AnchorTwist& F, BodyStage& stage) noexcept {
+  stage.b_w += F.w;
+  stage.b_v += F.v;
+}
 
 /// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
 struct LinePack {
@@ -46,7 +55,7 @@ struct BodyContactScratch {
   std::array<ContactPack, max_contacts> packs;    // each of one pair, or one body with the world
   std::size_t num_packs = 0;
   LinePacks<max_contacts> line;  // those that leave their cases on it
-  ContactTree<N, max_contacts> tree;
+  ContactTree<N, max_contacts, Contacts::jointed> tree;
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;
   std::array<AnchorTwist, N> V, b, r, z, p, Ap, AV_0;  // of bodies: velocities, impulses; of the iteration

@@ -28,9 +28,9 @@ struct Lead {
   JointMotionSample from, to;
 };
 
-/// q within half a turn of `near`, for the coordinates that are turns: the same attitude.
+/// q within half a turn of `near`, for the coordinates that are turns: the same attitude. Three turns have none.
 inline JointCoordinates unwrapped(JointCoordinates q, const JointCoordinates& near, int turns) noexcept {
-  for (int c = 0; c < turns; ++c) {
+  for (int c = 0; turns < 3 && c < turns; ++c) {
     const Real off = q[c] - near[c];
     q[c] -= off > pi ? 2 * pi : off < -pi ? -2 * pi : 0;
   }

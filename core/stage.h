@@ -48,6 +48,10 @@ struct Next {
 template <class S>
 inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
 
+/// The contacts between the bodies of a scene, with its joints if it has any.
+template <class S>
+using TouchingOf = std::conditional_t<uses<typename S::Joints>, OnJoints<ContactsOf<S>>, ContactsOf<S>>;
+
 template <class S>
 struct ContactScratchType {
   using type = Absent<10>;
@@ -55,7 +59,7 @@ struct ContactScratchType {
 template <class S>
 requires(uses<ContactsOf<S>>) struct ContactScratchType<S> {
   using type =
-      std::conditional_t<ContactsOf<S>::between_bodies, BodyContactScratch<ContactsOf<S>, S::max_bodies>,
+      std::conditional_t<ContactsOf<S>::between_bodies, BodyContactScratch<TouchingOf<S>, S::max_bodies>,
                          FixedContactScratch<ContactsOf<S>, S::max_bodies>>;
 };
 template <class S>
@@ -66,6 +70,16 @@ requires(uses<ContactsOf<S>>) inline constexpr bool bodies_touch<S> = ContactsOf
 template <class S>
 using ContactScratchOf = typename ContactScratchType<S>::type;
 
+template <class S>
+struct JointScratchType {
+  using type = Absent<4>;
+};
+template <class S>
+requires(uses<typename S::Joints>) struct JointScratchType<S> {
+  using type = std::conditional_t<bodies_touch<S>, TouchingJoints<S::max_bodies, typename S::Joints>,
+                                  Tree<S::max_bodies, typename S::Joints>>;
+};
+
 /// Worthless between steps.
 template <class S>
 struct Scratch {
@@ -75,9 +89,7 @@ struct Scratch {
   std::array<TargetOf<T>, max_groups<S>> inside;                               // targets inside the step
   std::array<RigidBodyStateOf<T>, max_groups<S>> bases;                        // where the stage starts
   std::array<StageVelocityOf<T>, max_groups<S>> velocities;                    // what the stage solves for
-  [[no_unique_address]] std::conditional_t<uses<typename S::Joints>, Tree<S::max_bodies, typename S::Joints>,
-                                           Absent<4>>
-      tree;  // the bodies with their joints
+  [[no_unique_address]] typename JointScratchType<S>::type tree;               // the bodies with their joints
   [[no_unique_address]] std::conditional_t<uses<typename S::Joints> && uses<typename S::Feedback>,
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
       wanted;  // to be shown on the links of the device, before limits
@@ -160,8 +172,10 @@ template <Scene S>
 [[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, Real h,
                                       Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
+  if constexpr (uses<typename S::Joints>) begin_joints(par, x, h, w.tree, contacts);
   solve_contacts(par.contacts, x.contacts, num_bodies(par), par.h, h, contacts);
   end_contacts(par.contacts, h, contacts);
+  if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const AnchorTwist& V = contacts.V[i];
     set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v.vec());
@@ -220,10 +234,10 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOf
     const TranslationSystemOf<T> translation =
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
-    if constexpr (uses<typename S::Joints>) {
-      load(par, g, base, translation, rotation, h, w.tree);
-    } else if constexpr (bodies_touch<S>) {
+    if constexpr (bodies_touch<S>) {
       load_bodies(par, g, base, translation, rotation, h, w);
+    } else if constexpr (uses<typename S::Joints>) {
+      load(par, g, base, translation, rotation, h, w.tree);
     } else {
       w.velocities[g] = {.v_W = translation.b_W * T(1 / translation.M),
                          .w_B = solve3<T>(rotation.A_B, rotation.b_B)};

@@ -196,11 +196,13 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
 
 /// (21)  The force of a joint turns with its parent: -f at d from the parent's own anchor does a torque that changes by
 /// -h ((w+ - w^) x d) x f, a pendulum's stiffness s h^2 (d^2 1 - d d^T) for the part of f along d; none where it pushes.
-inline void add_tension(const Column& d, const Column& f, Real h, TreeNode& parent) noexcept {
+/// A_ww, b_w: of the parent, whose predicted angular velocity is w.
+inline void add_tension(const Column& d, const Column& f, Real h, const Column& w, Block& A_ww,
+                        Column& b_w) noexcept {
   const Real pull = std::max(-dot(d, f), Real(0));
   const Column sd = d * (h * h * pull / std::max(dot(d, d), std::numeric_limits<Real>::min()));
-  parent.body.A_ww += Block::identity() * dot(sd, d) - outer(sd, d);
-  parent.body.b_w += cross(sd, cross(Column(parent.at.V.w), d));
+  A_ww += Block::identity() * dot(sd, d) - outer(sd, d);
+  b_w += cross(sd, cross(w, d));
 }
 
 /// The twist of a child, and the wrench its joint needs, F = A_a X V_parent - b_a.
@@ -254,7 +256,8 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Vec3& f_
       JointCoordinates q = JointCoordinates::Zero();
       if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
         q = Kind::coordinates(joint.X);
-      if (par.parent != world) add_tension(child.d, Column(f_C), h, parent);
+      if (par.parent != world)
+        add_tension(child.d, Column(f_C), h, Column(parent.at.V.w), parent.body.A_ww, parent.body.b_w);
       eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop);
     };
     if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {

@@ -292,6 +292,7 @@ void add_free_contacts(std::vector<CompositionRow>& table);
 void add_pose_contacts(std::vector<CompositionRow>& table);
 void add_haptic_contacts(std::vector<CompositionRow>& table);
 void add_touching(std::vector<CompositionRow>& table);
+void add_touching_joints(std::vector<CompositionRow>& table);
 
 /// Adds the scene with both integrators and all capacities.
 template <template <class, std::size_t> class SceneOf>

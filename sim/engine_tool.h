@@ -31,6 +31,8 @@ using JointsWithAll = TreeJoints<JointStops, ImposedJoints>;
 
 /// Of a tool with the world.
 using ToolContacts = FixedContacts<64, 256, 128>;
+/// Of many bodies with each other and the world.
+using PileContacts = BodyContacts<1024, 128, 1024>;
 
 /// Adds the tool with both integrators.
 template <template <class, std::size_t, class, class> class ToolOf, std::size_t N, class Joints,

@@ -5,10 +5,8 @@ namespace godobject {
 
 namespace {
 
-using Touching = BodyContacts<1024, 128, 1024>;
-
 template <class Device, class Coupling, class Feedback>
-using Pile = Tool<ImplicitEuler, 64, Device, Coupling, Feedback, None, Touching>;
+using Pile = Tool<ImplicitEuler, 64, Device, Coupling, Feedback, None, PileContacts>;
 
 }  // namespace
 

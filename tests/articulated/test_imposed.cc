@@ -28,6 +28,12 @@ JointFrames frames_at(JointKind kind, const JointCoordinates& q, Random& random)
   return {.R_WP = R_WP, .R_WC = R_WP * c.R, .d_W = R_WP * c.d};
 }
 
+/// A ball joint beside an imposed one is led nowhere.
+TEST(ImposableJoints, ThreeTurnsHaveNoCoordinates) {
+  const JointCoordinates q(1, 2);
+  EXPECT_EQ(unwrapped(q, JointCoordinates(7, -7), 3), q);
+}
+
 TEST(ImposableJoints, CoordinatesAndTheirFramesAreInverse) {
   Random random(1);
   for (const JointKind kind : imposable)

@@ -44,14 +44,14 @@ struct Touching {
   using Contacts = FixedContacts<8, 2, 10>;
 };
 
-/// Five bodies that touch each other and a plane.
-template <class IntegratorPart>
+/// Five bodies that touch each other and a plane; on joints they are two tools.
+template <class IntegratorPart, class JointsPart = None>
 struct TouchingEachOther {
   static constexpr std::size_t max_bodies = 5;
   using Integrator = IntegratorPart;
   using Device = PoseDevice;
   using Coupling = DampedSpring;
-  using Joints = None;
+  using Joints = JointsPart;
   using Feedback = LimitedFeedback;
   using Contacts = BodyContacts<20, 5, 30>;
 };
@@ -194,6 +194,7 @@ void print_hashes() {
   print_hash<Tool<Integrator>>("  joints");
   print_hash<Touching<Integrator>>("  contacts");
   print_hash<TouchingEachOther<Integrator>>("  contacts between bodies");
+  print_hash<TouchingEachOther<Integrator, TreeJoints<JointStops, ImposedJoints>>>("  contacts between tools");
 }
 
 }  // namespace

@@ -105,6 +105,23 @@ TEST(ContactEngine, AnArticulatedToolTouchesObstaclesOnly) {
   EXPECT_TRUE(engine_of(scene)->composition().stops);
 }
 
+TEST(ContactEngine, AnArticulatedToolAndAFreeBodyTouchEachOther) {
+  SceneConfig scene = stool();
+  scene.bodies.push_back(scene.bodies[0]);
+  scene.bodies[1].name = "seat";
+  scene.bodies[1].X_WB.p.z() = 0.15;
+  scene.joints.push_back(hinge_of("stool", "seat"));
+  scene.joints[0].X_BP.p.z() = 0.1;
+  scene.bodies.push_back(body_of("ball", m, 1e-5));
+  scene.bodies[2].spheres.push_back(sphere_of(0.01, Vec3::Zero()));
+  EXPECT_EQ(engine_of(scene)->composition().contacts, ContactScope::bodies);
+  EXPECT_TRUE(engine_of(scene)->composition().joints);
+  scene.integrator = "tr-bdf2";
+  EXPECT_THAT(why_none(scene),
+              AllOf(HasSubstr("joints, contacts between bodies"),
+                    HasSubstr("there is one with integrator 'implicit-euler'")));
+}
+
 TEST(ContactEngine, RunsAreEqualBitForBit) {
   const std::unique_ptr<Engine> a = engine_of(stool()), b = engine_of(stool());
   const BodySample none;

@@ -87,6 +87,22 @@ TEST(ContactScenes, PressIsItsReferenceCase) {
   EXPECT_LT(worst, 1e-5);
 }
 
+/// The upper brick goes up with the jaws and is put back on the lower one, twice.
+TEST(ContactScenes, GraspLiftsABrickAndPutsItBack) {
+  SceneRun run("grasp.toml");
+  for (const double bottom : {0.0, 4.0}) {
+    run.until(bottom + 2);
+    EXPECT_GT(run.body("upper").X_WB.p.z(), 0.03);
+    EXPECT_NEAR(run.body("upper").V_WB.v.z(), 0, 1e-3);
+    EXPECT_GT(run.body("left").contact_W.f.norm(), 0.1) << "it is squeezed";
+    run.until(bottom + 3.9);
+    EXPECT_LT((run.body("upper").X_WB.p - Vec3(0, 0, 0.015)).norm(), 2e-5);
+    EXPECT_LT(run.body("upper").V_WB.v.norm(), 1e-6);
+    EXPECT_NEAR(run.body("left").contact_W.f.norm(), 0, 1e-9);
+  }
+  EXPECT_LT((run.body("lower").X_WB.p - Vec3(0, 0, 0.005)).norm(), 2e-5);
+}
+
 #ifdef NDEBUG
 TEST(ContactScenes, LegoTakesTwoBricksAndPutsOneOnTheOther) {
   SceneRun run("lego.toml", scenes + "lego-motion.csv");
