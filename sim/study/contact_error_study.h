@@ -10,13 +10,14 @@ struct ContactErrorRow {
   std::string scene;
   std::string integrator;
   double h = 0;  // s
-  // Largest differences from the reference at those of its times that are multiples of the step:
+  // Largest differences from the reference at those of its times that are multiples of 2 ms:
   double position = 0;     // m
   double penetration = 0;  // m, of the deepest sphere
   double energy = 0;       // J
   double rise = 0;  // J, largest rise of the energy between any two steps; bounce, where nothing may raise it
-  std::optional<double> order{};         // of the position, from the row at 2 h
-  std::optional<double> restitution{};   // bounce: of the first impact
+  std::optional<double> order{};                                   // of the position, from the row at 2 h
+  std::optional<double> restitution{};                             // bounce: of the first impact
+  std::optional<double> restitution_error{}, restitution_order{};  // from the exact one; from the row at 2 h
   std::optional<double> flight_error{};  // bounce: worst share of any flight's height and time
   double ns_per_step = 0;                // median
 

@@ -84,11 +84,26 @@ oracle::Body brick(const Vec3& half_extents, const Vec3& p) {
   return body;
 }
 
-/// Where brick b of the pile starts, column by column.
+/// Where brick b starts: of the first pile column by column; more piles stand beside it, where nothing is dragged.
 Vec3 place_in_pile(std::size_t b) {
-  const auto i = static_cast<double>(b / 9), l = static_cast<double>(b % 9 / 3),
-             j = static_cast<double>(b % 3);
-  return {(i - 3) * 0.036 + (l == 1 ? 0.004 : 0), (j - 1) * 0.019, 0.005 + 0.0102 * l};
+  constexpr std::size_t in_pile = 63;
+  const auto i = static_cast<double>(b % in_pile / 9), l = static_cast<double>(b % 9 / 3),
+             j = static_cast<double>(b % 3), pile = static_cast<double>(b / in_pile);
+  return {(i - 3) * 0.036 + (l == 1 ? 0.004 : 0), (j - 1) * 0.019 + 0.15 * pile, 0.005 + 0.0102 * l};
+}
+
+/// Spheres along the edges of a brick, as many to an edge of x, y and z as told, tangent to the faces.
+std::vector<Vec3> on_edges(const Vec3& half_extents, double radius, const std::array<int, 3>& num) {
+  const Vec3 inset = half_extents - Vec3::Constant(radius);
+  const auto at = [&](int n, int axis) { return 2.0 * n / (num[static_cast<std::size_t>(axis)] - 1) - 1; };
+  const auto ends = [&](int n, int axis) { return std::abs(at(n, axis)) == 1 ? 1 : 0; };
+  std::vector<Vec3> centres;
+  for (int i = 0; i < num[0]; ++i)
+    for (int j = 0; j < num[1]; ++j)
+      for (int k = 0; k < num[2]; ++k)
+        if (ends(i, 0) + ends(j, 1) + ends(k, 2) >= 2)
+          centres.push_back(inset.cwiseProduct(Vec3(at(i, 0), at(j, 1), at(k, 2))));
+  return centres;
 }
 
 }  // namespace
@@ -111,7 +126,7 @@ ContactScene scene_s2(double k) {
   return scene;
 }
 
-ContactScene scene_s4(std::size_t num_bricks, double duration) {
+ContactScene scene_s4(std::size_t num_bricks, double duration, const std::array<int, 3>& spheres) {
   const Vec3 half_extents(0.016, 0.008, 0.005);
   ContactScene scene;
   scene.name = "S4/" + std::to_string(num_bricks);
@@ -123,13 +138,9 @@ ContactScene scene_s4(std::size_t num_bricks, double duration) {
     scene.problem.bodies.push_back(brick(half_extents, place_in_pile(b)));
   scene.duration = duration;
 
-  // spheres tangent to the three faces of each corner
   scene.half_extents = half_extents;
   scene.radius = 1.5e-3;
-  const Vec3 inset = half_extents - Vec3::Constant(scene.radius);
-  for (const double x : {-1, 1})
-    for (const double y : {-1, 1})
-      for (const double z : {-1, 1}) scene.centres.push_back(inset.cwiseProduct(Vec3(x, y, z)));
+  scene.centres = on_edges(half_extents, scene.radius, spheres);
   // four such contacts under a brick are critically damped: 4 c = 2 sqrt(m 4 k)
   scene.law = {.k = 2e4, .c = 7, .mu = 0.3, .k_t = 2e4, .c_t = 7};
   return scene;

@@ -1,6 +1,7 @@
 // Scenes S2 and S4: bodies that touch each other and the plane z = 0, the same numbers for us and for the peers.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,8 +27,9 @@ struct ContactScene {
 /// S2: ten spheres in a row are pressed 2 cm into the plane by a spring of k (N/m), and dragged; 10 s.
 ContactScene scene_s2(double k);
 
-/// S4: bricks in columns of three by three, the first of them dragged through the others. Columns are added where it
-/// does not come, so that all sizes see the same motion.
-ContactScene scene_s4(std::size_t num_bricks, double duration);
+/// S4: a brick that is dragged through a pile of 63; of more, all in such piles, the others rest. For those who have no
+/// boxes there are spheres along the edges, so many to an edge of x, y and z. Between them edges that cross do not touch:
+/// without the two in the middle of the long edges bricks pass through each other.
+ContactScene scene_s4(std::size_t num_bricks, double duration, const std::array<int, 3>& spheres = {3, 2, 2});
 
 }  // namespace godobject::bench

@@ -74,15 +74,23 @@ across the joint.
 static_assert(max_apart == 0.1 && max_apart_angle == 1 && max_energy_ratio_of_device == 100, "quoted above");
 
 constexpr const char* contacts_method =
-    R"(**Contacts.** press and bounce are set against the reference solutions of
-their cases, at the times of these that are multiples of the step: distance of the centres of mass, difference of the
-deepest sphere's depth, difference of energy, contact springs included. A bounce is within the larger share of its
-height and its time. The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, and pressed into it by a
-coupling and dragged; 0.6 s, at most 2000 steps; damping is over critical, 2 sqrt(m k). What is in the contact springs
-is left out of the gain, so that it cannot hide what comes back from them. lego: peaks of every step; energy, kinetic
-and potential, is that of the bricks that are never held, and a brick is ejected that leaves the board or is faster than
-1 m/s. The residual is by how much the worst force misses its law or its balance when the solver stops. Instructions:
-S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s.
+    R"(**Contacts.** press and bounce are set against the reference solutions of their cases, at the times of these
+that are multiples of 2 ms: distance of the centres of mass, difference of the deepest sphere's depth, difference of
+energy, contact springs included. Where in a step an impact falls changes an error by a factor: orders of single halvings
+scatter, those over all steps tell. A bounce is within the larger share of its height and its time.
+
+The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, and pressed into it by a coupling and dragged;
+0.6 s, at most 2000 steps; damping is over critical, 2 sqrt(m k). What is in the contact springs is left out of the gain,
+so that it cannot hide what comes back from them.
+
+lego: peaks of every step. Overlap is the depth of the deepest sphere in what it touches; edges of bricks that cross
+between their spheres do not touch at all, and `./dev bench` says how deep the boxes are in each other then. Energy,
+kinetic and potential, is that of the bricks that are never held, and a brick is ejected that leaves the board or is
+faster than 1 m/s. The residual is by how much the worst force misses its law or its balance when the solver stops.
+
+Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 (twelve spheres a brick) from 1.5 to 2 s. A scene pays for what it has: one
+without contacts has no code and no byte of theirs, one over obstacles no code of touching bodies (tests
+`SceneWithoutContacts.HasNotAByteForThem` and `contacts.no_scene_pays_for_contacts_it_has_not`).
 
 )";
 static_assert(ejected_speed == 1, "quoted above");

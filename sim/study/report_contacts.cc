@@ -23,19 +23,22 @@ void write_restitution(std::ostream& out, const ContactErrors& errors) {
       << number(second->restitution, 4) << ".\n\n";
 }
 
-/// Of the position error, from the longest step to the shortest.
+/// From the longest step of a case and integrator to the shortest.
 void write_orders(std::ostream& out, const std::vector<ContactErrorRow>& rows) {
   for (auto first = rows.begin(); first != rows.end();) {
     const auto next = std::find_if(first, rows.end(), [&](const ContactErrorRow& r) {
       return r.scene != first->scene || r.integrator != first->integrator;
     });
     const ContactErrorRow& last = *std::prev(next);
+    const double halvings = std::log2(first->h / last.h);
     out << "- " << first->scene << ", " << first->integrator << ": order "
-        << number(std::log2(first->position / last.position) / std::log2(first->h / last.h), 2) << " from "
-        << number(1e3 * first->h) << " to " << number(1e3 * last.h) << " ms.\n";
+        << number(std::log2(first->position / last.position) / halvings, 2) << " of the position";
+    if (first->restitution_error)
+      out << ", " << number(std::log2(*first->restitution_error / *last.restitution_error) / halvings, 2)
+          << " of the first restitution";
+    out << ", from " << number(1e3 * first->h) << " to " << number(1e3 * last.h) << " ms.\n";
     first = next;
   }
-  out << '\n';
 }
 
 void write_errors(std::ostream& out, const ContactErrors& errors) {
@@ -46,14 +49,17 @@ void write_errors(std::ostream& out, const ContactErrors& errors) {
   write_orders(out, errors.rows);
   write_restitution(out, errors);
   out << "![error of contacts against run time](figures/contact-error.png)\n\n"
-         "| case | integrator | step, ms | m | order | penetration, m | energy, J | energy rise, J | worst "
-         "bounce | "
-         "ns/step | compute per simulated s, us |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+         "| case | integrator | step, ms | position, m | order | penetration, m | energy, J | energy rise, J "
+         "| "
+         "restitution | order | worst bounce | ns/step | compute per simulated s, us |\n"
+         "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const ContactErrorRow& r : errors.rows) {
     out << "| " << r.scene << " | " << r.integrator << " | " << number(1e3 * r.h) << " | "
         << number(r.position) << " | " << (r.order ? number(*r.order, 2) : "-") << " | "
         << number(r.penetration) << " | " << number(r.energy) << " | "
-        << (r.flight_error ? number(r.rise, 2) : "-") << " | ";
+        << (r.flight_error ? number(r.rise, 2) : "-") << " | "
+        << (r.restitution ? number(*r.restitution, 4) : "-") << " | "
+        << (r.restitution_order ? number(*r.restitution_order, 2) : "-") << " | ";
     if (!r.flight_error) out << '-';
     else if (std::isfinite(*r.flight_error)) out << number(100 * *r.flight_error, 2) << " %";
     else out << "one is missing";
@@ -86,7 +92,7 @@ void write_gains(std::ostream& out, const std::vector<ContactStability>& rows) {
 void write_imposed(std::ostream& out, const std::vector<PileRun>& runs) {
   out << "The same motion of the scene lego, its held brick a god-object, and placed at the device's "
          "pose:\n\n"
-         "| coupling | deepest overlap, m | largest contact force on the held brick, N | energy given to the "
+         "| coupling | deepest contact, m | largest contact force on the held brick, N | energy given to the "
          "others, J | "
          "ejected of "
       << runs.front().bricks

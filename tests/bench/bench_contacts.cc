@@ -1,7 +1,6 @@
 // Our step on the scenes with contacts: the pressed tool S2, the bricks S4, and how the cost grows with their number.
 #include <memory>
 
-#include "core/contact_fixed.h"
 #include "sim/study/compositions.h"
 #include "tests/bench/contact_contest.h"
 #include "tests/bench/contact_run.h"
@@ -9,16 +8,10 @@
 namespace godobject::bench {
 namespace {
 
-/// A tool of ten spheres over a plane.
-template <class I>
-struct PressedTool : study::Tool<I, 1> {
-  using Contacts = FixedContacts<10, 1, 10>;
-};
-
-/// Bricks of a box and eight spheres on a plane.
+/// Bricks that edges of others hardly come through.
 template <std::size_t N>
-struct Bricks : study::Follower<ImplicitEuler, N> {
-  using Contacts = BodyContacts<8 * N, N + 1, 24 * N>;
+struct DenseBricks : study::Follower<ImplicitEuler, N> {
+  using Contacts = BodyContacts<52 * N, N + 1, 80 * N>;
 };
 
 template <Scene S>
@@ -36,13 +29,18 @@ void add_run(const ContactScene& scene, const std::string& who, const Effort& ef
 
 void add_our_contacts() {
   for (const double k : {1e3, 1e4, 1e5, 1e6}) {
-    add_run<PressedTool<ImplicitEuler>>(scene_s2(k), "fixed-contacts implicit-euler", short_scene);
-    add_run<PressedTool<TrBdf2>>(scene_s2(k), "fixed-contacts tr-bdf2", short_scene);
+    add_run<study::PressedTool<ImplicitEuler, 1>>(scene_s2(k), "fixed-contacts implicit-euler", short_scene);
+    add_run<study::PressedTool<TrBdf2, 1>>(scene_s2(k), "fixed-contacts tr-bdf2", short_scene);
   }
-  add_run<Bricks<64>>(scene_s4(64, 20), "body-contacts-64 implicit-euler", long_scene);
+  add_run<study::Bricks<ImplicitEuler, 64>>(scene_s4(64, 20), "12 spheres a brick, implicit-euler",
+                                            long_scene);
+  add_run<DenseBricks<64>>(scene_s4(64, 20, {9, 5, 3}), "52 spheres a brick, implicit-euler", long_scene);
   // one crossing of the pile, with one capacity for all
-  for (const std::size_t n : {16, 64, 128, 256, 512})
-    add_run<Bricks<512>>(scene_s4(n, 2.5), "body-contacts-512 implicit-euler", long_scene);
+  for (const std::size_t n : {16, 64, 128, 256, 512}) {
+    ContactScene scene = scene_s4(n, 2.5);
+    scene.name = "of " + std::to_string(n);
+    add_run<study::Bricks<ImplicitEuler, 512>>(scene, "room for 512, implicit-euler", long_scene);
+  }
 }
 
 }  // namespace godobject::bench

@@ -12,7 +12,7 @@ using Scene64 = TouchingBodies<ImplicitEuler, 64>;
 using BrickPile = Pile<Scene64>;
 
 #ifdef NDEBUG
-constexpr Real standing = 10;  // s; nothing changes any more after the second one
+constexpr Real standing = 60;  // s
 #else
 constexpr Real standing = 0.5;  // builds with assertions and sanitizers take a hundred times as long
 #endif
@@ -54,7 +54,7 @@ void expect_to_stand(const char* name, BrickPile& pile) {
   EXPECT_LT(pile.kinetic(), 1e-9);
 }
 
-TEST(TouchingStacks, ATowerOfTwentyStands) {
+TEST(TouchingStacks, ATowerOfTwentyStandsForAMinute) {
   const std::vector<Real> masses(20, brick_mass);
   const auto pile = tower(masses);
   const Real top = pile->p(19).z();
@@ -64,7 +64,7 @@ TEST(TouchingStacks, ATowerOfTwentyStands) {
 }
 
 /// Rows of eight and seven in running bond, and four on top: no end hangs over.
-TEST(TouchingStacks, AWallOf64Stands) {
+TEST(TouchingStacks, AWallOf64StandsForAMinute) {
   const auto pile = std::make_unique<BrickPile>();
   pile->add_floor();
   const Real pitch = 2 * brick_half.x() + 5e-4, height = 2 * brick_half.z();
@@ -80,18 +80,20 @@ TEST(TouchingStacks, AWallOf64Stands) {
   EXPECT_LT(pile->drift_since(built), 1e-4);
 }
 
-TEST(TouchingStacks, HeavyBricksStayOnLightOnes) {
-  for (const std::size_t under : {1, 5}) {
-    std::vector<Real> masses(under, brick_mass);
-    masses.push_back(1000 * brick_mass);
-    const auto pile = tower(masses);
-    const Real top = pile->p(under).z();
-    expect_to_stand(under == 1 ? "1000 on 1" : "1000 on 1 1 1 1 1", *pile);
-    const Real expected = compression(masses, brick_law.k);
-    EXPECT_NEAR(top - pile->p(under).z(), expected, 0.01 * expected);
-    EXPECT_LT(pile->p(under).head<2>().norm(), 1e-6);
-  }
+/// A brick of 1000 times the mass on `under` others.
+void expect_to_bear(const char* name, std::size_t under) {
+  std::vector<Real> masses(under, brick_mass);
+  masses.push_back(1000 * brick_mass);
+  const auto pile = tower(masses);
+  const Real top = pile->p(under).z();
+  expect_to_stand(name, *pile);
+  const Real expected = compression(masses, brick_law.k);
+  EXPECT_NEAR(top - pile->p(under).z(), expected, 0.01 * expected);
+  EXPECT_LT(pile->p(under).head<2>().norm(), 1e-6);
 }
+
+TEST(TouchingStacks, ALightBrickBearsAHeavyOne) { expect_to_bear("1000 on 1", 1); }
+TEST(TouchingStacks, FiveLightBricksBearAHeavyOne) { expect_to_bear("1000 on 1 1 1 1 1", 5); }
 
 /// Stiff towers that begin exactly touching: any contact may be taken for open.
 TEST(TouchingStacks, StandOnAnyStiffness) {

@@ -1,0 +1,54 @@
+#!/usr/bin/env python3
+"""No instruction of a scene comes from contacts it does not have.
+
+    unpaid_contacts.py COMPILER SOURCE_DIR EIGEN_DIR
+
+Compiles the step of three scenes without optimisation, when all that can be called has code, and asks the line tables
+which headers of the core that code is from. A scene whose bodies touch each other shows that the tables tell.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+# of contacts with obstacles; whatever else is of contacts is for bodies that touch each other
+OBSTACLES = {"contact.h", "contact_fixed.h", "contact_near.h", "contact_memory.h", "contact_pack.h", "deepest.h",
+             "triangle.h"}
+BODIES = re.compile(r"(contact_\w+|broad_phase|sphere_pairs|body_spheres)\.h")
+
+
+def headers_with_code(compiler, source, eigen, scene, folder):
+    """Names of the headers that the object code of the scene's step is from."""
+    obj = os.path.join(folder, scene + ".o")
+    subprocess.run([compiler, "-std=c++20", "-O0", "-g1", "-DGODOBJECT_NO_FLATTEN", "-DEIGEN_DONT_VECTORIZE",
+                    "-DPROBED=" + scene, "-I", source, "-isystem", eigen,
+                    "-c", os.path.join(source, "tests/contacts/unpaid_scene.cc"), "-o", obj], check=True)
+    lines = subprocess.run(["objdump", "--dwarf=decodedline", obj], check=True, capture_output=True, text=True)
+    return set(re.findall(r"^(\S+\.h)\s+\d+\s+0", lines.stdout, re.MULTILINE))
+
+
+def of_obstacles(names):
+    return {name for name in names if name in OBSTACLES or name.startswith("shape")}
+
+
+def of_bodies(names):
+    return {name for name in names if BODIES.fullmatch(name) and name not in OBSTACLES}
+
+
+def main(compiler, source, eigen):
+    with tempfile.TemporaryDirectory() as folder:
+        untouched, over_obstacles, among_bodies = (
+            headers_with_code(compiler, source, eigen, scene, folder)
+            for scene in ("Untouched", "OverObstacles", "AmongBodies"))
+    if not ("step.h" in untouched and "contact_fixed.h" in of_obstacles(over_obstacles) and
+            {"contact_bodies.h", "broad_phase.h"} <= of_bodies(among_bodies)):
+        sys.exit("the line tables do not show code that is there: this says nothing")
+    for scene, unpaid in (("without contacts", of_obstacles(untouched) | of_bodies(untouched)),
+                          ("over obstacles alone", of_bodies(over_obstacles))):
+        if unpaid:
+            sys.exit(f"a scene {scene} has code from {' '.join(sorted(unpaid))}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

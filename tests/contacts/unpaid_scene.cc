@@ -1,0 +1,26 @@
+// The step of one scene, for unpaid_contacts.py to look at: PROBED names it.
+#include "core/godobject.h"
+
+namespace godobject {
+
+struct Untouched {
+  static constexpr std::size_t max_bodies = 3;
+  using Integrator = TrBdf2;
+  using Device = PoseDevice;
+  using Joints = TreeJoints<JointStops, ImposedJoints>;
+  using Coupling = DampedSpring;
+  using Feedback = LimitedFeedback;
+};
+struct OverObstacles : Untouched {
+  using Contacts = FixedContacts<6, 2, 6>;
+};
+struct AmongBodies : Untouched {
+  using Joints = None;
+  using Feedback = None;
+  using Contacts = BodyContacts<6, 4, 12>;
+};
+
+template void step(const Params<PROBED>&, const Input<PROBED>&, State<PROBED>&, Scratch<PROBED>&,
+                   Output<PROBED>&) noexcept;
+
+}  // namespace godobject
