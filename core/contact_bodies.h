@@ -123,7 +123,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
 template <class Contacts, std::size_t N>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real step, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  find_contacts(par, num_bodies, w.finder, w.near);
+  find_contacts(par, before, num_bodies, w.finder, w.near);
   find_pairs(par, num_bodies, h, w);
   begin_contacts(par, before, num_bodies, step, h, w);
   w.report = {.num_near = w.near.size};
