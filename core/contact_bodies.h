@@ -125,7 +125,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
 template <class Contacts, std::size_t N>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real step, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  find_contacts(par, num_bodies, w.finder, w.near);
+  find_contacts(par, before, num_bodies, w.finder, w.near);
   find_pairs(par, num_bodies, h, w);
   begin_contacts(par, before, num_bodies, step, h, w);
   if constexpr (Contacts::jointed) shift_contacts(h, w);
@@ -153,7 +153,7 @@ void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScrat
     const bool touches = near.n_W.dot(F) > 0;
     if (!touches && !(depth > 0)) continue;
     const ContactLaw& law = par.law(par.spheres[near.sphere].material, touched_material(par, near));
-    next.list[next.size++] = carried_over(law, w.begun[i], h, near.n_W, F);
+    next.list[next.size++] = carried_over(law, w.begun[i], h, near.n_W, F, depth);
     const Vec3 point = near.c_W - par.spheres[near.sphere].radius * near.n_W;
     const auto on = [&](std::uint32_t body, const Vec3& f) noexcept {
       w.wrenches[body].f += f;

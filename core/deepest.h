@@ -22,6 +22,10 @@ struct Deepest {
     if (size < max_items) list[size++] = item;
     else put_in_place_of_shallowest(item);
   }
+  /// Forgets what was added since the size was this, but for a list that is full.
+  void forget_from(std::size_t mark) noexcept {
+    if (!full()) size = num_found = mark;
+  }
   /// The full list is a heap with the shallowest on top, until put_in_order().
   void put_in_place_of_shallowest(const Item& item) noexcept {
     if (num_found == max_items + 1) std::make_heap(list.begin(), list.end(), is_deeper);

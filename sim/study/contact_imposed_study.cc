@@ -77,9 +77,9 @@ PileSample largest(const PileSample& a, const PileSample& b) {
           .ejected = std::max(a.ejected, b.ejected)};
 }
 
-Motion motion_of(const SceneConfig& scene, const std::string& file) {
-  if (file.empty()) return Motion(scene);
-  MotionResult read = Motion::read(file, scene);
+godobject::Motion motion_of(const SceneConfig& scene, const std::string& file) {
+  if (file.empty()) return godobject::Motion(scene);
+  MotionResult read = godobject::Motion::read(file, scene);
   if (!read.motion) refuse(read.errors);
   return *std::move(read.motion);
 }

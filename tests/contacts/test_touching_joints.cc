@@ -5,7 +5,7 @@
 
 #include "tests/contacts/jointed_pile.h"
 
-namespace godobject {
+namespace godobject::test_touching_joints {
 namespace {
 
 using Tool = Articulated<ImplicitEuler, AllJoints>;
@@ -266,4 +266,4 @@ TEST(TouchingJoints, ImposedJawsCloseOnABrick) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_touching_joints

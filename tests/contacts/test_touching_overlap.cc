@@ -46,11 +46,6 @@ void expect_apart(const Parted& parted) {
   EXPECT_LT(parted.depth, 1e-5);
 }
 
-/// Some bricks that are turned against each other lock, or part faster than they should: an open defect
-/// (docs/decisions/019), whose size is held here so that it does not grow.
-bool is_apart(const Parted& parted) { return parted.fastest < 1 && parted.depth < 1e-5; }
-constexpr int known_locked_of_40 = 8;
-
 template <class I>
 class TouchingOverlap : public ::testing::Test {};
 using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;
@@ -97,8 +92,7 @@ TYPED_TEST(TouchingOverlap, ClustersOfSpheresPart) {
 TYPED_TEST(TouchingOverlap, BricksShiftedAndTurnedPart) {
   Random random(4);
   Real fastest = 0, deepest = 0;
-  int locked = 0;
-  for (int n = 0; n < 40; ++n) {
+  for (int n = 0; n < 120; ++n) {
     // half of the brick's size off in one direction, up to an eighth in the others
     Vec3 shift = brick_half.cwiseProduct(
         Vec3(random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25)));
@@ -108,13 +102,11 @@ TYPED_TEST(TouchingOverlap, BricksShiftedAndTurnedPart) {
                h = steps[static_cast<std::size_t>(n / 9) % 3];
     SCOPED_TRACE(::testing::Message() << "case " << n << ", k " << k << ", h " << h);
     const Parted parted = bricks_parted<TypeParam>(shift, turn, law_of(k, 0.4), h);
-    locked += is_apart(parted) ? 0 : 1;
+    expect_apart(parted);
     fastest = std::max(fastest, parted.fastest);
     deepest = std::max(deepest, parted.depth);
   }
-  std::printf("%s: bricks part at %.3f m/s at most, %.1e m left, %d of 40 do not\n", TypeParam::name, fastest,
-              deepest, locked);
-  EXPECT_LE(locked, known_locked_of_40);
+  std::printf("%s: bricks part at %.3f m/s at most, %.1e m left\n", TypeParam::name, fastest, deepest);
 }
 
 /// Spheres at opposite corners are pushed in opposite directions.
