@@ -9,9 +9,9 @@ std::string name_of(Command command) {
   switch (command) {
     case Command::heartbeat: return "heartbeat";
     case Command::estop: return "emergency stop";
-    case Command::set_axis_state: return "axis state command";
-    case Command::encoder_estimates: return "encoder estimates";
-    case Command::set_controller_mode: return "controller mode command";
+    case Command::set_axis_state: return "axis state";
+    case Command::encoder_estimates: return "estimates";
+    case Command::set_controller_mode: return "controller mode";
     case Command::set_input_torque: return "torque command";
     case Command::torques: return "torques";
     case Command::clear_errors: return "clear errors";

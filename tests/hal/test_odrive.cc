@@ -58,7 +58,7 @@ TEST(Odrive, MessagesAreToldInWords) {
   EXPECT_EQ(estimates.value, "velocity +2.0000 rev/s");
   EXPECT_EQ(odrive::describe(odrive::make_encoder_estimates(node, {nan, 2})).position_counts, std::nullopt);
   EXPECT_EQ(odrive::describe(odrive::make_request(node, odrive::Command::encoder_estimates)).name,
-            "encoder estimates request");
+            "estimates request");
   EXPECT_EQ(odrive::describe(odrive::make_input_torque(node, -0.5f)).value, "torque -0.5000 Nm");
   EXPECT_EQ(odrive::describe(odrive::make_torques(node, {.target_Nm = 1, .estimate_Nm = 0.5f})).value,
             "torque +0.5000 Nm, target +1.0000 Nm");

@@ -185,8 +185,8 @@ TEST_F(CliMonitor, DecodesTheBusesOfOtherDrives) {
     return run_program("monitor --plain --scene " + scene + " --bus can1=replay:" + log + ",can1").output;
   };
   const std::string odrive = table_of(scene_with("protocol = \"odrive\"\n", ""));
-  EXPECT_THAT(odrive, ContainsRegex("029 +encoder estimates of turret drive .* [+-][0-9.]+ rad, velocity "));
-  EXPECT_THAT(odrive, ContainsRegex("029 +encoder estimates request of turret drive .* remote "));
+  EXPECT_THAT(odrive, ContainsRegex("029 +estimates of turret drive .* [+-][0-9.]+ rad, velocity "));
+  EXPECT_THAT(odrive, ContainsRegex("029 +estimates request of turret drive .* remote "));
   EXPECT_THAT(odrive, ContainsRegex("04E +torque command of elbow drive .* torque [+-][0-9.]+ Nm"));
   EXPECT_THAT(
       odrive,
