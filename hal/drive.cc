@@ -21,9 +21,9 @@ Drive::Drive(const DriveParams& params, double cycle_s, Nanoseconds stale_after_
       link_(make_drive_link(params, cycle_s)),
       position_(params.calibration, params.max_speed, silent_after_ns_) {}
 
-DriveMessage Drive::on_frame(const CanFrame& frame, Nanoseconds t_ns) noexcept {
+DriveMessage Drive::on_frame(const CanFrame& frame, Nanoseconds t_ns, bool answered) noexcept {
   const DriveMessage message = link_->decode(frame, telemetry_);
-  if (message.result != ParseResult::ok || !message.position) return message;
+  if (message.result != ParseResult::ok || !message.position || answered) return message;
   position_t_ns_ = t_ns;
   has_position_ = true;
   position_.update(telemetry_.position_counts, t_ns);

@@ -30,8 +30,9 @@ class Drive {
   /// Allocates; nothing later does.
   Drive(const DriveParams& params, double cycle_s, Nanoseconds stale_after_ns);
 
-  /// A frame of its node. t_ns: when the position in it was measured, should it hold one.
-  DriveMessage on_frame(const CanFrame& frame, Nanoseconds t_ns) noexcept;
+  /// A frame of its node. t_ns: when the position in it was measured, should it hold one. answered: the request that it
+  /// answers has been answered before; its state counts, its position is no second measurement.
+  DriveMessage on_frame(const CanFrame& frame, Nanoseconds t_ns, bool answered = false) noexcept;
 
   DriveFeedback feedback(Nanoseconds now) const noexcept;
   /// No position for longer than the stale limit plus the SYNCs it may leave out.

@@ -22,8 +22,13 @@ std::unique_ptr<DriveLink> make(const DriveParams& params, double cycle_s) {
 // In the order of DriveProtocol.
 constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
     {make<Cia402Link>, {.sender = canopen::sender}},
-    {make<OdriveLink>, {.canopen = false, .max_node_id = odrive::max_node_id, .sender = odrive::sender}},
-    {make<MoteusLink>, {.canopen = false, .fd = true, .sender = moteus::sender}},
+    {make<OdriveLink>,
+     {.canopen = false,
+      .max_node_id = odrive::max_node_id,
+      .sender = odrive::sender,
+      .describe = odrive::describe}},
+    {make<MoteusLink>,
+     {.canopen = false, .fd = true, .sender = moteus::sender, .describe = moteus::describe}},
 }};
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "hal/canopen.h"
@@ -83,6 +84,14 @@ class DriveLink {
   virtual std::vector<CyclicMessage> messages(double cycle_s, double event_period_s) const = 0;
 };
 
+/// A frame of a drive's protocol in words, for people.
+struct DriveText {
+  std::uint8_t node = 0;                          // from or to; 0: no message of the protocol
+  std::string name;                               // "torque command"
+  std::optional<std::int64_t> position_counts{};  // as DriveTelemetry's
+  std::string value{};                            // what else it says
+};
+
 /// What the drives of a bus make of it.
 struct BusProtocol {
   bool canopen = true;  // SYNC, NMT and heartbeats; encoders and buttons can be on it
@@ -90,6 +99,8 @@ struct BusProtocol {
   std::uint8_t max_node_id = canopen::max_node_id;
   /// Node id 1..127, 0: no node of this protocol.
   std::uint8_t (*sender)(const CanFrame&) noexcept = nullptr;
+  /// Of any frame; allocates. Null: the messages are those of CANopen.
+  DriveText (*describe)(const CanFrame&) = nullptr;
 };
 
 BusProtocol bus_protocol(DriveProtocol protocol) noexcept;

@@ -106,6 +106,9 @@ constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   return to_host ? static_cast<std::uint8_t>(frame.id >> 8) : std::uint8_t{0};
 }
 
+/// moteus_text.cc
+DriveText describe(const CanFrame& frame);
+
 /// Asks for what Reply holds: a frame of 8 bytes.
 CanFrame make_query(std::uint8_t node) noexcept;
 /// The same, and pure torque control: position mode with both gains scaled to zero. 24 bytes.

@@ -62,6 +62,9 @@ constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   return classic && node <= max_node_id ? static_cast<std::uint8_t>(node) : std::uint8_t{0};
 }
 
+/// odrive_text.cc
+DriveText describe(const CanFrame& frame);
+
 /// Asks once for a message that the drive otherwise sends cyclically: a remote frame of its size.
 constexpr CanFrame make_request(std::uint8_t node, Command command) noexcept {
   return {.id = frame_id(node, command), .remote = true, .size = 8};

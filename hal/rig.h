@@ -69,7 +69,7 @@ struct RigCounters {
   std::uint64_t incomplete_syncs = 0;  // not every expected answer had come before the next SYNC
   std::uint64_t frames = 0;
   std::uint64_t malformed = 0;          // wrong size or an undefined value
-  std::uint64_t repeated = 0;           // further answers of an encoder to the same SYNC: not used
+  std::uint64_t repeated = 0;           // further answers of a joint sensor to the same SYNC: not used
   std::uint64_t foreign = 0;            // from no node of this rig
   std::uint64_t receive_truncated = 0;  // receive() stopped at max_frames_per_receive on a bus
 };
@@ -158,6 +158,8 @@ class Rig {
     std::uint64_t every_nth_sync;
     std::uint64_t answered_sync = 0;
     bool request_refused = false;  // in this cycle
+    double apart = 0;              // the joint's encoder minus its position, as it was before ready; rad or m
+    Nanoseconds t_agreed_ns = 0;   // when they were last as far apart as that
   };
   struct ButtonOnBus {
     ButtonParams params;
@@ -190,6 +192,7 @@ class Rig {
   void check_buses() noexcept;
   void check_nodes(Nanoseconds now) noexcept;
   void check_samples(Nanoseconds now) noexcept;
+  void check_slip(DriveOnBus& drive, Nanoseconds now) noexcept;
   void check_drives() noexcept;
   void boot(Nanoseconds now) noexcept;
   void wait_for_drives(Nanoseconds now) noexcept;

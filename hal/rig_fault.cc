@@ -42,6 +42,11 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "look the code up in the drive's manual, remove the cause, clear the faults"},
     {RigFault::quick_stop, "quick_stop", "the motors were stopped on request",
      "clear the faults and arm again when it is safe"},
+    {RigFault::sensors_disagree, "sensors_disagree",
+     "a drive's position and the encoder on its joint have parted by more than its max_slip for longer than "
+     "stale_after",
+     "see which of them stands still: encoder, its coupling, a belt or cable that slips; counts per unit of "
+     "both"},
 }};
 
 }  // namespace

@@ -78,13 +78,15 @@ void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::
                    Nanoseconds now) noexcept {
   if (answer.sync == 0) return;
   DriveOnBus& drive = drives_[node.device];
-  const DriveMessage message = drive.drive.on_frame(frame, answer.t_ns);
+  const bool answered = answer.sync <= drive.answered_sync;
+  const DriveMessage message = drive.drive.on_frame(frame, answer.t_ns, answered);
   if (message.result == ParseResult::other_message) return;
   if (message.result != ParseResult::ok) {
     ++counters_.malformed;
     return;
   }
-  if (message.position) drive.answered_sync = answer.sync;
+  if (message.position && answered) ++counters_.repeated;
+  if (message.position && !answered) drive.answered_sync = answer.sync;
   if (node.canopen || !message.alive) return;
   node.heard = true;
   node.heartbeat_ns = now;

@@ -44,7 +44,8 @@ void Rig::check_samples(Nanoseconds now) noexcept {
     if (encoder.encoder.stale(now)) raise(RigFault::sample_stale, nodes_[encoder.node]);
     if (!encoder.encoder.trusted()) raise(RigFault::sample_implausible, nodes_[encoder.node]);
   }
-  for (const DriveOnBus& drive : drives_) {
+  for (DriveOnBus& drive : drives_) {
+    check_slip(drive, now);
     if (drive.drive.silent(now)) raise(RigFault::drive_silent, nodes_[drive.node]);
     const Encoder& position = drive.drive.position();
     const bool is_sensor = sensors_[static_cast<std::size_t>(drive.joint)] == &position;
@@ -52,6 +53,22 @@ void Rig::check_samples(Nanoseconds now) noexcept {
     if (position.stale(now)) raise(RigFault::sample_stale, nodes_[drive.node]);
     if (!position.trusted()) raise(RigFault::sample_implausible, nodes_[drive.node]);
   }
+}
+
+// A drive's zero may be where it was switched on: what counts is how the two have parted since it was enabled. Samples
+// that are missing or not plausible have faults of their own.
+void Rig::check_slip(DriveOnBus& drive, Nanoseconds now) noexcept {
+  const double max_slip = params_.drives[nodes_[drive.node].device].max_slip;
+  const Encoder* const sensor = sensors_[static_cast<std::size_t>(drive.joint)];
+  if (max_slip <= 0 || sensor == &drive.drive.position()) return;
+  const JointSample joint = sensor->sample(now), motor = drive.drive.position().sample(now);
+  const double later_s = 1e-9 * static_cast<double>(joint.t_ns - motor.t_ns);
+  const double apart = joint.q - joint.q_dot * later_s - motor.q;
+  const bool known = joint.valid && motor.valid;
+  if (known && !ready()) drive.apart = apart;
+  if (!known || std::abs(apart - drive.apart) <= max_slip) drive.t_agreed_ns = now;
+  else if (static_cast<double>(now - drive.t_agreed_ns) > 1e9 * params_.stale_after_s)
+    raise(RigFault::sensors_disagree, nodes_[drive.node]);
 }
 
 void Rig::check_drives() noexcept {

@@ -26,6 +26,8 @@ bool Client::begin(ObjectAddress address, Expected expected, const Message& firs
   abort_code_ = AbortCode::none;
   position_ = 0;
   toggle_ = false;
+  late_answers_ = repeats_;
+  repeats_ = 0;
   state_ = TransferState::busy;
   ask(first, expected);
   return true;
@@ -38,10 +40,24 @@ void Client::ask(const Message& message, Expected expected) noexcept {
   timing_ = false;
 }
 
+bool Client::may_repeat() const noexcept {
+  const bool read = expected_ == Expected::initiate_upload;
+  const bool expedited_write = expected_ == Expected::initiate_download && size_ <= expedited_capacity;
+  return (read || expedited_write) && repeats_ < max_repeats;
+}
+
 void Client::poll(Nanoseconds now, CanBus& bus) noexcept {
+  constexpr int max_requests = 1 + max_repeats;
   if (busy() && !timing_) {
     timing_ = true;
     deadline_ns_ = now + timeout_ns_;
+    repeat_ns_ = now + timeout_ns_ / max_requests;
+  }
+  if (busy() && !must_send_ && may_repeat() && now >= repeat_ns_ && now < deadline_ns_) {
+    ++repeats_;
+    ++late_answers_;
+    must_send_ = true;
+    repeat_ns_ = now + timeout_ns_ / max_requests;
   }
   if (must_send_)
     must_send_ = bus.try_send(make_frame(request_cob_id(node_), message_)) != SendResult::queued;
@@ -57,19 +73,26 @@ void Client::poll(Nanoseconds now, CanBus& bus) noexcept {
 
 bool Client::on_frame(const CanFrame& frame) noexcept {
   Message message;
-  if (!busy() || must_send_ || parse_frame(frame, response_cob_id(node_), message) != ParseResult::ok)
+  const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
+  const bool asked = !must_send_ || (initiating && repeats_ > 0);
+  if (!busy() || !asked || parse_frame(frame, response_cob_id(node_), message) != ParseResult::ok)
     return false;
   const auto response = static_cast<Response>(command_of(message));
-  const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
   const bool addressed = response == Response::abort || initiating;
   if (addressed && address_of(message) != address_) return false;  // late: of an earlier transfer
+  must_send_ = false;                                              // a repeat that has found no room
   if (response == Response::abort) {
     finish(TransferState::aborted, abort_code_of(message));
     return true;
   }
   static constexpr std::array expected_response{Response::initiate_download, Response::download_segment,
                                                 Response::initiate_upload, Response::upload_segment};
+  const bool first = response == Response::initiate_upload || response == Response::initiate_download;
   if (response != expected_response[static_cast<std::size_t>(expected_)]) {
+    if (first && late_answers_ > 0) {
+      --late_answers_;
+      return true;
+    }
     give_up(TransferState::bad_answer, AbortCode::unknown_command);
   } else if (!initiating && toggle_of(message) != toggle_) {
     give_up(TransferState::bad_answer, AbortCode::toggle_not_alternated);
@@ -152,16 +175,17 @@ void Client::give_up(TransferState state, AbortCode code) noexcept {
 std::string Client::failure_text() const {
   std::array<char, 16> code{};
   std::snprintf(code.data(), code.size(), "%08X ", static_cast<unsigned>(abort_code_));
-  const std::string limit = " within " + std::to_string(timeout_ns_ / 1'000'000) + " ms: ";
+  const std::string ms = std::to_string(timeout_ns_ / 1'000'000) + " ms";
   switch (state_) {
     case TransferState::aborted: return std::string("rejected: ") + code.data() + text_of(abort_code_);
     case TransferState::timed_out:
-      return "no answer" + limit +
-             "is the node powered and not stopped, is this its node-ID and no other's, has the bus this bit "
-             "rate and both terminations?";
+      return "no answer within " + ms +
+             (repeats_ == 0 ? "" : " to " + std::to_string(1 + repeats_) + " requests") +
+             ": is the node powered and not stopped, is this its node-ID and no other's, has the bus this "
+             "bit rate and both terminations?";
     case TransferState::not_sent:
-      return "the bus did not take the request" + limit +
-             "is another node on it that acknowledges, at this bit rate?";
+      return "the bus did not take the request within " + ms +
+             ": is another node on it that acknowledges, at this bit rate?";
     case TransferState::bad_answer:
       return std::string("answered against the protocol: ") + code.data() + text_of(abort_code_);
     case TransferState::too_large: return "the object has more than " + std::to_string(capacity) + " bytes";

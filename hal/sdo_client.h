@@ -19,13 +19,16 @@ enum class TransferState : std::uint8_t {
   too_large,   // a read of more than `capacity` bytes
 };
 
-/// A request is repeated by nobody: a lost frame ends as timed_out. Frames that belong to no transfer of this
-/// client, late answers among them, are left alone.
+/// A request whose answer stays away is repeated where that does no harm, which CiA 301 leaves to the client: the first
+/// of a read, and an expedited write, which is the same done twice. A frame that is lost among segments ends as timed_out:
+/// the server's toggle bit may have changed. Frames that belong to no transfer of this client are left alone, late
+/// answers among them, but for one of the same kind and object as is waited for.
 class Client {
  public:
   static constexpr std::size_t capacity = 256;  // bytes of a transfer
+  static constexpr int max_repeats = 2;
 
-  /// timeout: for each answer of the node.
+  /// timeout: for each answer of the node, repeats of the request included.
   explicit Client(std::uint8_t node, Nanoseconds timeout_ns = 1'000'000'000) noexcept
       : node_(node), timeout_ns_(timeout_ns) {}
 
@@ -46,6 +49,8 @@ class Client {
   /// What a read that is done has read.
   std::span<const std::uint8_t> data() const noexcept { return std::span(data_).first(size_); }
   std::uint8_t node() const noexcept { return node_; }
+  /// Of the transfer's first request.
+  int repeats() const noexcept { return repeats_; }
   /// What went wrong and what to check; empty unless it did. Allocates.
   std::string failure_text() const;
 
@@ -54,6 +59,7 @@ class Client {
 
   bool begin(ObjectAddress address, Expected expected, const Message& first) noexcept;
   void ask(const Message& message, Expected expected) noexcept;
+  bool may_repeat() const noexcept;
   void on_upload_started(const Message& message) noexcept;
   void on_upload_segment(const Message& message) noexcept;
   void send_segment() noexcept;
@@ -77,7 +83,9 @@ class Client {
   Message message_{};       // the last one asked with
   bool must_send_ = false;  // message_ has yet to be taken by the bus
   bool timing_ = false;     // deadline_ns_ is set
-  Nanoseconds deadline_ns_ = 0;
+  Nanoseconds deadline_ns_ = 0, repeat_ns_ = 0;
+  int repeats_ = 0;
+  int late_answers_ = 0;  // at most so many may still come, to requests that were repeated
 };
 
 }  // namespace godobject::sdo

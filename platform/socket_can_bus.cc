@@ -193,7 +193,8 @@ bool SocketCanBus::read_message(Message& message) noexcept {
   }
   message.size = static_cast<std::size_t>(size);
   message.own = (head.msg_flags & MSG_CONFIRM) != 0;
-  message.t_ns = stamp_.of(head);
+  // Three readings of clocks: not for own frames that nobody is shown.
+  if (!message.own || observer_.on_frame) message.t_ns = stamp_.of(head);
   for (cmsghdr* part = CMSG_FIRSTHDR(&head); part != nullptr; part = CMSG_NXTHDR(&head, part)) {
     if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SO_RXQ_OVFL)
       std::memcpy(&message.dropped_in_all.emplace(), CMSG_DATA(part), sizeof(std::uint32_t));

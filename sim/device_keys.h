@@ -141,6 +141,12 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
       "100000 counts per turn of the motor",
       names, d.joint, d.calibration);
   visit_max_speed(v, d.max_speed);
+  v.value(Key{"max_slip", "rad or m",
+              "of the joint: how far its position may part from the encoder's, once enabled, before that is "
+              "the fault "
+              "`sensors_disagree`; 0: not compared",
+              not_negative},
+          d.max_slip);
 }
 
 template <class V>

@@ -55,8 +55,10 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .place = FaultPlace::node,
      .meaning = "the sensor keeps showing where it is now",
      .value = {},
-     .reaction = "none: nothing tells it from a joint at rest. The jump at its end, if there is one: as "
-                 "`spike`"},
+     .reaction =
+         "with `max_slip` of the joint's drive, once the joint has moved that far: `sensors_disagree`. "
+         "Without: "
+         "none, nothing tells it from a joint at rest; the jump at its end, if there is one: as `spike`"},
     {.verb = FaultVerb::spike,
      .name = "spike",
      .place = FaultPlace::node,

@@ -33,8 +33,7 @@ void KeyReference::one_of(const Key& key, const std::vector<std::string>& names,
 KeyReference KeyReference::subtable(const TableKey& key, const char* open, const char* close) {
   const std::string path = path_.empty() ? std::string(key.name) : path_ + "." + std::string(key.name);
   out_ += (out_.empty() ? "### `" : "\n### `") + std::string(open) + path + close + "`\n\n" +
-          std::string(key.meaning) + (key.required ? " Required.\n\n" : "\n\n") +
-          "| key | type | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
+          std::string(key.meaning) + (key.required ? " Required.\n\n" : "\n\n") + table_head;
   return KeyReference(out_, path);
 }
 

@@ -14,6 +14,9 @@ namespace godobject {
 
 class KeyReference {
  public:
+  static constexpr const char* table_head =
+      "| key | type | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
+
   explicit KeyReference(std::string& out, std::string path = "") : out_(out), path_(std::move(path)) {}
 
   void value(const Key& key, double x) { row(key, "number", shortest(x)); }
@@ -23,6 +26,12 @@ class KeyReference {
   void value(const Key& key, const Vec3& x);
   void value(const Key& key, bool x) { row(key, "boolean", x ? "true" : "false"); }
   void value(const Key& key, const std::optional<double>&) { row(key, "number", "none"); }
+  /// A key without a default, of T.
+  template <class T>
+  void absent(const Key& key) {
+    constexpr const char* type = std::same_as<T, bool> ? "boolean" : std::integral<T> ? "integer" : "number";
+    row(key, type, "none");
+  }
   void value(const Key& key, const std::optional<Vec3>&) { row(key, "3 numbers", "none"); }
   void value(const Key& key, const std::vector<std::string>&) { row(key, "strings", "none"); }
   template <std::integral T>
@@ -54,6 +63,7 @@ class KeyReference {
   }
 
   bool has(std::string_view) const { return false; }
+  unsigned line_of(std::string_view) const { return 0; }
   void check(bool, std::string_view, const std::string&) {}
   void advise(bool, std::string_view, const std::string&) {}
 

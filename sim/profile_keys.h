@@ -1,4 +1,4 @@
-// Every key of a device profile, once.
+// Every key of a device profile, once. V: TomlReader, or KeyReference, which sees defaults.
 #pragma once
 
 #include <set>
@@ -10,8 +10,9 @@
 namespace godobject {
 
 /// A value and its line; none where the file has no such key.
-template <class T>
-void read_optional(TomlReader& t, const Key& key, std::optional<FromLine<T>>& out) {
+template <class V, class T>
+void read_optional(V& t, const Key& key, std::optional<FromLine<T>>& out) {
+  if constexpr (requires { t.template absent<T>(key); }) return t.template absent<T>(key);
   FromLine<T> read;
   t.value(key, read.value);
   if (!t.has(key.name)) return;
@@ -20,8 +21,9 @@ void read_optional(TomlReader& t, const Key& key, std::optional<FromLine<T>>& ou
 }
 
 /// A key that stands for an object of the dictionary.
-inline void read_object(TomlReader& t, const Key& key, canopen::ObjectAddress address,
-                        canopen::ObjectType type, std::vector<ProfileObject>& out) {
+template <class V>
+void read_object(V& t, const Key& key, canopen::ObjectAddress address, canopen::ObjectType type,
+                 std::vector<ProfileObject>& out) {
   std::optional<FromLine<std::int64_t>> read;
   read_optional(t, key, read);
   if (read) out.push_back({.address = address, .type = type, .value = read->value, .line = read->line});
@@ -29,17 +31,20 @@ inline void read_object(TomlReader& t, const Key& key, canopen::ObjectAddress ad
 
 inline constexpr Range unsigned_8{0, 255}, unsigned_16{0, 65535}, unsigned_32{0, 4294967295.0};
 
-inline void read_identity(TomlReader& t, std::vector<ProfileObject>& out) {
+template <class V>
+void read_identity(V& t, std::vector<ProfileObject>& out) {
   using canopen::ObjectType;
   read_object(t, Key{"device_profile", "", "low word of 1000h: 402 or 406", unsigned_16}, {0x1000, 0},
               ObjectType::u32, out);
-  read_object(t, Key{"vendor", "", "1018h:01", unsigned_32}, {0x1018, 1}, ObjectType::u32, out);
+  read_object(t, Key{"vendor", "", "1018h:01; what is not given is not looked at", unsigned_32}, {0x1018, 1},
+              ObjectType::u32, out);
   read_object(t, Key{"product", "", "1018h:02", unsigned_32}, {0x1018, 2}, ObjectType::u32, out);
   read_object(t, Key{"revision", "", "1018h:03", unsigned_32}, {0x1018, 3}, ObjectType::u32, out);
   read_object(t, Key{"serial", "", "1018h:04", unsigned_32}, {0x1018, 4}, ObjectType::u32, out);
 }
 
-inline void read_timeouts(TomlReader& t, NodeProfile& p) {
+template <class V>
+void read_timeouts(V& t, NodeProfile& p) {
   t.value(Key{"boot",
               "s",
               "from reset communication to the boot-up message",
@@ -51,13 +56,19 @@ inline void read_timeouts(TomlReader& t, NodeProfile& p) {
           p.mode_timeout_s);
 }
 
-inline void read_heartbeat(TomlReader& t, NodeProfile& p) {
-  read_optional(t, Key{"period_ms", "ms", "1017h", unsigned_16}, p.heartbeat_ms);
-  read_optional(t, Key{"host_timeout_ms", "ms", "1016h:01, of the host's heartbeat", unsigned_16},
-                p.host_timeout_ms);
+template <class V>
+void read_heartbeat(V& t, NodeProfile& p) {
+  read_optional(
+      t, Key{"period_ms", "ms", "1017h; at least two within the scene's `heartbeat_timeout`", unsigned_16},
+      p.heartbeat_ms);
+  read_optional(
+      t,
+      Key{"host_timeout_ms", "ms", "1016h:01; at least two of the scene's `heartbeat_period`", unsigned_16},
+      p.host_timeout_ms);
 }
 
-inline void read_drive(TomlReader& t, NodeProfile& p) {
+template <class V>
+void read_drive(V& t, NodeProfile& p) {
   using canopen::ObjectType;
   constexpr Range option{-32768, 32767};
   read_object(t, Key{"quick_stop_option", "", "605Ah", option}, {0x605A, 0}, ObjectType::i16, p.before_map);
@@ -70,12 +81,15 @@ inline void read_drive(TomlReader& t, NodeProfile& p) {
                     "what one of 6076h means; without it 6076h is not looked at", positive},
                 p.torque_rated_unit_Nm);
   read_optional(t, Key{"interpolation_time", "", "60C2h gets the scene's step"}, p.interpolation_time);
-  read_optional(t, Key{"mode", "", "6060h, and 6061h must follow", {-128, 127}}, p.mode);
+  read_optional(t, Key{"mode", "", "6060h, and 6061h must follow; 10 is CST", {-128, 127}}, p.mode);
 }
 
-inline void read_map(TomlReader& t, PdoProfile& pdo) {
-  const Key key{
-      .name = "map", .unit = "", .meaning = "objects, in their order in the frame", .required = true};
+template <class V>
+void read_map(V& t, PdoProfile& pdo) {
+  const Key key{.name = "map",
+                .unit = "",
+                .meaning = "objects in their order in the frame, by name or as \"6077h:00:16\"",
+                .required = true};
   std::vector<std::string> names;
   t.value(key, names);
   for (const std::string& name : names) {
@@ -93,9 +107,13 @@ inline void read_map(TomlReader& t, PdoProfile& pdo) {
   t.check(names.size() != pdo.map.size() || error.empty(), key.name, error);
 }
 
-inline void read_pdo(TomlReader& t, PdoProfile& pdo) {
+template <class V>
+void read_pdo(V& t, PdoProfile& pdo) {
   std::size_t which = 0;
-  t.one_of(Key{.name = "pdo", .unit = "", .meaning = "which of the node's PDOs", .required = true},
+  t.one_of(Key{.name = "pdo",
+               .unit = "",
+               .meaning = "which of the node's PDOs: rpdo1 to rpdo4, tpdo1 to tpdo4",
+               .required = true},
            {"rpdo1", "rpdo2", "rpdo3", "rpdo4", "tpdo1", "tpdo2", "tpdo3", "tpdo4"}, which);
   pdo.direction = which < 4 ? PdoDirection::receive : PdoDirection::transmit;
   pdo.number = static_cast<int>(which % 4) + 1;
@@ -104,7 +122,7 @@ inline void read_pdo(TomlReader& t, PdoProfile& pdo) {
 
   const Key transmission{"transmission", "",
                          "xx:02: 1 to 240 every n-th SYNC, 254 and 255 event; of a TPDO by default "
-                         "status_every_nth_sync of the scene",
+                         "`status_every_nth_sync` of the scene",
                          unsigned_8};
   std::optional<FromLine<std::uint8_t>> type;
   read_optional(t, transmission, type);
@@ -117,7 +135,8 @@ inline void read_pdo(TomlReader& t, PdoProfile& pdo) {
   read_optional(t, Key{"inhibit_100us", "100 us", "xx:03, of a TPDO", unsigned_16}, pdo.inhibit_100us);
   read_optional(t, Key{"event_timer_ms", "ms", "xx:05 of a TPDO: its period", unsigned_16}, event_timer);
   read_optional(t,
-                Key{"deadline_ms", "ms", "xx:05 of an RPDO: the node reacts when it stays out", unsigned_16},
+                Key{"deadline_ms", "ms",
+                    "xx:05 of an RPDO: the node reacts when it stays out, where it has this", unsigned_16},
                 deadline);
   t.check(transmit || !pdo.inhibit_100us, "inhibit_100us", "is of a TPDO: remove it");
   t.check(transmit || !event_timer, "event_timer_ms", "is of a TPDO; an RPDO has deadline_ms");
@@ -129,12 +148,16 @@ inline void read_pdo(TomlReader& t, PdoProfile& pdo) {
 }
 
 /// A write that no other key stands for.
-inline void read_write(TomlReader& t, ProfileObject& object, bool& after_map) {
+template <class V>
+void read_write(V& t, ProfileObject& object, bool& after_map) {
   constexpr Range any_write{-2147483648.0, 4294967295.0};
   t.value(Key{"index", "", "of the object", {0x1000, 0xFFFF}, true}, object.address.index);
   t.value(Key{"sub", "", "its sub-index", unsigned_8}, object.address.sub);
   std::size_t type = static_cast<std::size_t>(canopen::ObjectType::u32);
-  t.one_of(Key{.name = "type", .unit = "", .meaning = "of the object", .required = true},
+  t.one_of(Key{.name = "type",
+               .unit = "",
+               .meaning = "of the object: u8, u16, u32, i8, i16 or i32",
+               .required = true},
            {canopen::object_type_names.begin(), canopen::object_type_names.end() - 1}, type);
   object.type = static_cast<canopen::ObjectType>(type);
   t.value(Key{"value", "", "what is written", any_write, true}, object.value);
@@ -144,25 +167,26 @@ inline void read_write(TomlReader& t, ProfileObject& object, bool& after_map) {
   object.line = t.line_of("value");
 }
 
-inline void read_profile(TomlReader& t, NodeProfile& p) {
+template <class V>
+void read_profile(V& t, NodeProfile& p) {
   t.value(Key{"about", "", "what it is for, and what of it is not tried"}, p.about);
   const auto table = [&](const TableKey& key, auto read) {
     bool present = false;
     t.table(key, present, read);
   };
-  table({"identity", "what 1000h and 1018h must say"}, [&](auto& s) { read_identity(s, p.identity); });
-  table({"timeout", "how long the host waits"}, [&](auto& s) { read_timeouts(s, p); });
-  table({"heartbeat", "of the node, and of the host as the node sees it"},
+  table({"identity", "What 1000h and 1018h must say."}, [&](auto& s) { read_identity(s, p.identity); });
+  table({"timeout", "How long the host waits."}, [&](auto& s) { read_timeouts(s, p); });
+  table({"heartbeat", "Of the node, and of the host as the node sees it."},
         [&](auto& s) { read_heartbeat(s, p); });
-  table({"drive", "of CiA 402"}, [&](auto& s) { read_drive(s, p); });
+  table({"drive", "Of CiA 402."}, [&](auto& s) { read_drive(s, p); });
   std::set<std::pair<PdoDirection, int>> pdos;
-  t.tables(TableKey{"pdo", "a PDO as it shall be; TPDOs that are not named are switched off"}, p.pdos,
+  t.tables(TableKey{"pdo", "A PDO as it shall be; TPDOs that are not named are switched off."}, p.pdos,
            [&](auto& s, PdoProfile& pdo) {
              read_pdo(s, pdo);
              s.check(pdos.emplace(pdo.direction, pdo.number).second, "pdo", "has an earlier [[pdo]]");
            });
   std::vector<ProfileObject> writes;
-  t.tables(TableKey{"write", "an object to write, in the order of the file"}, writes,
+  t.tables(TableKey{"write", "Any other object to write, in the order of the file."}, writes,
            [&](auto& s, ProfileObject& object) {
              bool after_map = false;
              read_write(s, object, after_map);

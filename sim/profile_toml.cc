@@ -5,6 +5,7 @@
 #include <set>
 
 #include "hal/profile_validate.h"
+#include "sim/key_reference.h"
 #include "sim/profile_keys.h"
 
 namespace godobject {
@@ -54,6 +55,14 @@ ProfileResult parse_profile(std::string_view toml, const std::string& file) {
   reader.finish();
   if (!log.ok()) return {std::nullopt, log.errors()};
   return {profile, {}};
+}
+
+std::string profile_reference_markdown() {
+  std::string out = KeyReference::table_head;
+  KeyReference reference(out);
+  NodeProfile defaults;
+  read_profile(reference, defaults);
+  return out;
 }
 
 ProfileResult load_profile(const std::string& path) {

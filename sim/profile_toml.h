@@ -20,6 +20,9 @@ struct ProfileResult {
 ProfileResult parse_profile(std::string_view toml, const std::string& file);
 ProfileResult load_profile(const std::string& path);
 
+/// The keys as Markdown tables, for docs/canopen.md.
+std::string profile_reference_markdown();
+
 struct RigProfilesResult {
   RigProfiles profiles;
   std::vector<std::string> errors;  // empty: the profiles are there and fit the rig

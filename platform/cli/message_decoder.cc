@@ -1,24 +1,13 @@
 #include "platform/cli/message_decoder.h"
 
-#include <cstdarg>
-#include <cstdio>
-
 #include "hal/cia402.h"
 #include "hal/cia406.h"
+#include "hal/format.h"
 #include "hal/sdo.h"
 #include "platform/cli/canopen_texts.h"
 
 namespace godobject {
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  std::array<char, 160> text{};
-  std::va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text.data(), text.size(), pattern, arguments);
-  va_end(arguments);
-  return text.data();
-}
 
 const char* name_of(canopen::NmtState state) {
   switch (state) {
@@ -108,7 +97,8 @@ std::string decode_sdo(const CanFrame& frame, bool is_request) {
 
 }  // namespace
 
-MessageDecoder::MessageDecoder(const RigParams& rig, std::size_t bus) : rig_(&rig), host_(rig.host_node_id) {
+MessageDecoder::MessageDecoder(const RigParams& rig, std::size_t bus)
+    : rig_(&rig), host_(rig.host_node_id), describe_(bus_protocol(protocol_of_bus(rig, bus)).describe) {
   const auto add = [&](const auto& devices, auto member) {
     for (const auto& device : devices)
       if (device.bus == bus && device.node_id <= canopen::max_node_id)
@@ -163,8 +153,7 @@ std::string MessageDecoder::decode_tpdo(const CanFrame& frame, int number, std::
   if (node.encoder && number == 1 && cia406::parse_position(frame, id, counts) == ParseResult::ok)
     return format("%u counts, %s", counts,
                   coordinate(counts, node.encoder->calibration, node.encoder->joint).c_str());
-  if (node.drive && node.drive->protocol == DriveProtocol::cia402)
-    return decode_drive(frame, number, *node.drive);
+  if (node.drive) return decode_drive(frame, number, *node.drive);
   if (node.button && number == 1 && frame.size >= 1)
     return format("inputs %02Xh", static_cast<unsigned>(frame.data[0]));
   return "";
@@ -194,7 +183,22 @@ MessageText MessageDecoder::decode_node_message(const CanFrame& frame, std::uint
                  cia402::torque_from_per_mille(command.target_torque_per_mille, drive->torque_rated_Nm))};
 }
 
+MessageText MessageDecoder::decode_drive_protocol(const CanFrame& frame) const {
+  const DriveText text = describe_(frame);
+  if (text.node == 0) return {};
+  std::string value = text.value;
+  if (text.position_counts) {
+    const DriveParams* const drive = nodes_[text.node].drive;
+    value =
+        (drive ? coordinate(*text.position_counts, drive->calibration, drive->joint)
+               : format("%+.5f rev", static_cast<double>(*text.position_counts) / counts_per_motor_turn)) +
+        ", " + value;
+  }
+  return {text.name + " of " + node_name(text.node), std::move(value)};
+}
+
 MessageText MessageDecoder::decode(const CanFrame& frame) const {
+  if (describe_ != nullptr) return decode_drive_protocol(frame);
   if (!canopen::is_canopen(frame)) return {frame.remote ? "remote frame" : "", ""};
   switch (frame.id) {
     case canopen::nmt_cob_id: return {"NMT", decode_nmt(frame)};

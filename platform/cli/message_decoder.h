@@ -1,20 +1,18 @@
-// What a CAN frame says, in words: by the rules of CANopen, and by the scene where there is one.
+// What a CAN frame says, in words: by the rules of CANopen, or of the drives that the scene has on the bus.
 #pragma once
 
 #include <array>
 #include <string>
 
-#include "hal/canopen.h"
-#include "hal/rig_params.h"
+#include "hal/drive_link.h"
 
 namespace godobject {
 
 struct MessageText {
-  std::string name;   // "TPDO1 of base encoder"; empty: not a message of CANopen
+  std::string name;   // "TPDO1 of base encoder"; empty: not a message of the bus's protocol
   std::string value;  // "0.1234 rad"; empty: nothing is known of the data
 };
 
-/// Frames of drives that do not speak CANopen are named after their node and not decoded.
 class MessageDecoder {
  public:
   /// Knows CANopen (CiA 301) and nothing of the nodes.
@@ -33,6 +31,7 @@ class MessageDecoder {
   };
 
   std::string node_name(std::uint8_t id) const;
+  MessageText decode_drive_protocol(const CanFrame& frame) const;
   MessageText decode_node_message(const CanFrame& frame, std::uint8_t node) const;
   std::string decode_tpdo(const CanFrame& frame, int number, std::uint8_t node) const;
   std::string decode_drive(const CanFrame& frame, int number, const DriveParams& drive) const;
@@ -40,7 +39,8 @@ class MessageDecoder {
 
   const RigParams* rig_ = nullptr;
   std::array<Node, canopen::max_node_id + 1> nodes_{};
-  std::uint8_t host_ = 0;  // node id; 0: not known
+  std::uint8_t host_ = 0;                             // node id; 0: not known
+  DriveText (*describe_)(const CanFrame&) = nullptr;  // of the bus's drives; null: CANopen
 };
 
 }  // namespace godobject

@@ -9,6 +9,7 @@ namespace {
 constexpr double ns = 1e-9;
 
 std::string hexadecimal(const CanFrame& frame) {
+  if (frame.remote) return "remote";
   constexpr std::size_t max_shown = 16;  // bytes; more do not fit a line
   std::string text;
   std::array<char, 4> byte{};
@@ -48,7 +49,8 @@ void MessageTable::add(std::size_t bus, const ReceivedFrame& received) {
   if (b.count++ == 0) b.first_ns = received.t_ns;
   b.last_ns = received.t_ns;
   b.on_wire_ns += duration_ns(exact_bits(received.frame), b.bit_rates);
-  messages_[{bus, received.frame.extended, received.frame.id}].add(received);
+  const CanFrame& frame = received.frame;
+  messages_[{bus, frame.extended, frame.id, frame.remote}].add(received);
 }
 
 std::vector<std::string> MessageTable::lines() const {
@@ -58,7 +60,7 @@ std::vector<std::string> MessageTable::lines() const {
                 "count", "per s", "period ms min/mean/max", "data", "says");
   lines.emplace_back(line.data());
   for (const auto& [key, message] : messages_) {
-    const auto& [bus, extended, id] = key;
+    const auto& [bus, extended, id, remote] = key;
     const MessageText text = buses_[bus].decoder.decode(message.last);
     const double period_s = message.period_s();
     std::array<char, 40> period{};

@@ -45,11 +45,12 @@ class MessageTable {
   const MonitoredBus& bus(std::size_t i) const { return buses_[i]; }
   std::size_t num_buses() const noexcept { return buses_.size(); }
 
-  /// A heading and a line per message: by bus, then by identifier, standard before extended ones.
+  /// A heading and a line per message: by bus, then by identifier, standard before extended ones; a remote frame
+  /// is a message of its own.
   std::vector<std::string> lines() const;
 
  private:
-  using Key = std::tuple<std::size_t, bool, std::uint32_t>;  // bus, extended, identifier
+  using Key = std::tuple<std::size_t, bool, std::uint32_t, bool>;  // bus, extended, identifier, remote
 
   std::vector<MonitoredBus> buses_;
   std::map<Key, MessageStatistics> messages_{};

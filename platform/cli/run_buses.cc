@@ -22,6 +22,7 @@ std::optional<std::size_t> bus_of(const NamedAddress& given, const SceneConfig& 
   const std::vector<BusParams>& buses = scene.device->rig->buses;
   if (given.name.empty() && buses.size() == 1) return 0;
   if (given.name.empty()) {
+    if (std::string error; !parse_bus_address(given.address, error)) errors.push_back("--bus: " + error);
     errors.push_back("--bus: '" + given.address + "' names no bus of the scene, which has " +
                      quoted_names(buses) + ": give" + how_to(scene));
     return std::nullopt;

@@ -29,6 +29,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   params.protocol = static_cast<DriveProtocol>(in.byte() % drive_protocol_names.size());
   params.node_id = 1;
   const std::unique_ptr<DriveLink> link = make_drive_link(params, 1e-3);
+  if (const BusProtocol protocol = bus_protocol(params.protocol); protocol.describe)
+    for (fuzz::Input frames = in; !frames.empty();)
+      if (protocol.describe(fuzz::frame_of(frames)).node > canopen::max_node_id) std::abort();
   const fuzz::NoAllocation guard;
   DriveTelemetry telemetry;
   for (Nanoseconds now = 0; !in.empty(); now += 1'000'000) {

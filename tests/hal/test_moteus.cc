@@ -54,6 +54,31 @@ TEST(Moteus, CommandOfTheDocumentation) {
   EXPECT_TRUE(reader.ok());
 }
 
+TEST(Moteus, FramesAreToldInWords) {
+  const DriveText reply = moteus::describe(moteus::make_reply(node, {.mode = moteus::mode_position,
+                                                                     .position_rev = -0.25,
+                                                                     .velocity_rev_per_s = 0,
+                                                                     .torque_Nm = 0.5,
+                                                                     .fault = 97}));
+  EXPECT_EQ(reply.node, node);
+  EXPECT_EQ(reply.name, "reply");
+  EXPECT_EQ(reply.position_counts, -25000);
+  EXPECT_EQ(reply.value, "position mode, torque +0.5000 Nm, fault 97");
+  const DriveText command = moteus::describe(moteus::make_torque(node, -0.25f, 0.02f));
+  EXPECT_EQ(command.node, node);
+  EXPECT_EQ(command.name, "command and query");
+  EXPECT_EQ(command.value, "position mode, torque -0.2500 Nm");
+  EXPECT_EQ(moteus::describe(moteus::make_stop(node, false)).name, "command");
+  EXPECT_EQ(moteus::describe(moteus::make_stop(node, false)).value, "stopped");
+  EXPECT_EQ(moteus::describe(moteus::make_query(node)).name, "query");
+  CanFrame foreign = moteus::make_query(node);
+  foreign.id = 0x12345;
+  EXPECT_EQ(moteus::describe(foreign).node, 0);
+  foreign = moteus::make_query(node);
+  foreign.fd = false;
+  EXPECT_EQ(moteus::describe(foreign).node, 0);
+}
+
 TEST(Moteus, ReplyOfTheDocumentation) {
   moteus::Reply reply;
   ASSERT_EQ(moteus::parse_reply(reply_frame(bytes_of("2404000a005000000170ff230d181400")), node, reply),

@@ -47,6 +47,31 @@ TEST(Odrive, EstimatesComeBackAndNotANumberDoesNot) {
   EXPECT_EQ(out.position_rev, 1.25f);
 }
 
+TEST(Odrive, MessagesAreToldInWords) {
+  const DriveText heartbeat = odrive::describe(
+      odrive::make_heartbeat(node, {.error = odrive::error_watchdog, .axis_state = odrive::axis_idle}));
+  EXPECT_EQ(heartbeat.node, node);
+  EXPECT_EQ(heartbeat.name, "heartbeat");
+  EXPECT_EQ(heartbeat.value, "idle, error 01000000h watchdog");
+  const DriveText estimates = odrive::describe(odrive::make_encoder_estimates(node, {-0.25f, 2}));
+  EXPECT_EQ(estimates.position_counts, -25000);
+  EXPECT_EQ(estimates.value, "velocity +2.0000 rev/s");
+  EXPECT_EQ(odrive::describe(odrive::make_encoder_estimates(node, {nan, 2})).position_counts, std::nullopt);
+  EXPECT_EQ(odrive::describe(odrive::make_request(node, odrive::Command::encoder_estimates)).name,
+            "estimates request");
+  EXPECT_EQ(odrive::describe(odrive::make_input_torque(node, -0.5f)).value, "torque -0.5000 Nm");
+  EXPECT_EQ(odrive::describe(odrive::make_torques(node, {.target_Nm = 1, .estimate_Nm = 0.5f})).value,
+            "torque +0.5000 Nm, target +1.0000 Nm");
+  EXPECT_EQ(odrive::describe(odrive::make_set_axis_state(node, 8)).value, "closed loop");
+  EXPECT_EQ(odrive::describe(odrive::make_torque_mode(node)).value, "torque control");
+  EXPECT_EQ(odrive::describe({.id = node << 5 | 0x1D, .size = 8}).name, "message 1Dh");
+  EXPECT_EQ(
+      odrive::describe({.id = odrive::frame_id(node, odrive::Command::set_input_torque), .size = 2}).value,
+      "")
+      << "too short";
+  EXPECT_EQ(odrive::describe({.id = 0x7E1, .size = 8}).node, 0);
+}
+
 TEST(Odrive, OtherNodesRemoteAndExtendedFramesAreNotItsOwn) {
   odrive::Heartbeat out;
   CanFrame frame = odrive::make_heartbeat(node, {});

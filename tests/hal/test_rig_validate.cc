@@ -141,6 +141,12 @@ const BrokenRule broken_rules[] = {
     {"torque_rate_Nm_per_s is -1", [](RigParams& r) { r.drives[0].torque_rate_Nm_per_s = -1; }},
     {"joint_per_motor_rad is 0", [](RigParams& r) { r.drives[0].joint_per_motor_rad = 0; }},
     {"status_every_nth_sync is 241", [](RigParams& r) { r.drives[0].status_every_nth_sync = 241; }},
+    {"max_slip is -1, must be >= 0", [](RigParams& r) { r.drives[0].max_slip = -1; }},
+    {"max_slip compares it with an encoder on its joint, which has none",
+     [](RigParams& r) {
+       r.encoders.erase(r.encoders.begin());
+       r.drives[0].max_slip = 0.01;
+     }},
     {"step is 0", [](RigParams& r) { r.cycle_s = 0; }},
     {"stale_after is 0.0005, must be at least step (", [](RigParams& r) { r.stale_after_s = 5e-4; }},
     {"boot_timeout is 0", [](RigParams& r) { r.boot_timeout_s = 0; }},

@@ -210,13 +210,60 @@ TEST(Sdo, OneTransferAtATime) {
 TEST(Sdo, TimesOutAndTellsTheNode) {
   Dialogue d;
   ASSERT_TRUE(d.client.read({0x6061, 0}));
-  d.request(0);
+  const std::string request = d.request(0);
+  EXPECT_EQ(d.request(33 * ms), "");
+  EXPECT_EQ(d.request(34 * ms), request);
+  EXPECT_EQ(d.request(68 * ms), request);
   EXPECT_EQ(d.request(99 * ms), "");
   EXPECT_TRUE(d.client.busy());
   d.request(100 * ms);
   EXPECT_EQ(d.client.state(), TransferState::timed_out);
+  EXPECT_NE(d.client.failure_text().find("no answer within 100 ms to 3 requests: "), std::string::npos);
   EXPECT_EQ(d.request(101 * ms), "80 61 60 00 00 00 04 05");
   EXPECT_FALSE(d.answer({0x4F, 0x61, 0x60, 0x00, 7})) << "late";
+}
+
+TEST(Sdo, ARepeatedRequestIsAnsweredAndItsLateAnswerDisturbsNoOther) {
+  Dialogue d;
+  ASSERT_TRUE(d.client.read({0x1400, 1}));
+  d.request(0);
+  EXPECT_NE(d.request(40 * ms), "");
+  EXPECT_EQ(d.client.repeats(), 1);
+  ASSERT_TRUE(d.answer({0x43, 0x00, 0x14, 0x01, 4, 2, 0, 0}));
+  EXPECT_EQ(d.client.state(), TransferState::done);
+  ASSERT_TRUE(d.client.write({0x1400, 1}, std::array<std::uint8_t, 4>{4, 2, 0, 0x80}));
+  d.request(50 * ms);
+  d.answer({0x43, 0x00, 0x14, 0x01, 4, 2, 0, 0});
+  EXPECT_TRUE(d.client.busy()) << "of the read, whose first answer was only late";
+  d.answer({0x60, 0x00, 0x14, 0x01});
+  EXPECT_EQ(d.client.state(), TransferState::done);
+}
+
+TEST(Sdo, ALateAnswerAmongSegmentsDisturbsThemNot) {
+  Dialogue d;
+  ASSERT_TRUE(d.client.read({0x1008, 0}));
+  d.request(0);
+  d.request(40 * ms);
+  d.answer({0x41, 0x08, 0x10, 0x00, 3, 0, 0, 0});
+  d.answer({0x41, 0x08, 0x10, 0x00, 3, 0, 0, 0});  // before the segment has been asked for
+  EXPECT_EQ(d.request(41 * ms), "60 00 00 00 00 00 00 00");
+  d.answer({0x41, 0x08, 0x10, 0x00, 3, 0, 0, 0});  // and after
+  EXPECT_TRUE(d.client.busy());
+  d.answer({0x09, 'a', 'b', 'c', 0, 0, 0, 0});
+  EXPECT_EQ(d.client.state(), TransferState::done);
+}
+
+TEST(Sdo, NothingIsRepeatedAmongSegments) {
+  Dialogue d;
+  ASSERT_TRUE(d.client.write({0x1008, 0}, std::array<std::uint8_t, 9>{}));
+  EXPECT_NE(d.request(0), "");
+  EXPECT_EQ(d.request(50 * ms), "");
+  d.answer({0x60, 0x08, 0x10, 0x00});
+  EXPECT_NE(d.request(60 * ms), "");
+  EXPECT_EQ(d.request(120 * ms), "");
+  d.request(160 * ms);
+  EXPECT_EQ(d.client.state(), TransferState::timed_out);
+  EXPECT_NE(d.client.failure_text().find("no answer within 100 ms: "), std::string::npos);
 }
 
 TEST(Sdo, FullBusIsTriedAgainUntilTheTimeout) {

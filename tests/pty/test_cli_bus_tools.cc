@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/cli/fault_texts.h"
+#include "tests/support/faulty_rig.h"
 #include "tests/support/program.h"
 
 namespace godobject::test::test_cli_bus_tools {
@@ -167,6 +168,31 @@ TEST_F(CliMonitor, DecodesCanopenWithoutAScene) {
   EXPECT_THAT(result.output, ContainsRegex("705 +heartbeat of node 5 .*boot-up"));
   EXPECT_THAT(result.output, ContainsRegex("00012345 .*01 02"));
   EXPECT_THAT(result.output, HasSubstr("of 500 kbit/s"));
+}
+
+TEST_F(CliMonitor, DecodesTheBusesOfOtherDrives) {
+  const auto scene_with = [&](const std::string& drive, const std::string& bus) {
+    std::string scene = two_joints_toml;
+    for (std::size_t at = 0; (at = scene.find("torque_rated_Nm", at)) != std::string::npos;
+         at += drive.size() + 1)
+      scene.insert(at, drive);
+    const std::string second_bus = "name = \"can1\"\n";
+    return write("scene.toml", scene.insert(scene.find(second_bus) + second_bus.size(), bus));
+  };
+  const auto table_of = [&](const std::string& scene) {
+    const std::string log = path("drives.log");
+    EXPECT_EQ(run_program("run " + scene + " --duration 0.3 --record " + log).exit_code, 0);
+    return run_program("monitor --plain --scene " + scene + " --bus can1=replay:" + log + ",can1").output;
+  };
+  const std::string odrive = table_of(scene_with("protocol = \"odrive\"\n", ""));
+  EXPECT_THAT(odrive, ContainsRegex("029 +estimates of turret drive .* [+-][0-9.]+ rad, velocity "));
+  EXPECT_THAT(odrive, ContainsRegex("029 +estimates request of turret drive .* remote "));
+  EXPECT_THAT(odrive, ContainsRegex("04E +torque command of elbow drive .* torque [+-][0-9.]+ Nm"));
+  EXPECT_THAT(odrive, ContainsRegex("041 +heartbeat of elbow drive .* closed loop"));
+  const std::string moteus = table_of(scene_with("protocol = \"moteus\"\n", "data_bit_rate = 5e6\n"));
+  EXPECT_THAT(moteus, ContainsRegex(" 100 +reply of turret drive .* rad, position mode, torque [+-]"));
+  EXPECT_THAT(moteus,
+              ContainsRegex("00008002 +command and query of elbow drive .* position mode, torque [+-]"));
 }
 
 TEST_F(CliMonitor, StopsAfterItsDuration) {

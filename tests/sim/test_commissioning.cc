@@ -7,6 +7,7 @@
 #include <string>
 
 #include "hal/commissioning_steps.h"
+#include "hal/pdo_map.h"
 #include "hal/profile_validate.h"
 #include "hal/sdo_sequence.h"
 #include "sim/diagnostics.h"
@@ -66,6 +67,22 @@ Changed changed(const std::string& name, const std::string& from, const std::str
   const ProfileResult parsed = parse_profile(text, name + ".toml");
   EXPECT_THAT(parsed.errors, IsEmpty());
   return {parsed.profile.value(), name + ".toml:" + std::to_string(line)};
+}
+
+std::string canopen_document() {
+  return read_text(std::string(GODOBJECT_SOURCE_DIR) + "/docs/canopen.md").value();
+}
+
+TEST(ProfileReference, DocumentHoldsTheGeneratedTables) {
+  const std::string expected =
+      "<!-- keys: begin -->\n\n" + profile_reference_markdown() + "\n<!-- keys: end -->";
+  EXPECT_THAT(canopen_document(), HasSubstr(expected))
+      << "paste the tables of profile_reference_markdown() between the markers";
+}
+
+TEST(ProfileReference, DocumentHasTheNamesOfObjects) {
+  for (const NamedObject& object : named_objects())
+    EXPECT_THAT(canopen_document(), HasSubstr("`" + std::string(object.name) + "`"));
 }
 
 TEST(Commissioning, FactoryNodesDoNotWorkWithoutIt) {

@@ -69,6 +69,35 @@ TEST(FaultInjector, StuckSensorShowsWhereItWas) {
   EXPECT_NE(device.link.rig().joints().q[0], q);
 }
 
+// Without max_slip the same is no fault: EveryReaction.
+TEST(SensorsDisagree, AStuckEncoderIsToldFromAJointAtRestByTheDriveOnIt) {
+  SceneConfig scene = test::two_joints();
+  for (DriveParams& drive : scene.device->rig->drives) drive.max_slip = 0.01;
+  test::FaultyRig device(scene);
+  ASSERT_TRUE(device.boot()) << device.rig.fault_text();
+  EXPECT_FALSE(device.cycles_to_fault(2000)) << device.rig.fault_text();
+  device.play("stuck bus=can0 node=2");
+  ASSERT_TRUE(device.cycles_to_fault(300));
+  EXPECT_EQ(device.rig.faults(), RigFault::sensors_disagree) << device.rig.fault_text();
+  EXPECT_NE(device.rig.fault_text().find("can1 node 2, drive of elbow"), std::string::npos);
+  EXPECT_TRUE(device.cycles_to_zero(test::cycles_of_watchdog));
+}
+
+TEST(SensorsDisagree, AStuckDriveIsSeenTooAndDistanceBeforeReadyDoesNotCount) {
+  SceneConfig scene = test::two_joints();
+  for (DriveParams& drive : scene.device->rig->drives) {
+    drive.max_slip = 0.01;
+    drive.status_every_nth_sync = 4;
+    drive.calibration.home = 0.5;  // of a motor that was switched on anywhere
+  }
+  test::FaultyRig device(scene);
+  ASSERT_TRUE(device.boot()) << device.rig.fault_text();
+  EXPECT_FALSE(device.cycles_to_fault(2000)) << device.rig.fault_text();
+  device.play("stuck bus=can1 node=1");
+  ASSERT_TRUE(device.cycles_to_fault(300));
+  EXPECT_EQ(device.rig.faults(), RigFault::sensors_disagree) << device.rig.fault_text();
+}
+
 TEST(FaultInjector, BeginsAndEndsInTime) {
   SceneConfig scene = test::two_joints();
   scene.faults = {{.verb = "drop", .bus = "can0", .node_id = 1, .at = 0.5, .duration = 0.002, .value = 1}};

@@ -33,8 +33,9 @@ inline void pause_ms(int ms) { poll(nullptr, 0, ms); }
 
 /// The next frame, waited for at most so long.
 inline std::optional<ReceivedFrame> receive(LinuxBus& bus, int timeout_ms = 1000) {
-  const Nanoseconds end = MonotonicClock{}.now() + Nanoseconds{timeout_ms} * 1'000'000;
   ReceivedFrame out;
+  if (bus.try_receive(out)) return out;
+  const Nanoseconds end = MonotonicClock{}.now() + Nanoseconds{timeout_ms} * 1'000'000;
   while (!bus.try_receive(out)) {
     const Nanoseconds left = end - MonotonicClock{}.now();
     if (left <= 0 || bus.descriptor() < 0) return std::nullopt;

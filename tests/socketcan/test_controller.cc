@@ -182,7 +182,7 @@ TEST_F(ControllerTest, UnpluggingTheAdapterRemovesTheInterface) {
   EXPECT_EQ(bus->try_send({.id = 1}), SendResult::down);
 }
 
-// slcan has no restart, so its report is sent by another socket, as a driver would.
+// slcan has no restart, so its report is sent by another socket, as a driver would: test_restart.cc has one that does.
 TEST_F(VirtualCanTest, ARestartEndsBusOff) {
   ASSERT_TRUE(bus.open());
   const int driver = socket(PF_CAN, SOCK_RAW, CAN_RAW);

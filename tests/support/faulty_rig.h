@@ -97,12 +97,14 @@ inline SceneConfig two_joints() {
   return *loaded.scene;
 }
 
-/// The rig's cycles as a session runs them, with a constant wrench shown to the hand.
-class FaultyRig {
+/// The rig's cycles as a session runs them, with a constant wrench shown to the hand. Link: a RigLink that is made
+/// as SimLink is and has its rig().
+template <class Link>
+class FaultyRigOn {
  public:
   static constexpr Nanoseconds period_ns = 1'000'000, poll_ns = 50'000, gather_ns = 750'000;
 
-  explicit FaultyRig(const SceneConfig& config = two_joints())
+  explicit FaultyRigOn(const SceneConfig& config = two_joints())
       : scene(config),
         motion(scene),
         link(scene, motion, period_ns, poll_ns),
@@ -165,12 +167,13 @@ class FaultyRig {
 
   SceneConfig scene;
   Motion motion;
-  SimLink link;
+  Link link;
   Rig rig;
   DeviceSample sample;
   Wrench F_hand_W{.tau = Vec3::Zero(), .f = Vec3(0, 2, 2)};
   double motion_time = 0;  // s
   Nanoseconds t_sync_ns = 0;
 };
+using FaultyRig = FaultyRigOn<SimLink>;
 
 }  // namespace godobject::test
