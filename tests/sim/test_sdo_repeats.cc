@@ -5,7 +5,7 @@
 
 #include "tests/support/faulty_rig.h"
 
-namespace godobject {
+namespace godobject::test_sdo_repeats {
 namespace {
 
 TEST(SdoRepeats, LostFramesCostTimeAndNotTheTransfer) {
@@ -32,4 +32,4 @@ TEST(SdoRepeats, LostFramesCostTimeAndNotTheTransfer) {
 }
 
 }  // namespace
-}  // namespace godobject
+}  // namespace godobject::test_sdo_repeats

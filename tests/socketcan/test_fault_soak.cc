@@ -5,7 +5,7 @@
 
 #include "tests/socketcan/vcan_link.h"
 
-namespace godobject::test {
+namespace godobject::test::test_fault_soak {
 namespace {
 
 constexpr const char* interface_down = "interface down bus=can0";
@@ -51,4 +51,4 @@ TEST_F(FaultSoakOverVcan, EveryFaultIsSeenNamedAndRecoveredFrom) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_fault_soak

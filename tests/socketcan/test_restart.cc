@@ -1,7 +1,7 @@
 // Bus-off and the way back through a driver that has one: by the kernel's timer, and by hand.
 #include "tests/socketcan/usb_can_adapter.h"
 
-namespace godobject::test {
+namespace godobject::test::test_restart {
 namespace {
 
 class RestartTest : public CanTest {
@@ -66,4 +66,4 @@ TEST_F(RestartTest, ByTheKernelAfterRestartMs) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_restart
