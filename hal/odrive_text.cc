@@ -50,14 +50,14 @@ std::string value_of(const CanFrame& frame, std::uint8_t node, Command command) 
       return text_of_axis_state(heartbeat.axis_state) + text_of_error(heartbeat.error);
     case Command::torques:
       if (parse_torques(frame, node, torques) != ParseResult::ok) return "";
-      return format("torque %+.4f Nm, target %+.4f Nm", double{torques.estimate_Nm},
-                    double{torques.target_Nm});
+      return format("torque %+.4f Nm, target %+.4f Nm", static_cast<double>(torques.estimate_Nm),
+                    static_cast<double>(torques.target_Nm));
     case Command::set_axis_state:
       if (const auto state = number_of<std::uint32_t>(frame)) return text_of_axis_state(*state);
       return "";
     case Command::set_input_torque:
       if (const auto torque_Nm = number_of<float>(frame))
-        return format("torque %+.4f Nm", double{*torque_Nm});
+        return format("torque %+.4f Nm", static_cast<double>(*torque_Nm));
       return "";
     case Command::set_controller_mode:
       if (const auto mode = number_of<std::uint32_t>(frame))
@@ -84,7 +84,7 @@ DriveText describe(const CanFrame& frame) {
   if (parse_encoder_estimates(frame, node, estimates) == ParseResult::ok) {
     text.position_counts =
         saturate_to<std::int32_t>(counts_per_motor_turn * static_cast<double>(estimates.position_rev));
-    text.value = format("velocity %+.4f rev/s", double{estimates.velocity_rev_per_s});
+    text.value = format("velocity %+.4f rev/s", static_cast<double>(estimates.velocity_rev_per_s));
   }
   return text;
 }
