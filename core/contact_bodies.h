@@ -153,7 +153,7 @@ void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScrat
     const bool touches = near.n_W.dot(F) > 0;
     if (!touches && !(depth > 0)) continue;
     const ContactLaw& law = par.law(par.spheres[near.sphere].material, touched_material(par, near));
-    next.list[next.size++] = carried_over(law, w.begun[i], h, near.n_W, F, depth);
+    next.list[next.size++] = carried_over(law, w.begun[i], h, near.n_W, F);
     const Vec3 point = near.c_W - par.spheres[near.sphere].radius * near.n_W;
     const auto on = [&](std::uint32_t body, const Vec3& f) noexcept {
       w.wrenches[body].f += f;

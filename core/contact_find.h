@@ -118,9 +118,9 @@ class RecallDeepPairs {
   std::size_t at_ = 0;
 };
 
-/// Spheres of body a against the surfaces [first, end) of body b. Those of a body with shapes that are deep in a box
-/// of the world leave it through one face. leaving_W: the way by which all spheres of a leave b, if they are deep in
-/// each other. True, and worthless: they are, and it is not given.
+/// Spheres of body a against the surfaces [first, end) of body b. Those of a body with shapes that are deep in a box of the
+/// world leave it through one face. leaving_W: the way by which all spheres of a leave b, if they are deep in each other.
+/// True, and worthless: they are, and it is not given.
 template <class Contacts, std::size_t N>
 bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
                       std::uint64_t pair, std::uint32_t first, std::uint32_t end, const Vec3* leaving_W,

@@ -134,7 +134,7 @@ void end_contacts(const typename Contacts::Params& par, Real h, const Tree<N, Jo
     const bool touches = near.n_W.dot(F) > 0;
     if (!touches && !(depth > 0)) continue;
     const ContactLaw& law = par.law(sphere.material, par.surfaces[near.touched].material);
-    next.list[next.size++] = carried_over(law, w.begun[i], h, near.n_W, F, depth);
+    next.list[next.size++] = carried_over(law, w.begun[i], h, near.n_W, F);
     const TreePlace& at = tree.nodes[sphere.body].at;
     Wrench& sum = w.wrenches[sphere.body];
     sum.f += F;

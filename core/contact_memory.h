@@ -14,7 +14,6 @@ struct ContactMemory {
   Vec3 xi_W = Vec3::Zero();      // how far the contact point has been dragged since it stuck, m
   Vec3 xi_dot_W = Vec3::Zero();  // how fast it was, m/s
   Real e = 0;                    // depth that no motion explains, m
-  Real pressed = 0;              // d - e where the last stage ended, if that was above zero, m
   Vec3 F_W = Vec3::Zero();       // force in the last stage, N
   Vec3 n_W = Vec3::Zero();       // normal
 };
@@ -82,9 +81,7 @@ inline Real let_out(Real e, Real d, Real by, Real most) noexcept {
 }
 
 /// The memory with which a stage treats a contact of normal n. d_0, v_n: depth where the stage starts, and how fast it
-/// opens. Where the normal has turned round a corner the contact is another one. Between bodies d_0 - e is no
-/// more than was pressed together before: for what else is deeper, as normals and bodies turn, nobody has done work,
-/// and a spring that is given it drives. The world may be run into as far as motion explains.
+/// opens. Where the normal has turned round a corner the contact is another one.
 inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, Real h, std::uint64_t key,
                               const ContactMemory* of_step, const ContactMemory* of_stage, const Vec3& n_W,
                               Real d_0, Real v_n, bool on_world) noexcept {
@@ -95,20 +92,11 @@ inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, 
   if (of_step != nullptr) m = *of_step;
   m.xi_W += stage.t_0 * m.xi_dot_W;
   if (of_stage != nullptr) m.xi_W += stage.t_1 * of_stage->xi_dot_W;
-  const bool is_new = of_step == nullptr && of_stage == nullptr;
-  const Real closing = h * std::max(-v_n, Real(0));
-  if (of_step == nullptr && of_stage != nullptr) m.e = of_stage->e;
-  if (is_new && on_world) m.e = std::max(d_0 - 2 * closing, Real(0));
-  if (!on_world) {
-    const auto pressed = [](const ContactMemory* before) noexcept {
-      return before != nullptr ? before->pressed : Real(0);
-    };
-    const Real most = std::max(pressed(of_step), pressed(of_stage)) + (stage.goes_on ? closing : 0);
-    m.e = std::max(m.e, d_0 - most);
-  }
   if (of_step != nullptr)
     m.e = let_out(m.e, d_0, stage.elapsed * law.push_out,
                   on_world ? std::numeric_limits<Real>::infinity() : max_pushed_steps * h * law.push_out);
+  else if (of_stage != nullptr) m.e = of_stage->e;
+  else m.e = std::max(d_0 - 2 * h * std::max(-v_n, Real(0)), Real(0));
   return m;
 }
 

@@ -193,9 +193,8 @@ inline Block transposed(const Block& A) noexcept { return transposed(A.col[0], A
 
 /// What a contact of normal n carries over, F its force.
 inline ContactMemory carried_over(const ContactLaw& law, const ContactMemory& begun, Real h, const Vec3& n,
-                                  const Vec3& F, Real d) noexcept {
-  ContactMemory memory{
-      .key = begun.key, .e = begun.e, .pressed = std::max(d - begun.e, Real(0)), .F_W = F, .n_W = n};
+                                  const Vec3& F) noexcept {
+  ContactMemory memory{.key = begun.key, .e = begun.e, .F_W = F, .n_W = n};
   if (!(n.dot(F) > 0 && law.k_t > 0)) return memory;
   const Vec3 F_t = F - n * n.dot(F), xi = begun.xi_W - n * n.dot(begun.xi_W);
   memory.xi_W = dragged(law, xi, F_t, h);
