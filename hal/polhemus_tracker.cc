@@ -10,9 +10,9 @@ namespace {
 constexpr Nanoseconds millisecond = 1'000'000;
 constexpr Nanoseconds command_period = 60 * millisecond;     // neither model answers: it is given time
 constexpr Nanoseconds record_patience = 1000 * millisecond;  // for the first record, and then for each
-constexpr double max_speed = 10;                    // m/s
-constexpr double max_jump = 0.02;                   // m, whatever the time between two records
-constexpr int max_refused = 3;                      // records in a row; then it has really moved
+constexpr double max_speed = 10;                             // m/s
+constexpr double max_jump = 0.02;                            // m, whatever the time between two records
+constexpr int max_refused = 3;                               // records in a row; then it has really moved
 
 std::uint8_t station_of(const std::string& tool) {
   unsigned station = 0;

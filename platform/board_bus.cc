@@ -91,8 +91,7 @@ void BoardBus::read_port() noexcept {
     nodes_.receive({bytes.data(), size}, MonotonicClock{}.now());
   }
   // A port that is gone is always readable: it would keep the loop awake.
-  if (port_.state() != SerialState::open)
-    epoll_ctl(waiting_fd_, EPOLL_CTL_DEL, port_.descriptor(), nullptr);
+  if (port_.state() != SerialState::open) epoll_ctl(waiting_fd_, EPOLL_CTL_DEL, port_.descriptor(), nullptr);
 }
 
 /// A timer that is set anew is not readable any more. Without anything on its way it is switched off.

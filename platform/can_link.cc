@@ -1,9 +1,9 @@
 #include "platform/can_link.h"
 
 #include <linux/can/netlink.h>
-#include <net/if_arp.h>
 #include <linux/rtnetlink.h>
 #include <net/if.h>
+#include <net/if_arp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 

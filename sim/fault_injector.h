@@ -27,8 +27,7 @@ class FaultInjector {
   /// nodes: those that run on the wire; a second node of an id joins them.
   void add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes);
   /// Index for shown().
-  std::size_t add_node(std::size_t bus, SimCanPort& port, SimNode& node,
-                       const Calibration& calibration);
+  std::size_t add_node(std::size_t bus, SimCanPort& port, SimNode& node, const Calibration& calibration);
   void schedule_all(std::span<const SimFault> faults);
 
   // Then. Nothing allocates.

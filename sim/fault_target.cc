@@ -133,8 +133,9 @@ TrackerFaultResult resolve(const FaultConfig& config, std::span<const TrackerPar
   if (!error.empty()) return {{}, error};
   if (text.place != FaultPlace::tracker) return {fault, ""};
   if (fault.value != std::floor(fault.value) || fault.value > static_cast<double>(named->tools.size()))
-    return {{},
-            "tracker " + in_quotes(config.tracker) + " has tools 1 to " + std::to_string(named->tools.size())};
+    return {
+        {},
+        "tracker " + in_quotes(config.tracker) + " has tools 1 to " + std::to_string(named->tools.size())};
   fault.tool = static_cast<std::size_t>(fault.value) - 1;
   return {fault, ""};
 }

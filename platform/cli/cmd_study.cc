@@ -69,8 +69,8 @@ ExitCode run(const StudyArguments& a) {
 }  // namespace
 
 void add_study(CLI::App& app, ExitCode& code) {
-  CLI::App* verb =
-      app.add_subcommand("study", "Measure error against run time, stability, footprint, joints and contacts.");
+  CLI::App* verb = app.add_subcommand(
+      "study", "Measure error against run time, stability, footprint, joints and contacts.");
   const auto arguments = std::make_shared<StudyArguments>();
   verb->add_option("PART", arguments->part, "error, stability, footprint, joints, contacts or all (default)")
       ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "all"}));

@@ -121,12 +121,9 @@ Json machine(const std::vector<RtStep>& setup) {
 }
 
 Json answers(const RigCounters& c) {
-  return {{"syncs", c.syncs},
-          {"incomplete_syncs", c.incomplete_syncs},
-          {"frames", c.frames},
-          {"malformed", c.malformed},
-          {"repeated", c.repeated},
-          {"foreign", c.foreign}};
+  return {{"syncs", c.syncs},       {"incomplete_syncs", c.incomplete_syncs},
+          {"frames", c.frames},     {"malformed", c.malformed},
+          {"repeated", c.repeated}, {"foreign", c.foreign}};
 }
 
 Json limits(const RunStatistics& statistics) {

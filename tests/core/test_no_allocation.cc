@@ -117,7 +117,8 @@ TEST(NoAllocationOfTouchingBodies, InAnyStep) {
   if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
   const auto pile = std::make_unique<Pile<TouchingBodies<TrBdf2, 6, PoseDevice, 30>>>();
   pile->add_floor();
-  for (int i = 0; i < 6; ++i) pile->add_brick({.X_WB = at(Vec3(0.004 * i, 0, 0.005 + 0.0101 * i)), .V_WB = {}});
+  for (int i = 0; i < 6; ++i)
+    pile->add_brick({.X_WB = at(Vec3(0.004 * i, 0, 0.005 + 0.0101 * i)), .V_WB = {}});
   pile->hold_at(0, {}, spring(pile->par.bodies[0].body, 300, 0.05));
   std::size_t num_contacts = 0, num_full = 0;
   AllocationGuard guard;

@@ -110,9 +110,11 @@ void add_contacts(Params<S>& par) {
   for (std::size_t k = 0; k < 8; ++k)
     contacts.spheres[contacts.num_spheres++] = {
         .body = k / 4, .p_B = Vec3(k % 2 == 0 ? 0.05 : -0.05, k % 4 < 2 ? 0.03 : -0.03, 0), .radius = 0.02};
-  contacts.surfaces[contacts.num_surfaces++] = {.shape = {.X_WS = {.p = Vec3(0, 0, -0.02), .q = Quat(0.8, 0, 0.6, 0)}}};
   contacts.surfaces[contacts.num_surfaces++] = {
-      .shape = {.kind = ShapeKind::box, .X_WS = {.p = Vec3(0.1, 0, 0), .q = Quat(0.6, 0, 0, 0.8)},
+      .shape = {.X_WS = {.p = Vec3(0, 0, -0.02), .q = Quat(0.8, 0, 0.6, 0)}}};
+  contacts.surfaces[contacts.num_surfaces++] = {
+      .shape = {.kind = ShapeKind::box,
+                .X_WS = {.p = Vec3(0.1, 0, 0), .q = Quat(0.6, 0, 0, 0.8)},
                 .half_extents = Vec3(0.02, 0.03, 0.04)}};
   contacts.laws[0][0] = {.k = 2e4, .c = 40, .mu = 0.4, .k_t = 1e4, .c_t = 10};
 }
@@ -124,7 +126,8 @@ void add_touching(Params<S>& par) {
   for (std::size_t k = 0; k < 20; ++k)
     contacts.spheres[contacts.num_spheres++] = {
         .body = k / 4, .p_B = Vec3(k % 2 == 0 ? 0.05 : -0.05, k % 4 < 2 ? 0.03 : -0.03, 0), .radius = 0.02};
-  contacts.surfaces[contacts.num_surfaces++] = {.shape = {.X_WS = {.p = Vec3(0, 0, -0.02), .q = Quat(0.8, 0, 0.6, 0)}}};
+  contacts.surfaces[contacts.num_surfaces++] = {
+      .shape = {.X_WS = {.p = Vec3(0, 0, -0.02), .q = Quat(0.8, 0, 0.6, 0)}}};
   for (std::size_t i = 0; i < 4; ++i) {
     Surface& surface = contacts.surfaces[contacts.num_surfaces++];
     surface.body = i;
@@ -194,7 +197,8 @@ void print_hashes() {
   print_hash<Tool<Integrator>>("  joints");
   print_hash<Touching<Integrator>>("  contacts");
   print_hash<TouchingEachOther<Integrator>>("  contacts between bodies");
-  print_hash<TouchingEachOther<Integrator, TreeJoints<JointStops, ImposedJoints>>>("  contacts between tools");
+  print_hash<TouchingEachOther<Integrator, TreeJoints<JointStops, ImposedJoints>>>(
+      "  contacts between tools");
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ TEST(Candump, AcceptsLineEndsAndDirections) {
   EXPECT_EQ(result_of("(1.000001) can0 123#00\r\n"), CandumpResult::ok);
   EXPECT_EQ(result_of("(1.000001) can0 123#00 R"), CandumpResult::ok);
   EXPECT_EQ(result_of("(1.000001) can0 123#00 T\n"), CandumpResult::ok);
-  EXPECT_EQ(result_of("(1.000001) can0 123##200"), CandumpResult::ok);  // FD, error state indicator
+  EXPECT_EQ(result_of("(1.000001) can0 123##200"), CandumpResult::ok);    // FD, error state indicator
   EXPECT_EQ(result_of("(1.000001) can0 123##51122"), CandumpResult::ok);  // FD as newer kernels flag it
 }
 

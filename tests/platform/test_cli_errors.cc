@@ -34,7 +34,8 @@ TEST_F(CliErrors, OptionsAreNamedWithWhatIsAdmissible) {
        "--bus: 'socketcan:can0' names no bus of the scene, which has 'can0', 'can1': give --bus can0=ADDRESS "
        "--bus "
        "can1=ADDRESS"},
-      {"run " + rigid + " --bus socketcam:can0", "no kind of bus is called 'socketcam'; did you mean 'socketcan'?"},
+      {"run " + rigid + " --bus socketcam:can0",
+       "no kind of bus is called 'socketcam'; did you mean 'socketcan'?"},
       {"run " + rigid + " --bus can0=socketcan:a",
        "--bus: bus 'can1' of the scene has no address: give --bus"},
       {"run " + rigid + " --bus can9=socketcan:a --bus can1=socketcan:b",
