@@ -113,7 +113,7 @@ FrameBits exact_bits(const CanFrame& frame) noexcept {
 }
 
 Nanoseconds duration_ns(const FrameBits& bits, const BitRates& rates) noexcept {
-  return std::llround(1e9 * (bits.nominal_rate / rates.nominal + bits.data_rate / rates.data));
+  return to_ns(bits.nominal_rate / rates.nominal + bits.data_rate / rates.data);
 }
 
 Nanoseconds duration_ns(int nominal_rate_bits, const BitRates& rates) noexcept {

@@ -5,7 +5,7 @@
 namespace godobject {
 namespace {
 
-constexpr Nanoseconds whatever = std::numeric_limits<Nanoseconds>::max();
+constexpr Nanoseconds no_tolerance = std::numeric_limits<Nanoseconds>::max();
 /// A window is an outlier beyond this many times the median residual, and this much at least.
 constexpr Nanoseconds outlier_ratio = 4;
 constexpr Nanoseconds least_tolerance = 20'000;
@@ -38,7 +38,7 @@ void ClockMap::close_window() noexcept {
   next_ = (next_ + 1) % num_windows;
   num_points_ = std::min(num_points_ + 1, num_windows);
   if (num_points_ < 3) return;
-  fit(whatever);
+  fit(no_tolerance);
   std::array<Nanoseconds, num_windows> residuals{};
   for (std::size_t i = 0; i < num_points_; ++i) residuals[i] = std::abs(residual(points_[i]));
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(num_points_ / 2);
@@ -52,7 +52,7 @@ void ClockMap::fit(Nanoseconds tolerance) noexcept {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
   for (std::size_t i = 0; i < num_points_; ++i) {
     const Point& p = points_[i];
-    if (tolerance != whatever && std::abs(residual(p)) > tolerance) continue;
+    if (tolerance != no_tolerance && std::abs(residual(p)) > tolerance) continue;
     // About the newest point, so that double is exact enough.
     const auto x = static_cast<double>(p.device - newest.device);
     const auto y = static_cast<double>(p.offset - newest.offset);

@@ -102,7 +102,7 @@ void PolhemusTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds n
 void PolhemusTracker::take(const polhemus::Record& record, Nanoseconds now) noexcept {
   deadline_ = now + record_patience;
   const double wire_s = 10.0 * static_cast<double>(polhemus::fastrak_size) / params_.baud;
-  Nanoseconds t = now - std::llround(1e9 * wire_s);
+  Nanoseconds t = now - to_ns(wire_s);
   if (record.model == polhemus::Model::liberty) {
     const Nanoseconds t_tracker = millisecond * time_ms_.unwrap(record.t_ms);
     clock_.add(t_tracker, now);

@@ -51,7 +51,7 @@ bool TrackerThread::open() {
     return true;
   }
   const Nanoseconds now = clock_.now();
-  const bool too_long = now - opening_since_ > std::llround(1e9 * tracker_->params().boot_timeout_s);
+  const bool too_long = now - opening_since_ > to_ns(tracker_->params().boot_timeout_s);
   tracker_->line_lost(port_.trouble(), too_long, now);
   return false;
 }

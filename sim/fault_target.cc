@@ -104,7 +104,7 @@ FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   fault.node_id = config.node_id.value_or(0);
   fault.at = config.at;
   fault.value = config.value == 0 ? text.default_value : config.value;
-  if (config.duration) fault.duration_ns = std::llround(1e9 * *config.duration);
+  if (config.duration) fault.duration_ns = to_ns(*config.duration);
   std::string error = check_value(text, fault.value);
   if (error.empty()) error = find_buses(config, rig, fault);
   if (error.empty() && config.node_id) error = find_node(rig, fault);
@@ -128,7 +128,7 @@ TrackerFaultResult resolve(const FaultConfig& config, std::span<const TrackerPar
                         .at = config.at,
                         .duration_ns = std::nullopt,
                         .value = config.value == 0 ? text.default_value : config.value};
-  if (config.duration) fault.duration_ns = std::llround(1e9 * *config.duration);
+  if (config.duration) fault.duration_ns = to_ns(*config.duration);
   const std::string error = check_value(text, fault.value);
   if (!error.empty()) return {{}, error};
   if (text.place != FaultPlace::tracker) return {fault, ""};

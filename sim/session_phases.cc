@@ -102,7 +102,7 @@ bool Session::device_failed() const noexcept {
 
 /// Of a device without buses, which have a clock of their own.
 void Session::pass_period() noexcept {
-  t_bus_ns_ = clock_ ? clock_() : t_bus_ns_ + std::llround(1e9 * scene_.step);
+  t_bus_ns_ = clock_ ? clock_() : t_bus_ns_ + to_ns(scene_.step);
   t_now_ns_ = t_bus_ns_;
 }
 

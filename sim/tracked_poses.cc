@@ -18,7 +18,7 @@ TrackedPoses::TrackedPoses(std::vector<std::unique_ptr<TrackerLink>> links)
                         .X_TH = params.tools[k].X_TH,
                         .filter = OneEuro({.min_cutoff_hz = params.min_cutoff_hz,
                                            .cutoff_slope_s_per_m = params.cutoff_slope_s_per_m}),
-                        .track = PoseTrack(std::llround(1e9 * params.stale_after_s))});
+                        .track = PoseTrack(to_ns(params.stale_after_s))});
       poses_.push_back({.body = params.tools[k].body, .target = {}});
     }
   }

@@ -112,7 +112,7 @@ std::unique_ptr<LinuxLink> make_link(const BusPlan& plan, const RigParams& rig, 
     if (!everything) settings.filters = filters[i];
     buses.push_back(make_bus(plan.addresses[i], settings));
   }
-  const Nanoseconds period = std::llround(1e9 * step);
+  const Nanoseconds period = to_ns(step);
   auto link = std::make_unique<LinuxLink>(std::move(buses), period);
   add_slots(*link, rig, period);
   return link;

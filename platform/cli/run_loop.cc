@@ -88,7 +88,7 @@ class RealtimeRun {
         frames_(frame_ring),
         drain_(cycles_, frames_, files),
         cycle_(session, plan, stop, cycles_),
-        loop_(clock_, std::llround(1e9 * session.scene().step)) {}
+        loop_(clock_, to_ns(session.scene().step)) {}
 
   /// From start to end of the session. False where no thread can be started.
   bool run() {

@@ -21,7 +21,7 @@ Simulation::Simulation(const SceneConfig& scene, const Motion& motion, std::vect
                        bool motion_waits_for_sync, std::vector<std::unique_ptr<TrackerLine>> trackers)
     : params_(scene.device->rig.value_or(RigParams{})),
       tracker_params_(scene.device->trackers),
-      period_ns_(std::llround(1e9 * scene.step)),
+      period_ns_(to_ns(scene.step)),
       buses_(std::move(buses)),
       motors_(params_.drives.size()),
       trackers_(std::move(trackers)) {

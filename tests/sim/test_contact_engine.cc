@@ -92,13 +92,19 @@ TEST(ContactEngine, SaysWhichNumberIsTooLarge) {
   EXPECT_THAT(why_none(scene), HasSubstr("5000 surfaces of obstacles and shapes; the largest holds"));
 }
 
-TEST(ContactEngine, AnArticulatedToolTouchesObstaclesOnly) {
+/// One stool on another, on a hinge.
+SceneConfig hinged_stools() {
   SceneConfig scene = stool();
   scene.bodies.push_back(scene.bodies[0]);
   scene.bodies[1].name = "upper";
   scene.bodies[1].X_WB.p.z() = 0.15;
   scene.joints.push_back(hinge_of("stool", "upper"));
   scene.joints[0].X_BP.p.z() = 0.1;
+  return scene;
+}
+
+TEST(ContactEngine, AnArticulatedToolTouchesObstaclesOnly) {
+  SceneConfig scene = hinged_stools();
   EXPECT_EQ(engine_of(scene)->composition().contacts, ContactScope::obstacles);
   scene.joints[0].stops.push_back(
       {.coordinate = "hinge", .lower = -1, .upper = 1, .stiffness = 1, .width = 0.1});
@@ -106,12 +112,7 @@ TEST(ContactEngine, AnArticulatedToolTouchesObstaclesOnly) {
 }
 
 TEST(ContactEngine, AnArticulatedToolAndAFreeBodyTouchEachOther) {
-  SceneConfig scene = stool();
-  scene.bodies.push_back(scene.bodies[0]);
-  scene.bodies[1].name = "seat";
-  scene.bodies[1].X_WB.p.z() = 0.15;
-  scene.joints.push_back(hinge_of("stool", "seat"));
-  scene.joints[0].X_BP.p.z() = 0.1;
+  SceneConfig scene = hinged_stools();
   scene.bodies.push_back(body_of("ball", m, 1e-5));
   scene.bodies[2].spheres.push_back(sphere_of(0.01, Vec3::Zero()));
   EXPECT_EQ(engine_of(scene)->composition().contacts, ContactScope::bodies);
