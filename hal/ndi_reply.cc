@@ -15,8 +15,8 @@ constexpr double unit_tolerance = 5e-3;
 
 bool is_plausible(const HandlePose& pose) noexcept {
   const Pose& X = pose.X_TH;
-  // Negated so that NaN is not plausible.
-  return X.p.cwiseAbs().maxCoeff() < max_distance_m &&
+  // One by one: the largest of three may leave out a NaN.
+  return (X.p.array().abs() < max_distance_m).all() &&
          std::abs(X.q.coeffs().squaredNorm() - 1) < unit_tolerance && pose.error_m >= 0 &&
          pose.error_m < max_distance_m;
 }

@@ -32,9 +32,9 @@ bool get_pose(ByteReader& in, Pose& X) noexcept {
   for (Eigen::Index i = 0; i < 3; ++i) X.p[i] = inch * get_float(in);
   const double w = get_float(in), x = get_float(in), y = get_float(in), z = get_float(in);
   X.q = Quat(w, x, y, z);
-  // Negated so that NaN is none.
+  // One by one: the largest of three may leave out a NaN.
   const bool plausible =
-      X.p.cwiseAbs().maxCoeff() < max_distance_m && std::abs(X.q.coeffs().squaredNorm() - 1) < unit_tolerance;
+      (X.p.array().abs() < max_distance_m).all() && std::abs(X.q.coeffs().squaredNorm() - 1) < unit_tolerance;
   if (plausible) X.q.normalize();
   return plausible;
 }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
+#include <limits>
 #include <map>
 #include <random>
 #include <string>
@@ -235,6 +237,21 @@ TEST(NdiReply, PoseThatIsNone) {
   EXPECT_EQ(parse_tx(bytes_of("0101+10000+00000+00000+00000+011455+0020x3-073118" + rest), option::transforms,
                      reply),
             ParseResult::bad_value);
+}
+
+TEST(NdiReply, NoPoseOfANumberThatIsNone) {
+  for (int none = -1; none < 8; ++none) {  // of q_0, q_x, q_y, q_z, t_x, t_y, t_z, error
+    Bytes body{0x01, 0x01, 0x01};
+    for (int i = 0; i < 8; ++i) {
+      const float value = i == none ? std::numeric_limits<float>::quiet_NaN() : i == 0 ? 1.0f : 0.0f;
+      const auto bits = std::bit_cast<std::uint32_t>(value);
+      for (unsigned shift = 0; shift < 32; shift += 8) body.push_back(static_cast<std::uint8_t>(bits >> shift));
+    }
+    body.insert(body.end(), {0x31, 0, 0, 0, 0x07, 0, 0, 0, 0x10, 0x00});
+    PoseReply reply;
+    EXPECT_EQ(parse_bx(body, option::transforms, reply), none < 0 ? ParseResult::ok : ParseResult::bad_value)
+        << none;
+  }
 }
 
 TEST(NdiReply, PortHandlesAndPlate) {

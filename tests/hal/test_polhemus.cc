@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 #include <string>
 
@@ -77,6 +78,17 @@ TEST(Polhemus, RecordingsComeBackThroughTheWire) {
         }
       }
       EXPECT_EQ(count, poses.size()) << file;
+    }
+  }
+}
+
+TEST(Polhemus, NoPoseOfANumberThatIsNone) {
+  for (const Model model : {Model::fastrak, Model::liberty}) {
+    for (Eigen::Index i = 0; i < 7; ++i) {
+      Record record = record_at(0, model);
+      (i < 3 ? record.X_TH.p[i] : record.X_TH.q.coeffs()[i - 3]) = std::numeric_limits<double>::quiet_NaN();
+      RecordReceiver receiver;
+      for (const std::uint8_t byte : wire_of(record)) EXPECT_NE(receiver.push(byte), Event::record) << i;
     }
   }
 }
