@@ -102,18 +102,23 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
             [&](ContactPack& c, const AnchorTwist& V) noexcept { update(c, V, touching_pass(0), most); });
   // the skew part of A acts on the velocities of the pass before: tools that spin need better ones than those predicted
   constexpr int min_passes = Contacts::jointed ? 2 : 1;
+  w.factored = false;
   Real left = 0;
   int passes = 0, iterations = 0;
   for (bool done = false; !done && passes < max_touching_passes; ++passes) {
     const bool is_tree = load_contacts(h, passes == 0, island, w);
-    eliminate(island, w.tree);
-    left = is_tree ? eliminated(island, w) : iterate(num_iterations(passes), island, w, iterations);
+    if constexpr (!Contacts::jointed)
+      w.factored = !is_tree && factorize(island, w.factored, w.tree, w.factor);
+    if (!w.factored) eliminate(island, w.tree);
+    const bool exact = is_tree || w.factored;
+    left = exact ? eliminated(island, w) : iterate(num_iterations(passes), island, w, iterations);
     if (move_contacts(island, w)) {
-      if (is_tree) multiply(island, w.tree, w.V_0, w.AV_0);
+      if (exact) multiply(island, w.tree, w.V_0, w.AV_0);
       search_line(h, island, w);
       left = scale_velocities(h, island, w);
     }
-    done = settle_contacts(touching_pass(passes + 1), island, w, most) && passes + 1 >= min_passes;
+    done = settle_contacts(touching_pass(passes + 1), island, w, most) && passes + 1 >= min_passes &&
+           left <= touching_tolerance * h * largest(most.F_n);
     w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
   }
   w.report.residual = std::max({w.report.residual, left / h, largest(most.miss)});
@@ -152,12 +157,10 @@ void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScrat
     const Real depth = pack.d_0[j] - h * near.n_W.dot(v);
     const bool touches = near.n_W.dot(F) > 0;
     if (!touches && !(depth > 0)) continue;
-    const ContactLaw& law = par.law(par.spheres[near.sphere].material, touched_material(par, near));
-    next.list[next.size++] = carried_over(law, w.begun[i], h, near.n_W, F);
-    const Vec3 point = near.c_W - par.spheres[near.sphere].radius * near.n_W;
+    next.list[next.size++] = carried_over(law_of(par, near), w.begun[i], h, near.n_W, F);
     const auto on = [&](std::uint32_t body, const Vec3& f) noexcept {
       w.wrenches[body].f += f;
-      w.wrenches[body].tau += (point - w.finder.at[body].p_W).cross(f);
+      w.wrenches[body].tau += (near.p_W - w.finder.at[body].p_W).cross(f);
     };
     on(near.a, F);
     if (!on_world) on(near.b, -F);

@@ -5,46 +5,23 @@
 // a query for each sphere in the other's box; for each body a query for each of its spheres and surface of the world.
 #pragma once
 
+#include "core/contact_edges.h"
 #include "core/contact_parting.h"
 #include "core/sphere_pairs.h"
 
 namespace godobject {
 
-/// The material of what a sphere touches.
-template <std::size_t max_spheres, std::size_t max_surfaces>
-MaterialId touched_material(const ContactParams<max_spheres, max_surfaces>& par,
-                            const NearContact& near) noexcept {
-  return near.touched < max_surfaces ? par.surfaces[near.touched].material
-                                     : par.spheres[near.touched - max_surfaces].material;
-}
-
-/// A sphere near something, and where.
-struct NearSphere {
-  std::uint32_t sphere = 0, touched = 0;
-  Real radius = 0, d = 0;
-  Vec3 c_W, n_W;
-};
-
-/// A sphere of body a near body b, or the world.
+/// Adds a contact of bodies, or of a body and the world: with the speed at which it opens.
 template <class Contacts, std::size_t N>
-void add_near(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t key,
-              const NearSphere& at, NearContacts<Contacts::max_contacts>& near) noexcept {
+void add_near(const ContactFinder<Contacts, N>& w, NearContact at,
+              NearContacts<Contacts::max_contacts>& near) noexcept {
   const auto velocity = [&](std::uint32_t body, const Vec3& p) noexcept -> Vec3 {
     if (body >= N) return Vec3::Zero();
     const TreePlace& place = w.at[body];
     return place.V.v + place.V.w.cross(p - place.a_W);
   };
-  const Vec3 p = at.c_W - at.radius * at.n_W;
-  const Real v_n = at.n_W.dot(velocity(a, p) - velocity(b, p));
-  near.add({.key = key,
-            .sphere = at.sphere,
-            .touched = at.touched,
-            .a = a,
-            .b = b,
-            .d = at.d,
-            .v_n = v_n,
-            .c_W = at.c_W,
-            .n_W = at.n_W});
+  at.v_n = at.n_W.dot(velocity(at.a, at.p_W) - velocity(at.b, at.p_W));
+  near.add(at);
 }
 
 /// Four spheres and a box: bit j of the result, sphere j is near.
@@ -96,6 +73,12 @@ inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
   return static_cast<std::uint32_t>(key >> 15) & 0xffff;
 }
 
+/// Of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
+inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::uint32_t edges) noexcept {
+  return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
+}
+inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
+
 /// Says of pairs of bodies that come in rising order whether they were deep in each other by what no motion explains.
 template <class Contacts>
 class RecallDeepPairs {
@@ -107,6 +90,7 @@ class RecallDeepPairs {
     bool deep = false;
     for (; at_ < of_.size && of_.list[at_].key >> 32 == pair >> 32; ++at_) {
       const ContactMemory& m = of_.list[at_];
+      if (is_of_edges(m.key)) continue;
       deep = deep || m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
     }
     return deep;
@@ -125,6 +109,7 @@ template <class Contacts, std::size_t N>
 bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
                       std::uint64_t pair, std::uint32_t first, std::uint32_t end, const Vec3* leaving_W,
                       NearContacts<Contacts::max_contacts>& near) noexcept {
+  constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
   const auto& on_a = w.owned[a];
   for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
     const SpherePack& pack = w.packs[k];
@@ -135,12 +120,14 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       const ShapeParams& shape = w.posed[o];
       const Mat3& R_WS = w.R_WS[o];
       const auto found = [&](std::uint32_t j, Real d, const Vec3& n_W) noexcept {
-        add_near(w, a, b, pair | touch_key(s + j, o),
-                 {.sphere = s + j,
-                  .touched = o,
-                  .radius = pack.r[j],
+        add_near(w,
+                 {.key = pair | touch_key(s + j, o),
+                  .of = spheres + s + j,
+                  .on = o,
+                  .a = a,
+                  .b = b,
                   .d = d,
-                  .c_W = lane(pack.p_W, j),
+                  .p_W = lane(pack.p_W, j) - pack.r[j] * n_W,
                   .n_W = n_W},
                  near);
       };
@@ -185,6 +172,31 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
   return false;
 }
 
+/// The boxes of body a against the boxes [first, end) of body b, or the world.
+template <class Contacts, std::size_t N>
+void find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
+                   std::uint32_t first, std::uint32_t end,
+                   NearContacts<Contacts::max_contacts>& near) noexcept {
+  const auto& on_a = w.owned[a];
+  for (std::uint32_t o = on_a.first_surface; o < on_a.end_surface; ++o) {
+    for (std::uint32_t q = first; q < end; ++q) {
+      if (w.posed[o].kind != ShapeKind::box || w.posed[q].kind != ShapeKind::box) continue;
+      each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], [&](const EdgeCrossing& crossing) noexcept {
+        add_near(w,
+                 {.key = pair | edges_key(o - on_a.first_surface, q - first, crossing.edges),
+                  .of = o,
+                  .on = q,
+                  .a = a,
+                  .b = b,
+                  .d = crossing.d,
+                  .p_W = crossing.p_W,
+                  .n_W = crossing.n_W},
+                 near);
+      });
+    }
+  }
+}
+
 /// Two bodies, one at least with shapes. were_deep: in each other, in the step before.
 template <class Contacts, std::size_t N>
 void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
@@ -196,10 +208,12 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
                             b_leaves, near);
   };
   const std::size_t before = near.size;
-  if (!were_deep && !find(nullptr, nullptr)) return;
-  near.forget_from(before);
-  const Vec3 a_leaves = parting(w, a, b), b_leaves = -a_leaves;
-  find(&a_leaves, &b_leaves);
+  if (were_deep || find(nullptr, nullptr)) {
+    near.forget_from(before);
+    const Vec3 a_leaves = parting(w, a, b), b_leaves = -a_leaves;
+    find(&a_leaves, &b_leaves);
+  }
+  find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near);
 }
 
 /// Spheres of both bodies.
@@ -219,12 +233,14 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
       const Real distance = std::sqrt(distance_sq);
       const Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
       constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
-      add_near(w, a, b, pair | touch_key(s, t),
-               {.sphere = s,
-                .touched = spheres + t,
-                .radius = sphere_a.r,
+      add_near(w,
+               {.key = pair | touch_key(s, t),
+                .of = spheres + s,
+                .on = spheres + t,
+                .a = a,
+                .b = b,
                 .d = both - distance,
-                .c_W = sphere_a.p_W,
+                .p_W = sphere_a.p_W - sphere_a.r * n,
                 .n_W = n},
                near);
     }
@@ -251,6 +267,8 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
     if (w.num_fixed > 0)
       find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0,
                        static_cast<std::uint32_t>(w.num_fixed), nullptr, near);
+    find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, static_cast<std::uint32_t>(w.num_fixed),
+                  near);
   }
   near.put_in_order();
 }

@@ -51,7 +51,13 @@ void find_contacts(const typename Contacts::Params& par, const Tree<N, Joints>& 
       const SurfacePoint surface = nearest(par.surfaces[o].shape, c_W, sphere.radius + reach);
       const Real d = sphere.radius - surface.distance;
       if (!(d <= -reach))
-        near.add({.key = contact_key(s, o), .sphere = s, .touched = o, .d = d, .c_W = c_W, .n_W = surface.n});
+        near.add({.key = contact_key(s, o),
+                  .of = sphere_number(par, s),
+                  .on = o,
+                  .a = static_cast<std::uint32_t>(sphere.body),
+                  .d = d,
+                  .p_W = c_W - sphere.radius * surface.n,
+                  .n_W = surface.n});
     }
   }
   near.put_in_order();
@@ -66,21 +72,21 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
   std::size_t j = 4;
   for (std::size_t i = 0; i < w.near.size; ++i, ++j) {
     const NearContact& near = w.near.list[i];
-    const BodySphere& sphere = par.spheres[near.sphere];
-    const ContactLaw& law = par.law(sphere.material, par.surfaces[near.touched].material);
-    if (j == 4 || w.packs[w.num_packs - 1].body != sphere.body) {
+    const ContactLaw& law = law_of(par, near);
+    if (j == 4 || w.packs[w.num_packs - 1].body != near.a) {
       for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
       w.packs[w.num_packs].u.setConstant(Pack(0));
-      w.packs[w.num_packs++].body = sphere.body;
+      w.packs[w.num_packs++].body = near.a;
       j = 0;
     }
-    const TreePlace& at = tree.nodes[sphere.body].at;
-    const Vec3 r = near.c_W - sphere.radius * near.n_W - at.a_W;
+    const TreePlace& at = tree.nodes[near.a].at;
+    const Vec3 r = near.p_W - at.a_W;
     const Real v_n = near.n_W.dot(at.V.v + at.V.w.cross(r));
     const Real d_0 = near.d + h * v_n;
     ContactMemory& memory = w.begun[i];
-    memory = recalled(law, w.stage, step, near.key, of_step.find(near.key), of_stage.find(near.key), near.n_W,
-                      d_0, v_n, true);
+    memory = recalled(
+        law, w.stage, near.key, of_step.find(near.key), of_stage.find(near.key), near.n_W,
+        {.d_0 = d_0, .e_new = unexplained(d_0, v_n, step), .most = std::numeric_limits<Real>::infinity()});
     set_contact(law, memory, h, d_0, r, near.n_W, w.packs[w.num_packs - 1], j);
   }
   for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
@@ -126,17 +132,15 @@ void end_contacts(const typename Contacts::Params& par, Real h, const Tree<N, Jo
   std::size_t p = 0, j = 0;
   for (std::size_t i = 0; i < w.near.size; ++i, ++j) {
     const NearContact& near = w.near.list[i];
-    const BodySphere& sphere = par.spheres[near.sphere];
-    if (j == 4 || w.packs[p].body != sphere.body) ++p, j = 0;
+    if (j == 4 || w.packs[p].body != near.a) ++p, j = 0;
     const ContactPack& pack = w.packs[p];
     const Vec3 v = lane(pack.v, j), F = lane(pack.F, j);
     const Real depth = pack.d_0[j] - h * near.n_W.dot(v);
     const bool touches = near.n_W.dot(F) > 0;
     if (!touches && !(depth > 0)) continue;
-    const ContactLaw& law = par.law(sphere.material, par.surfaces[near.touched].material);
-    next.list[next.size++] = carried_over(law, w.begun[i], h, near.n_W, F);
-    const TreePlace& at = tree.nodes[sphere.body].at;
-    Wrench& sum = w.wrenches[sphere.body];
+    next.list[next.size++] = carried_over(law_of(par, near), w.begun[i], h, near.n_W, F);
+    const TreePlace& at = tree.nodes[near.a].at;
+    Wrench& sum = w.wrenches[near.a];
     sum.f += F;
     sum.tau += (lane(pack.r, j) + at.a_W - at.p_W).cross(F);
     w.report.num_contacts += touches ? 1 : 0;

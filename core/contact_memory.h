@@ -80,11 +80,21 @@ inline Real let_out(Real e, Real d, Real by, Real most) noexcept {
   return std::max(std::min(e, std::max(e - by, d - most)), Real(0));
 }
 
-/// The memory with which a stage treats a contact of normal n. d_0, v_n: depth where the stage starts, and how fast it
-/// opens. Where the normal has turned round a corner the contact is another one.
-inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, Real h, std::uint64_t key,
+/// A contact where a stage starts.
+struct ContactStart {
+  Real d_0 = 0;    // depth, m
+  Real e_new = 0;  // the part of it that no motion explains if the contact is new; less than zero: none
+  Real most = 0;   // by which e may be behind the depth, m
+};
+
+/// The part of a depth d_0 that its speed v_n of opening does not explain in two steps h.
+inline Real unexplained(Real d_0, Real v_n, Real h) noexcept { return d_0 - 2 * h * std::max(-v_n, Real(0)); }
+
+/// The memory with which a stage treats a contact of normal n. Where the normal has turned round a corner the contact is
+/// another one.
+inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, std::uint64_t key,
                               const ContactMemory* of_step, const ContactMemory* of_stage, const Vec3& n_W,
-                              Real d_0, Real v_n, bool on_world) noexcept {
+                              const ContactStart& start) noexcept {
   ContactMemory m{.key = key};
   const auto is_other = [&](const ContactMemory& before) noexcept { return before.n_W.dot(n_W) < Real(0.5); };
   if (!stage.goes_on || (of_stage != nullptr && is_other(*of_stage))) of_stage = nullptr;
@@ -92,11 +102,9 @@ inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, 
   if (of_step != nullptr) m = *of_step;
   m.xi_W += stage.t_0 * m.xi_dot_W;
   if (of_stage != nullptr) m.xi_W += stage.t_1 * of_stage->xi_dot_W;
-  if (of_step != nullptr)
-    m.e = let_out(m.e, d_0, stage.elapsed * law.push_out,
-                  on_world ? std::numeric_limits<Real>::infinity() : max_pushed_steps * h * law.push_out);
+  if (of_step != nullptr) m.e = let_out(m.e, start.d_0, stage.elapsed * law.push_out, start.most);
   else if (of_stage != nullptr) m.e = of_stage->e;
-  else m.e = std::max(d_0 - 2 * h * std::max(-v_n, Real(0)), Real(0));
+  else m.e = std::max(start.e_new, Real(0));
   return m;
 }
 

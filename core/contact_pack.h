@@ -163,8 +163,6 @@ void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
   sums.b_w += r.cross(F);
 }
 
-inline Real total(const Pack& x) noexcept { return (x[0] + x[1]) + (x[2] + x[3]); }
-
 /// The sums of three packs.
 inline Column sum(const Pack& x, const Pack& y, const Pack& z) noexcept {
   const std::array<Column, 4> lanes = columns(Vector3<Pack>(x, y, z));

@@ -1,9 +1,9 @@
 // The bodies that touch each other or the world in a stage: which they are, in pairs, and their contacts (24).
 #pragma once
 
+#include "core/contact_factor.h"
 #include "core/contact_find.h"
 #include "core/contact_pack.h"
-#include "core/contact_tree_solve.h"
 
 namespace godobject {
 
@@ -56,6 +56,8 @@ struct BodyContactScratch {
   std::size_t num_packs = 0;
   LinePacks<max_contacts> line;  // those that leave their cases on it
   ContactTree<N, max_contacts, Contacts::jointed> tree;
+  [[no_unique_address]] std::conditional_t<Contacts::jointed, Absent<12>, ContactFactor<N>> factor;
+  bool factored = false;  // the island at hand
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;
   std::array<AnchorTwist, N> V, b, r, z, p, Ap, AV_0;  // of bodies: velocities, impulses; of the iteration
@@ -89,7 +91,7 @@ void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Re
       pair.parent = near.b;
       pair.stiffness = 0;
     }
-    const ContactLaw& law = par.law(par.spheres[near.sphere].material, touched_material(par, near));
+    const ContactLaw& law = law_of(par, near);
     if (near.d > 0) w.tree.pairs[w.tree.num_pairs - 1].stiffness += h * law.k + law.c;
   }
   make_islands(w.touches, num_bodies, w.tree);
@@ -119,16 +121,19 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
       end = static_cast<std::uint32_t>(w.num_packs);
     }
     const std::uint32_t child = on_world ? near.a : w.tree.pairs[pairs - 1].child;
-    const BodySphere& sphere = par.spheres[near.sphere];
-    const ContactLaw& law = par.law(sphere.material, touched_material(par, near));
+    const ContactLaw& law = law_of(par, near);
     const Real d_0 = near.d + h * near.v_n;
-    w.begun[i] =
-        recalled(law, w.stage, step, near.key, of_step.find(near.key),
-                 w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W, d_0, near.v_n, on_world);
+    // edges are found late where spheres of a corner let faces in: no motion explains how deep they are then
+    const Real e_new = is_of_edges(near.key) ? d_0 : unexplained(d_0, near.v_n, step);
+    const Real most =
+        on_world ? std::numeric_limits<Real>::infinity() : max_pushed_steps * step * law.push_out;
+    w.begun[i] = recalled(law, w.stage, near.key, of_step.find(near.key),
+                          w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
+                          {.d_0 = d_0, .e_new = e_new, .most = most});
     const Real side = child == near.a ? 1 : -1;
     ContactMemory memory = w.begun[i];
     memory.xi_W *= side;
-    const Vec3 r = near.c_W - sphere.radius * near.n_W - w.finder.at[child].p_W;
+    const Vec3 r = near.p_W - w.finder.at[child].p_W;
     set_contact(law, memory, h, d_0, r, side * near.n_W, w.packs[w.num_packs - 1], j);
     w.place[i] = static_cast<std::uint32_t>(4 * (w.num_packs - 1) + j);
   }

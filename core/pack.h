@@ -120,6 +120,7 @@ inline Pack abs(const Pack& a) noexcept { return select(a < 0, -a, a); }
 inline Pack max(const Pack& a, const Pack& b) noexcept { return select(a < b, b, a); }
 inline Pack min(const Pack& a, const Pack& b) noexcept { return select(b < a, b, a); }
 inline Real largest(const Pack& a) noexcept { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
+inline Real total(const Pack& a) noexcept { return (a[0] + a[1]) + (a[2] + a[3]); }
 inline Pack sqrt(const Pack& a) noexcept {
 #ifdef __AVX__
   Pack r;

@@ -11,6 +11,12 @@ inline AnchorTwist operator*(const TwistBlock& A, const AnchorTwist& V) noexcept
 inline TwistBlock operator*(const TwistBlock& A, Real s) noexcept {
   return {.ww = A.ww * s, .wv = A.wv * s, .vv = A.vv * s};
 }
+inline TwistBlock& operator+=(TwistBlock& A, const TwistBlock& B) noexcept {
+  A.ww += B.ww;
+  A.wv += B.wv;
+  A.vv += B.vv;
+  return A;
+}
 inline AnchorTwist operator+(const AnchorTwist& a, const AnchorTwist& b) noexcept {
   return {.w = a.w + b.w, .v = a.v + b.v};
 }

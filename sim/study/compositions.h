@@ -86,10 +86,10 @@ struct Ball : FreeJoints<I, N> {
   using Contacts = FixedContacts<N, 1, N>;
 };
 
-/// Bricks of a box and twelve spheres on a plane, S4.
+/// Bricks of a box and eight spheres on a plane, S4.
 template <class I, std::size_t N>
 struct Bricks : Follower<I, N> {
-  using Contacts = BodyContacts<12 * N, N + 1, 36 * N>;
+  using Contacts = BodyContacts<8 * N, N + 1, 36 * N>;
 };
 
 }  // namespace godobject::study

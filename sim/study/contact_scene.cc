@@ -92,17 +92,13 @@ Vec3 place_in_pile(std::size_t b) {
   return {(i - 3) * 0.036 + (l == 1 ? 0.004 : 0), (j - 1) * 0.019 + 0.15 * pile, 0.005 + 0.0102 * l};
 }
 
-/// Spheres along the edges of a brick, as many to an edge of x, y and z as told, tangent to the faces.
-std::vector<Vec3> on_edges(const Vec3& half_extents, double radius, const std::array<int, 3>& num) {
+/// Spheres at the corners of a brick, tangent to the faces.
+std::vector<Vec3> at_corners(const Vec3& half_extents, double radius) {
   const Vec3 inset = half_extents - Vec3::Constant(radius);
-  const auto at = [&](int n, int axis) { return 2.0 * n / (num[static_cast<std::size_t>(axis)] - 1) - 1; };
-  const auto ends = [&](int n, int axis) { return std::abs(at(n, axis)) == 1 ? 1 : 0; };
   std::vector<Vec3> centres;
-  for (int i = 0; i < num[0]; ++i)
-    for (int j = 0; j < num[1]; ++j)
-      for (int k = 0; k < num[2]; ++k)
-        if (ends(i, 0) + ends(j, 1) + ends(k, 2) >= 2)
-          centres.push_back(inset.cwiseProduct(Vec3(at(i, 0), at(j, 1), at(k, 2))));
+  for (const double x : {-1, 1})
+    for (const double y : {-1, 1})
+      for (const double z : {-1, 1}) centres.push_back(inset.cwiseProduct(Vec3(x, y, z)));
   return centres;
 }
 
@@ -126,7 +122,7 @@ ContactScene scene_s2(double k) {
   return scene;
 }
 
-ContactScene scene_s4(std::size_t num_bricks, double duration, const std::array<int, 3>& spheres) {
+ContactScene scene_s4(std::size_t num_bricks, double duration) {
   const Vec3 half_extents(0.016, 0.008, 0.005);
   ContactScene scene;
   scene.name = "S4/" + std::to_string(num_bricks);
@@ -139,8 +135,8 @@ ContactScene scene_s4(std::size_t num_bricks, double duration, const std::array<
   scene.duration = duration;
 
   scene.half_extents = half_extents;
-  scene.radius = 1.5e-3;
-  scene.centres = on_edges(half_extents, scene.radius, spheres);
+  scene.radius = 2e-4;
+  scene.centres = at_corners(half_extents, scene.radius);
   // four such contacts under a brick are critically damped: 4 c = 2 sqrt(m 4 k)
   scene.law = {.k = 2e4, .c = 7, .mu = 0.3, .k_t = 2e4, .c_t = 7};
   return scene;

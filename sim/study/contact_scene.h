@@ -18,7 +18,7 @@ struct ContactScene {
   double duration = 0;               // s
   std::vector<Vec3> centres;         // of the spheres of each body, body axes, m
   double radius = 0;                 // of these, m
-  std::optional<Vec3> half_extents;  // every body is this box, m; its spheres are for those who have no boxes
+  std::optional<Vec3> half_extents;  // every body is this box, m; others' boxes have sharp corners
   ContactLaw law;                    // mu is everybody's, the rest is for those whose contacts are springs
 
   const oracle::Coupling& coupling() const { return *problem.bodies.front().coupling; }
@@ -27,9 +27,8 @@ struct ContactScene {
 /// S2: ten spheres in a row are pressed 2 cm into the plane by a spring of k (N/m), and dragged; 10 s.
 ContactScene scene_s2(double k);
 
-/// S4: a brick that is dragged through a pile of 63; of more, all in such piles, the others rest. For those who have no
-/// boxes there are spheres along the edges, so many to an edge of x, y and z. Between them edges that cross do not touch:
-/// without the two in the middle of the long edges bricks pass through each other.
-ContactScene scene_s4(std::size_t num_bricks, double duration, const std::array<int, 3>& spheres = {3, 2, 2});
+/// S4: a brick that is dragged through a pile of 63; of more, all in such piles, the others rest. Bricks touch with
+/// spheres at their corners, and their edges.
+ContactScene scene_s4(std::size_t num_bricks, double duration);
 
 }  // namespace godobject::bench
