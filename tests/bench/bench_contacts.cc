@@ -8,12 +8,6 @@
 namespace godobject::bench {
 namespace {
 
-/// Bricks that edges of others hardly come through.
-template <std::size_t N>
-struct DenseBricks : study::Follower<ImplicitEuler, N> {
-  using Contacts = BodyContacts<52 * N, N + 1, 80 * N>;
-};
-
 template <Scene S>
 void add_run(const ContactScene& scene, const std::string& who, const Effort& effort) {
   const auto it = std::make_shared<Contest>(scene);
@@ -32,9 +26,7 @@ void add_our_contacts() {
     add_run<study::PressedTool<ImplicitEuler, 1>>(scene_s2(k), "fixed-contacts implicit-euler", short_scene);
     add_run<study::PressedTool<TrBdf2, 1>>(scene_s2(k), "fixed-contacts tr-bdf2", short_scene);
   }
-  add_run<study::Bricks<ImplicitEuler, 64>>(scene_s4(64, 20), "12 spheres a brick, implicit-euler",
-                                            long_scene);
-  add_run<DenseBricks<64>>(scene_s4(64, 20, {9, 5, 3}), "52 spheres a brick, implicit-euler", long_scene);
+  add_run<study::Bricks<ImplicitEuler, 64>>(scene_s4(64, 20), "implicit-euler", long_scene);
   // one crossing of the pile, with one capacity for all
   for (const std::size_t n : {16, 64, 128, 256, 512}) {
     ContactScene scene = scene_s4(n, 2.5);

@@ -1,5 +1,5 @@
 // Bricks that touch each other: solid boxes with twelve small spheres, inset at the corners and in the middle of the
-// long edges and tangent to the faces. With those at the corners alone, crossed bricks would not touch.
+// long edges and tangent to the faces.
 #pragma once
 
 #include <memory>

@@ -78,17 +78,12 @@ constexpr std::array steps{1e-4, 3e-4, 1e-3, 2e-3, 5e-3};
 constexpr std::array steps{1e-3, 5e-3};  // builds with assertions and sanitizers take a hundred times as long
 #endif
 
-/// N/m for bricks of 2.5 g. Beyond, a solve that stops early may end in a wrong case of the contacts, and a few cases
-/// gain energy: an open defect (docs/decisions/019), whose size is held here so that it does not grow.
-constexpr Real surely_stable_k = 1e6;
-constexpr int known_above = 6;  // of 400; 0 to 3 are seen, and which depends on the rounding
-
 template <class I>
 class TouchingStability : public ::testing::Test {
  protected:
   /// Over all stiffnesses, dampings and steps.
   void sweep(Hand hand, const char* name) {
-    int cases = 0, above = 0;
+    int cases = 0;
     Real worst = 0;
     for (const Real mu : {0.0, 0.5})
       for (int decade = 2; decade <= 9; ++decade)
@@ -96,15 +91,11 @@ class TouchingStability : public ::testing::Test {
           for (const Real h : steps) {
             const SweepCase c{.k = std::pow(10, decade), .zeta = zeta, .h = h, .mu = mu};
             const Real gained = gain<I>(c, hand, std::min(Real(0.6), 1500 * h));
-            EXPECT_TRUE(gained < 1e-9 || c.k > surely_stable_k)
-                << I::name << ", " << name << ": " << c << ": " << gained;
+            EXPECT_LT(gained, 1e-9) << I::name << ", " << name << ": " << c;
             worst = std::max(worst, gained);
-            above += gained < 1e-9 ? 0 : 1;
             ++cases;
           }
-    std::printf("%s, %s: %d cases, energy gained at most %.1e J, above 1e-9 J in %d\n", I::name, name, cases,
-                worst, above);
-    EXPECT_LE(above, known_above);
+    std::printf("%s, %s: %d cases, energy gained at most %.1e J\n", I::name, name, cases, worst);
   }
 };
 using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;

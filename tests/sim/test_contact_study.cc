@@ -123,9 +123,9 @@ TEST(ImposedStudy, APlacedBrickPressesWhatAGodObjectPushes) {
   EXPECT_EQ(pulled.num_faults, 0u);
   EXPECT_EQ(pulled.worst.ejected, 0u);
   EXPECT_GT(pulled.worst.force, 0.01);
-  // 34.6 N against 0.76 N, 0.45 mm against 0.08 mm when this was written
+  // by how much, with bricks of sharp corners: 0.43 mm against 0.15 mm deep
   EXPECT_GT(placed.worst.force, 10 * pulled.worst.force);
-  EXPECT_GT(placed.worst.overlap, 3 * pulled.worst.overlap);
+  EXPECT_GT(placed.worst.overlap, 2 * pulled.worst.overlap);
 }
 
 TEST(ImposedStudy, SaysWhatItCannotRead) {
