@@ -2,6 +2,8 @@
 // long edges and tangent to the faces.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <memory>
 
 #include "tests/contacts/contact_scene.h"
