@@ -54,7 +54,7 @@ void find_neighbours(const Island& island, ContactTree<N, max_pairs, jointed>& t
     w.neighbours[i].insert(j);
     w.neighbours[j].insert(i);
   });
-  for (std::uint32_t i = 0; i < w.size; ++i) w.degree[i] = w.neighbours[i].size();
+  for (std::uint32_t i = 0; i < w.size; ++i) w.degree[i] = w.neighbours[i].size(w.size);
 }
 
 /// The order of elimination. False: there is no room for the blocks.
@@ -69,12 +69,12 @@ bool order_bodies(ContactFactor<N>& w) noexcept {
     *least = eliminated;
     const auto next = static_cast<std::uint32_t>(least - w.degree.begin());
     w.place_of[k] = next;
-    w.neighbours[next].each([&](std::uint32_t i) noexcept {
+    w.neighbours[next].each(w.size, [&](std::uint32_t i) noexcept {
       BitSet<N>& of_i = w.neighbours[i];
-      of_i.insert(w.neighbours[next]);
+      of_i.insert(w.neighbours[next], w.size);
       of_i.erase(i);
       of_i.erase(next);
-      w.degree[i] = of_i.size();
+      w.degree[i] = of_i.size(w.size);
     });
   }
   return true;
@@ -95,7 +95,7 @@ bool order_factor(const Island& island, ContactTree<N, max_pairs, jointed>& tree
   for (std::uint32_t k = 0; k < w.size; ++k) {
     w.first[k] = b;
     w.neighbours[w.place_of[k]].each(
-        [&](std::uint32_t place) noexcept { w.row[b++] = w.number_of[body_at(place)]; });
+        w.size, [&](std::uint32_t place) noexcept { w.row[b++] = w.number_of[body_at(place)]; });
     std::sort(w.row.begin() + w.first[k], w.row.begin() + b);
   }
   w.first[w.size] = b;
