@@ -20,8 +20,7 @@ struct BitSet {
   }
   std::uint32_t size(std::uint32_t below) const noexcept {
     std::uint32_t size = 0;
-    for (std::uint32_t k = 0; 64 * k < below; ++k)
-      size += static_cast<std::uint32_t>(std::popcount(words[k]));
+    each(below, [&](std::uint32_t) noexcept { ++size; });
     return size;
   }
   template <class F>
