@@ -85,7 +85,7 @@ Real iterate(int most_iterations, const Island& island, BodyContactScratch<Conta
       AV_0_z.add(w.AV_0[i], w.z[i]);
     });
     converged = k > 0 && error_sq <= velocity_tolerance * velocity_tolerance;
-    if (converged) break;
+    if (converged || !(rz > 0)) break;  // otherwise the tree has lost its last digits: no direction is left
     const Real mu = AV_0_z / norm_0, beta = rz / last;
     last = rz;
     each([&](std::uint32_t i) noexcept {
