@@ -21,6 +21,9 @@ namespace godobject {
 inline constexpr Real edge_reach = 0.02;
 /// Edges that cross nearer to an end than this part of their half length are left to the sphere there.
 inline constexpr Real edge_end = 0.01;
+/// Edges may be deeper than the faces by these parts, of the faces' depth and of the reach: where boxes lie on each other
+/// both axes are nearly one.
+inline constexpr Real deeper_than_faces = 0.1, deeper_than_reach = 0.1;
 /// Edges with a smaller sine between them are parallel.
 inline constexpr Real min_edge_sine = 0.01;
 
@@ -117,7 +120,7 @@ void each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b,
   const Real reach = edge_reach * std::min(w.h_a.minCoeff(), w.h_b.minCoeff());
   const Real faces = depth_of_faces(w);
   if (faces <= -reach) return;
-  const Real most = std::max(faces, Real(0)) * Real(1.1) + Real(0.1) * reach;
+  const Real most = (1 + deeper_than_faces) * std::max(faces, Real(0)) + deeper_than_reach * reach;
   const Pack h_B1(w.h_b[1], w.h_b[2], w.h_b[0], w.h_b[0]), h_B2(w.h_b[2], w.h_b[0], w.h_b[1], w.h_b[1]);
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3, l = (i + 2) % 3;

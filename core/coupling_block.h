@@ -38,6 +38,7 @@ inline Block times_transpose(const Block& A, const Block& B) noexcept {
   return {{column(std::integral_constant<int, 0>{}), column(std::integral_constant<int, 1>{}),
            column(std::integral_constant<int, 2>{})}};
 }
+
 /// A = L D L^T of a body. L has ones on its diagonal, which are left out; its blocks and their transposes.
 struct PivotFactor {
   Block ww, vw, vv, ww_T, vw_T, vv_T;
@@ -112,13 +113,6 @@ inline AnchorTwist raised(const PivotFactor& f, const AnchorTwist& t, const Anch
   V.w -= f.ww_T.col[1] * V.w.all<1>();
   return V;
 }
-/// The column c, of six.
-inline Column& upper(CouplingBlock& A, std::size_t c) noexcept {
-  return c < 3 ? A.ww.col[c] : A.wv.col[c - 3];
-}
-inline Column& lower(CouplingBlock& A, std::size_t c) noexcept {
-  return c < 3 ? A.vw.col[c] : A.vv.col[c - 3];
-}
 /// A L^-T, by substitution: what is small beside the rest keeps its digits.
 inline void substitute(const PivotFactor& f, CouplingBlock& A) noexcept {
   const auto from_w = [&]<int m>(std::integral_constant<int, m>) noexcept {
@@ -146,9 +140,9 @@ inline void substitute(const PivotFactor& f, CouplingBlock& A) noexcept {
 }
 /// A D^-1.
 inline CouplingBlock scaled(CouplingBlock A, const PivotFactor& f) noexcept {
-  for (std::size_t c = 0; c < 6; ++c) {
-    upper(A, c) = upper(A, c) * f.D_inverse[c];
-    lower(A, c) = lower(A, c) * f.D_inverse[c];
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (Block* of_w : {&A.ww, &A.vw}) of_w->col[c] = of_w->col[c] * f.D_inverse[c];
+    for (Block* of_v : {&A.wv, &A.vv}) of_v->col[c] = of_v->col[c] * f.D_inverse[c + 3];
   }
   return A;
 }

@@ -84,8 +84,9 @@ The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, and p
 so that it cannot hide what comes back from them.
 
 lego: peaks of every step. Overlap is the depth of the deepest sphere or edge in what it touches; `./dev bench` says how
-deep the boxes are in each other. Energy, kinetic and potential, is that of the bricks that are never held, and a brick is ejected that leaves the board or is
-faster than 1 m/s. The residual is by how much the worst force misses its law or its balance when the solver stops.
+deep the boxes are in each other. Energy, kinetic and potential, is that of the bricks that are never held, and a brick is
+ejected that leaves the board or is faster than 1 m/s. The residual is by how much the worst force misses its law or its
+balance when the solver stops.
 
 Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s. A scene pays for what it has: one
 without contacts has no code and no byte of theirs, one over obstacles no code of touching bodies (tests

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/bench/peer.h"
+#include "tests/support/box_overlap.h"
 
 namespace godobject::bench {
 namespace {
@@ -51,23 +52,11 @@ ContactQuality::Depth summary(const std::vector<Depths>& all, double Depths::*de
 }  // namespace
 
 double box_overlap(const Vec3& half_extents, const oracle::RigidState& a, const oracle::RigidState& b) {
-  const Vec3 d = b.p - a.p;
-  if (d.norm() > 2 * half_extents.norm()) return 0;
-  const Mat3 A = a.q.toRotationMatrix(), B = b.q.toRotationMatrix();
-  double depth = INFINITY;
-  const auto along = [&](const Vec3& axis) {
-    const double length = axis.norm();
-    if (length < 1e-6) return;  // edges in parallel: a face's axis covers it
-    const double reach = (A.transpose() * axis).cwiseAbs().dot(half_extents) +
-                         (B.transpose() * axis).cwiseAbs().dot(half_extents);
-    depth = std::min(depth, (reach - std::abs(d.dot(axis))) / length);
+  if ((b.p - a.p).norm() > 2 * half_extents.norm()) return 0;
+  const auto box = [&](const oracle::RigidState& x) -> godobject::box_overlap::PosedBox {
+    return {.p = x.p, .h = half_extents, .R = x.q.toRotationMatrix()};
   };
-  for (int i = 0; i < 3; ++i) {
-    along(A.col(i));
-    along(B.col(i));
-    for (int j = 0; j < 3; ++j) along(A.col(i).cross(B.col(j)));
-  }
-  return std::max(depth, 0.0);
+  return std::max(godobject::box_overlap::overlap(box(a), box(b)), 0.0);
 }
 
 ContactQuality quality_of(const ContactScene& scene, std::size_t steps,

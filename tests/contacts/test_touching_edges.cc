@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "tests/contacts/box_overlap.h"
 #include "tests/contacts/bricks.h"
+#include "tests/support/box_overlap.h"
 
 namespace godobject::test_touching_edges {
 namespace {

@@ -6,8 +6,8 @@
 #include <functional>
 #include <iostream>
 
-#include "tests/contacts/box_overlap.h"
 #include "tests/contacts/bricks.h"
+#include "tests/support/box_overlap.h"
 
 namespace godobject::test_touching_ridges {
 namespace {
