@@ -34,34 +34,53 @@ struct EdgeCrossing {
   Vec3 p_W, n_W;            // on the edge of a; off b
 };
 
-/// Box b as box a sees it.
+/// Number j of a pack; a row; a number of one.
+inline Real lane(const Pack& a, int j) noexcept { return a[static_cast<std::size_t>(j)]; }
+inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
+  return rows[static_cast<std::size_t>(row)];
+}
+inline Real lane(const std::array<Pack, 3>& rows, int row, int column) noexcept {
+  return lane(row_of(rows, row), column);
+}
+
+/// Box b as box a sees it. Lane j: axis j of b; the fourth is worthless.
 struct BoxOnBox {
-  Vec3 h_a, h_b;  // half extents
-  Vec3 p_AB;
-  Mat3 R_AB;
-  std::array<Pack, 3> R, E;  // rows of R_AB, and their absolute values; lane j: axis j of b
-  Pack h_B;
+  Vec3 h_a, h_b;             // half extents
+  Pack p_A, p_B;             // from a to b: in the frame of a; of b
+  std::array<Pack, 3> R, E;  // rows of R_AB, and their absolute values
 
   BoxOnBox(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB) noexcept
-      : h_a(a.half_extents),
-        h_b(b.half_extents),
-        p_AB(R_WA.transpose() * (b.X_WS.p - a.X_WS.p)),
-        R_AB(R_WA.transpose() * R_WB),
-        h_B(h_b[0], h_b[1], h_b[2], h_b[2]) {
-    for (int k = 0; k < 3; ++k) {
-      R[static_cast<std::size_t>(k)] = Pack(R_AB(k, 0), R_AB(k, 1), R_AB(k, 2), R_AB(k, 2));
-      E[static_cast<std::size_t>(k)] = abs(R[static_cast<std::size_t>(k)]);
+      : h_a(a.half_extents), h_b(b.half_extents) {
+    const std::array<Pack, 3> a_W = rows(R_WA), b_W = rows(R_WB);
+    const Vec3 p_W = b.X_WS.p - a.X_WS.p;
+    p_A = a_W[0] * p_W[0] + a_W[1] * p_W[1] + a_W[2] * p_W[2];
+    p_B = b_W[0] * p_W[0] + b_W[1] * p_W[1] + b_W[2] * p_W[2];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = R_WA.col(static_cast<int>(k));
+      R[k] = b_W[0] * axis[0] + b_W[1] * axis[1] + b_W[2] * axis[2];
+      E[k] = abs(R[k]);
     }
+  }
+
+ private:
+  static std::array<Pack, 3> rows(const Mat3& A) noexcept {
+    return {Pack(A(0, 0), A(0, 1), A(0, 2), A(0, 2)), Pack(A(1, 0), A(1, 1), A(1, 2), A(1, 2)),
+            Pack(A(2, 0), A(2, 1), A(2, 2), A(2, 2))};
   }
 };
 
 /// The least depth along the normal of a face of either, m; < 0: apart.
 inline Real depth_of_faces(const BoxOnBox& w) noexcept {
-  const Pack of_b = w.h_B + w.E[0] * w.h_a[0] + w.E[1] * w.h_a[1] + w.E[2] * w.h_a[2] -
-                    abs(w.R[0] * w.p_AB[0] + w.R[1] * w.p_AB[1] + w.R[2] * w.p_AB[2]);
-  const Vec3 of_a = w.h_a + w.R_AB.cwiseAbs() * w.h_b - w.p_AB.cwiseAbs();
-  return std::min(std::min(std::min(of_b[0], of_b[1]), of_b[2]), of_a.minCoeff());
+  const Column h_A(w.h_a), h_B(w.h_b);
+  const Pack of_b = h_B.p + w.E[0] * w.h_a[0] + w.E[1] * w.h_a[1] + w.E[2] * w.h_a[2] - abs(w.p_B);
+  const Block E_T{{Column(w.E[0]), Column(w.E[1]), Column(w.E[2])}};
+  const Pack of_a = h_A.p + times_transposed(E_T, h_B).p - abs(w.p_A);
+  const Pack least = min(of_a, of_b);
+  return std::min(std::min(least[0], least[1]), least[2]);
 }
+
+/// Of axes 0, 1, 2, 0, ...
+constexpr int after(int axis) noexcept { return axis == 2 ? 0 : axis + 1; }
 
 /// The edges of a box along one of its axes, `along`, on the side to which n leads more; two of the four.
 struct EdgesToSide {
@@ -70,7 +89,7 @@ struct EdgesToSide {
   Real less;               // by how much the one on the positive side of `axis` is deeper than the other
 
   EdgesToSide(int i, const Vec3& n, const Vec3& h) noexcept : along(i) {
-    const int k = (i + 1) % 3, l = (i + 2) % 3;
+    const int k = after(i), l = after(k);
     axis = h[k] * std::abs(n[k]) < h[l] * std::abs(n[l]) ? k : l;
     other = k + l - axis;
     at_other = n[other] < 0 ? -h[other] : h[other];
@@ -78,38 +97,57 @@ struct EdgesToSide {
   }
   /// Which of the four: two bits, its sides.
   std::uint32_t number(bool positive) const noexcept {
-    const bool outer = at_other > 0, first = axis == (along + 1) % 3;
+    const bool outer = at_other > 0, first = axis == after(along);
     return ((first ? positive : outer) ? 1u : 0u) | ((first ? outer : positive) ? 2u : 0u);
   }
 };
 
 /// f(edges, depth, point of a in its frame) for the edges along axis i of box a and j of box b that cross, no nearer than
-/// -reach. n_A: from b to a; d: depth along it, of the edges that are deepest. Lane 0 to 3: of a and b the edge on the
-/// negative side, of a the positive, of b, of both.
+/// -reach. n_A, n_B: from b to a; d: depth along it, of the edges that are deepest. Lane 0 to 3: of a and b the edge on
+/// the negative side, of a the positive, of b, of both.
 template <class F>
-void each_crossing_along(const BoxOnBox& w, int i, int j, const Vec3& n_A, Real d, Real reach, F f) noexcept {
-  const Vec3 b_j = w.R_AB.col(j);
-  const EdgesToSide a(i, -n_A, w.h_a), b(j, w.R_AB.transpose() * n_A, w.h_b);
-  const Pack a_at(-w.h_a[a.axis], w.h_a[a.axis], -w.h_a[a.axis], w.h_a[a.axis]);
-  const Pack b_at(-w.h_b[b.axis], -w.h_b[b.axis], w.h_b[b.axis], w.h_b[b.axis]);
+void each_crossing_along(const BoxOnBox& w, int i, int j, const Vec3& n_A, const Vec3& n_B, Real d,
+                         Real reach, F f) noexcept {
+  const EdgesToSide a(i, -n_A, w.h_a), b(j, n_B, w.h_b);
+  const Real h_a = w.h_a[a.axis], h_b = w.h_b[b.axis];
+  const Pack a_at(-h_a, h_a, -h_a, h_a), b_at(-h_b, -h_b, h_b, h_b);
   const Real a_less = std::max(a.less, Real(0)), a_more = std::max(-a.less, Real(0));
   const Real b_less = std::max(b.less, Real(0)), b_more = std::max(-b.less, Real(0));
   const Pack depth = d - Pack(a_less, a_more, a_less, a_more) - Pack(b_less, b_less, b_more, b_more);
   // from the middle of the one edge to that of the other: along both
-  const Pack on_a = b_at * w.R_AB(i, b.axis) + (w.p_AB[i] + b.at_other * w.R_AB(i, b.other));
-  const Pack on_b = w.p_AB.dot(b_j) - a.at_other * b_j[a.other] - a_at * b_j[a.axis];
-  const Real cosine = b_j[i], sine_sq = 1 - cosine * cosine, end = sine_sq * (1 - edge_end);
+  const auto R = [&](int row, int column) noexcept { return lane(w.R, row, column); };
+  const Pack on_a = b_at * R(i, b.axis) + (lane(w.p_A, i) + b.at_other * R(i, b.other));
+  const Pack on_b = lane(w.p_B, j) - a.at_other * R(a.other, j) - a_at * R(a.axis, j);
+  const Real cosine = R(i, j), sine_sq = 1 - cosine * cosine, end = sine_sq * (1 - edge_end);
   const Pack t_a = on_a - on_b * cosine, t_b = on_a * cosine - on_b;
   std::uint32_t cross =
       bits((Pack(-reach) < depth) & (abs(t_a) < end * w.h_a[i]) & (abs(t_b) < end * w.h_b[j]));
   for (; cross != 0; cross &= cross - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(cross));
+    const auto at = static_cast<std::size_t>(std::countr_zero(cross));
     Vec3 p;
-    p[i] = t_a[lane] / sine_sq;
-    p[a.axis] = a_at[lane];
+    p[i] = t_a[at] / sine_sq;
+    p[a.axis] = a_at[at];
     p[a.other] = a.at_other;
-    f(b.number((lane & 2) != 0) << 2 | a.number((lane & 1) != 0), depth[lane], p);
+    f(b.number((at & 2) != 0) << 2 | a.number((at & 1) != 0), depth[at], p);
   }
+}
+
+/// Depths along the normals (32) of axis i of box a and those of b, in lanes.
+struct EdgeDepths {
+  Pack sine, between, d;  // between: a and b, times the sine
+};
+inline EdgeDepths edge_depths(const BoxOnBox& w, int i) noexcept {
+  const int k = after(i), l = after(k);
+  // a_i x b_j = -R_lj a_k + R_kj a_l
+  const Pack &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), &E_i = row_of(w.E, i);
+  const Pack h_B1(w.h_b[1], w.h_b[2], w.h_b[0], w.h_b[0]), h_B2(w.h_b[2], w.h_b[0], w.h_b[1], w.h_b[1]);
+  EdgeDepths along;
+  along.sine = max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
+  along.between = R_k * lane(w.p_A, l) - R_l * lane(w.p_A, k);
+  along.d = (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + shuffled<1, 2, 0, 0>(E_i, E_i) * h_B2 +
+             shuffled<2, 0, 1, 1>(E_i, E_i) * h_B1 - abs(along.between)) /
+            along.sine;
+  return along;
 }
 
 /// f(crossing) for the edges of box a that touch edges of box b, or are near to.
@@ -121,26 +159,20 @@ void each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b,
   const Real faces = depth_of_faces(w);
   if (faces <= -reach) return;
   const Real most = (1 + deeper_than_faces) * std::max(faces, Real(0)) + deeper_than_reach * reach;
-  const Pack h_B1(w.h_b[1], w.h_b[2], w.h_b[0], w.h_b[0]), h_B2(w.h_b[2], w.h_b[0], w.h_b[1], w.h_b[1]);
   for (int i = 0; i < 3; ++i) {
-    const int k = (i + 1) % 3, l = (i + 2) % 3;
-    const auto row = [](int c) noexcept { return static_cast<std::size_t>(c); };
-    // a_i x b_j = -R_lj a_k + R_kj a_l
-    const Pack &R_k = w.R[row(k)], &R_l = w.R[row(l)], &E_i = w.E[row(i)];
-    const Pack sine = max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
-    const Pack along = R_k * w.p_AB[l] - R_l * w.p_AB[k];
-    const Pack d = (w.E[row(l)] * w.h_a[k] + w.E[row(k)] * w.h_a[l] + shuffled<1, 2, 0, 0>(E_i, E_i) * h_B2 +
-                    shuffled<2, 0, 1, 1>(E_i, E_i) * h_B1 - abs(along)) /
-                   sine;
-    std::uint32_t near = bits((Pack(min_edge_sine) < sine) & (Pack(-reach) < d) & (d <= Pack(most))) & 7;
+    const EdgeDepths along = edge_depths(w, i);
+    std::uint32_t near =
+        bits((Pack(min_edge_sine) < along.sine) & (Pack(-reach) < along.d) & (along.d <= Pack(most))) & 7;
     for (; near != 0; near &= near - 1) {
-      const int j = std::countr_zero(near);
-      Vec3 n_A = Vec3::Unit(i).cross(w.R_AB.col(j)).normalized();
-      const Real between = n_A.dot(w.p_AB);
-      if (!(between < 0)) n_A = -n_A;
-      const Real deepest =
-          w.h_a.dot(n_A.cwiseAbs()) + w.h_b.dot((w.R_AB.transpose() * n_A).cwiseAbs()) - std::abs(between);
-      each_crossing_along(w, i, j, n_A, deepest, reach,
+      const int j = std::countr_zero(near), k = after(i), l = after(k);
+      const Real s = (lane(along.between, j) < 0 ? 1 : -1) / lane(along.sine, j);
+      const Real n_k = -s * lane(w.R, l, j), n_l = s * lane(w.R, k, j);
+      Vec3 n_A;
+      n_A[i] = 0;
+      n_A[k] = n_k;
+      n_A[l] = n_l;
+      const Column n_B(row_of(w.R, k) * n_k + row_of(w.R, l) * n_l);
+      each_crossing_along(w, i, j, n_A, n_B.vec(), lane(along.d, j), reach,
                           [&](std::uint32_t edges, Real depth, const Vec3& p_A) noexcept {
                             f(EdgeCrossing{
                                 .edges = static_cast<std::uint32_t>(i << 6 | j << 4) | edges,

@@ -115,8 +115,11 @@ void hang_contacts(const FixedContactScratch<Contacts, N>& w, Real h, Tree<N, Jo
 template <class Contacts, std::size_t N, class Joints>
 bool update_contacts(const Tree<N, Joints>& tree, Pass next, FixedContactScratch<Contacts, N>& w) noexcept {
   ContactMiss most;
-  for (std::size_t i = 0; i < w.num_packs; ++i) update(w.packs[i], tree.nodes[w.packs[i].body].V, next, most);
-  w.report.residual = largest(most.miss);
+  for (std::size_t i = 0; i < w.num_packs; ++i) {
+    move(w.packs[i], tree.nodes[w.packs[i].body].V);
+    settle<true>(w.packs[i], next, most);
+  }
+  w.report.residual = most.worst();
   return w.report.residual <= contact_tolerance * largest(most.F_n);
 }
 

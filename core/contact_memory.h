@@ -101,7 +101,11 @@ inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, 
   if (of_step != nullptr && is_other(*of_step)) of_step = nullptr;
   if (of_step != nullptr) m = *of_step;
   m.xi_W += stage.t_0 * m.xi_dot_W;
-  if (of_stage != nullptr) m.xi_W += stage.t_1 * of_stage->xi_dot_W;
+  if (of_stage != nullptr) {
+    m.xi_W += stage.t_1 * of_stage->xi_dot_W;
+    m.F_W = of_stage->F_W;
+    m.n_W = of_stage->n_W;
+  }
   if (of_step != nullptr) m.e = let_out(m.e, start.d_0, stage.elapsed * law.push_out, start.most);
   else if (of_stage != nullptr) m.e = of_stage->e;
   else m.e = std::max(start.e_new, Real(0));

@@ -55,7 +55,7 @@ struct ContactPack {
 
 /// No contact in lane j.
 inline void put_nothing(ContactPack& pack, std::size_t j) noexcept {
-  for (Vector3<Pack>* a : {&pack.r, &pack.n, &pack.v_xi}) set_lane(*a, j, Vec3::Zero());
+  for (Vector3<Pack>* a : {&pack.r, &pack.n, &pack.v_xi, &pack.F}) set_lane(*a, j, Vec3::Zero());
   for (Pack* a : {&pack.d_0, &pack.F_0, &pack.eta_n, &pack.max_eta_t, &pack.mu}) a->set(j, 0);
 }
 
@@ -78,9 +78,11 @@ inline void set_contact(const ContactLaw& law, const ContactMemory& memory, Real
 inline Pack case_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
 inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) || any(b < a); }
 
-/// How far the forces of a pass are from the law.
+/// How far the forces of a pass are from the law, and the largest normal force.
 struct ContactMiss {
-  Pack miss = 0, F_n = 0;
+  Pack normal = 0, friction = 0, F_n = 0;
+
+  Real worst() const noexcept { return largest(max(normal, friction)); }
 };
 
 /// The velocities of the contact points at the twist V of the body's anchor.
@@ -90,35 +92,53 @@ inline void move(ContactPack& c, const AnchorTwist& V) noexcept {
   c.v = V_v + V_w.cross(c.r);
 }
 
-/// The forces of a pass, and the cases of the next, at the velocities of the contact points.
-inline void settle(ContactPack& c, Pass next, ContactMiss& most) noexcept {
+/// A speed of slip that can be divided by.
+inline Pack speed_of(const Vector3<Pack>& s) noexcept {
+  return max(sqrt(s.squaredNorm()), Pack(std::numeric_limits<Real>::min()));
+}
+/// eta_t of (24) at a speed of slip.
+inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) noexcept {
+  return min(c.mu * F_n / speed, c.max_eta_t);
+}
+
+/// The forces of a pass, and the cases of the next, at the velocities of the contact points. tangents: as in add().
+template <bool tangents>
+void settle(ContactPack& c, Pass next, ContactMiss& most) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
-  const Pack speed = max(sqrt(s.squaredNorm()), Pack(std::numeric_limits<Real>::min()));
+  const Pack speed = speed_of(s);
   const Pack F_n = c.F_0 - c.eta_n * v_n;
   const Pack law_n = max(F_n, Pack(0));
-  const Pack law_eta = min(c.mu * law_n / speed, c.max_eta_t);
-  const Vector3<Pack> F_t = c.u * (c.eta_t * c.u.dot(s) - c.f_slip) - s * c.eta_t;
-  const Vector3<Pack> law_t = s * -law_eta;
+  const Pack law_eta = friction(c, speed, law_n);
+  Vector3<Pack> F_t = s * -c.eta_t;
+  if constexpr (tangents) F_t += c.u * (c.eta_t * c.u.dot(s) - c.f_slip);
   c.F = c.n * (c.touching * F_n) + F_t;
-  most.miss = max(most.miss, max(abs(law_n - c.touching * F_n), sqrt((law_t - F_t).squaredNorm())));
+  most.normal = max(most.normal, abs(law_n - c.touching * F_n));
+  most.friction = max(most.friction, sqrt((s * -law_eta - F_t).squaredNorm()));
   most.F_n = max(most.F_n, law_n);
   const Pack touching = case_of(law_n), eta_before = c.eta_t;
   c.changed = differ(c.touching, touching);
   c.touching = touching;
+  Pack slip_eta = law_eta;
   // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
-  const Pack slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, law_eta);
+  if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, law_eta);
   c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
   c.changed = c.changed || differ(c.eta_t, eta_before);
-  const Pack tangent = next == Pass::by_tangent ? select(c.eta_t < c.max_eta_t, Pack(1), Pack(0)) : Pack(0);
-  c.u = s * (tangent / speed);
-  c.f_slip = tangent * c.mu * law_n;
-}
-inline void update(ContactPack& c, const AnchorTwist& V, Pass next, ContactMiss& most) noexcept {
-  move(c, V);
-  settle(c, next, most);
+  if constexpr (tangents) {
+    const Pack tangent = next == Pass::by_tangent ? select(c.eta_t < c.max_eta_t, Pack(1), Pack(0)) : Pack(0);
+    c.u = s * (tangent / speed);
+    c.f_slip = tangent * c.mu * law_n;
+  }
 }
 
+/// The cases of the first pass: at the normal forces that c.F foresees and the velocities of the contact points.
+inline void foresee(ContactPack& c, const AnchorTwist& V) noexcept {
+  move(c, V);
+  const Pack F_n = c.n.dot(c.F);
+  const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
+  c.touching = case_of(F_n);
+  c.eta_t = friction(c, speed_of(s), F_n);
+}
 /// Sums over the contacts of a body, or a pair, of what they add to its A and b.
 struct ContactSums {
   // of W = h (eta_t (1 - u u^T) + (eta_n - eta_t) n n^T):  W;  [r]x W;  -[r]x W [r]x

@@ -97,6 +97,13 @@ void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Re
   make_islands(w.touches, num_bodies, w.tree);
 }
 
+/// The normal force that a contact begins with: that of the step before; of a new one, F_n at the predicted velocities.
+/// Bodies that hit each other are slowed down within the step: at predicted velocities too much touches, too hard.
+inline Real foreseen(const ContactMemory& begun, Real F_n) noexcept {
+  const bool is_new = begun.n_W.isZero();
+  return std::max(is_new ? F_n : begun.n_W.dot(begun.F_W), Real(0));
+}
+
 /// (24) of the near contacts, four of a pair to a pack.
 template <class Contacts, std::size_t N>
 void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
@@ -112,7 +119,6 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
     if (j == 4 || is_new) {
       for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
       j = 0;
-      w.packs[w.num_packs].u.setConstant(Pack(0));
       ++w.num_packs;
       if (is_new && !on_world) ++pairs;
       auto& first = on_world ? w.tree.bodies[near.a].first_pack : w.tree.pairs[pairs - 1].first_pack;
@@ -134,7 +140,9 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
     ContactMemory memory = w.begun[i];
     memory.xi_W *= side;
     const Vec3 r = near.p_W - w.finder.at[child].p_W;
-    set_contact(law, memory, h, d_0, r, side * near.n_W, w.packs[w.num_packs - 1], j);
+    ContactPack& pack = w.packs[w.num_packs - 1];
+    set_contact(law, memory, h, d_0, r, side * near.n_W, pack, j);
+    set_lane(pack.F, j, side * foreseen(memory, pack.F_0[j] - pack.eta_n[j] * near.v_n) * near.n_W);
     w.place[i] = static_cast<std::uint32_t>(4 * (w.num_packs - 1) + j);
   }
   for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
