@@ -21,13 +21,11 @@ constexpr Pass touching_pass(int pass) noexcept {
 }
 /// Of a pass: few while friction is still sought.
 constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == Pass::by_secant ? 3 : 8; }
-/// The passes end when no normal force misses its law by more than this part of the largest of them, and no friction by
-/// more than that of its pass: friction that lasts is found in two passes; where many bodies hit each other the next ones
-/// find more of it, and are content with less.
-inline constexpr Real touching_tolerance = 3e-3;
-constexpr Real friction_tolerance(int pass) noexcept {
-  return touching_tolerance * static_cast<Real>(1 << std::max(pass - 1, 0));
-}
+/// The passes end when no force misses its law by more than this part of the largest normal force. What lasts is found in
+/// two passes; where many bodies hit each other the next ones find more of it, and are content with less: of the friction
+/// in the end with what there is, of normal forces with as much as the sweep of tests/contacts allows.
+constexpr Real friction_tolerance(int pass) noexcept { return 3e-3 * static_cast<Real>(1 << std::max(pass - 1, 0)); }
+constexpr Real normal_tolerance(int pass) noexcept { return std::min(friction_tolerance(pass), Real(12e-3)); }
 /// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
 template <std::size_t max_packs>
 bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
@@ -67,9 +65,8 @@ bool load_contacts(Real h, bool all, const Island& island, BodyContactScratch<Co
       gather(w.packs, body.first_pack, body.end_pack, h, body.on_world, body.F);
       body.A = sum(body.on_world, stage);
     }
-    const Real part = tamed(body.on_world, stage.M);
-    is_tree = is_tree && part == 1;
-    body.hung = part == 1 ? body.A : sum(body.on_world * part, stage);
+    body.tamed = tamed(body.on_world, stage.M);
+    is_tree = is_tree && body.tamed == 1;
     w.b[i].w = body.F.w + stage.b_w - cross(stage.s, w.V_0[i].w);
     w.b[i].v = body.F.v + stage.b_v;
   });
@@ -85,6 +82,15 @@ bool load_contacts(Real h, bool all, const Island& island, BodyContactScratch<Co
   return is_tree;
 }
 
+/// What hangs in the tree of an island: its bodies, and (27), (30).
+template <class Contacts, std::size_t N>
+void eliminate_tree(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  w.tree.each_body(island, [&](std::uint32_t i, TouchingBody& body) noexcept {
+    body.hung = body.tamed == 1 ? body.A : sum(body.on_world * body.tamed, w.stages[i]);
+  });
+  eliminate(island, w.tree);
+}
+
 /// Forces of the contacts of an island at the velocities of their points, and their cases in the next pass. True: the
 /// forces obey the law.
 template <class Contacts, std::size_t N>
@@ -98,8 +104,9 @@ bool settle_contacts(int pass, const Island& island, BodyContactScratch<Contacts
     changed = changed || c.changed;
   });
   const Real F_n = largest(most.F_n);
-  return (next == Pass::as_it_was && !changed) || (largest(most.normal) <= touching_tolerance * F_n &&
-                                                   largest(most.friction) <= friction_tolerance(pass) * F_n);
+  const bool normal = largest(most.normal) <= normal_tolerance(pass) * F_n;
+  if (next == Pass::as_it_was) return normal || !changed;
+  return normal && largest(most.friction) <= friction_tolerance(pass) * F_n;
 }
 
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
@@ -116,7 +123,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
     const bool is_tree = load_contacts(h, passes == 0, island, w);
     if constexpr (!Contacts::jointed)
       w.factored = !is_tree && factorize(island, w.factored, w.tree, w.factor);
-    if (!w.factored) eliminate(island, w.tree);
+    if (!w.factored) eliminate_tree(island, w);
     const bool exact = is_tree || w.factored;
     left = exact ? eliminated(island, w) : iterate(num_iterations(passes), island, w, iterations);
     if (move_contacts(island, w)) {
@@ -125,7 +132,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
       left = scale_velocities(h, island, w);
     }
     done = settle_contacts(passes, island, w, most) && passes + 1 >= min_passes &&
-           left <= touching_tolerance * h * largest(most.F_n);
+           left <= normal_tolerance(passes) * h * largest(most.F_n);
     w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
   }
   w.report.residual = std::max({w.report.residual, left / h, most.worst()});

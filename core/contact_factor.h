@@ -3,7 +3,7 @@
 // A pile is a graph of bodies and of pairs that touch. Of the bodies that are left, the one with the fewest neighbours is
 // eliminated next, which joins these to each other; k by k, with i and j its neighbours,
 //
-//   (31)  A_kk = L D L^T,  Z_i = A_ik L^-T,  Y_i = Z_i D^-1,  A_ij -= Y_i Z_j^T
+//   (31)  A_kk = L D L^T,  Z_i = A_ik L^-T,  A_ij -= Z_i D^-1 Z_j^T
 //
 // by substitution, without inverses: a body keeps its mass beside contacts that are 1e10 times stiffer. Bound: max_blocks
 // blocks A_ik, and for each body a product for every two of its neighbours. An island that has more is left to the
@@ -26,7 +26,7 @@ struct ContactFactor {
   std::array<PivotFactor, N> pivots;
   std::array<std::uint32_t, N + 1> first;  // blocks of each column, in the order of their rows
   std::array<std::uint32_t, max_blocks> row;
-  std::array<CouplingBlock, max_blocks> Y;  // A_ik, then Z_i, then Y_i
+  std::array<CouplingBlock, max_blocks> Z;  // A_ik, then Z_i
   // of the ordering, by place in the island
   std::array<BitSet<N>, N> neighbours;  // of a body that is eliminated: when it was
   std::array<std::uint32_t, N> degree, place_of;
@@ -34,7 +34,7 @@ struct ContactFactor {
   CouplingBlock& block(std::uint32_t i, std::uint32_t k) noexcept {
     std::uint32_t b = first[k];
     while (row[b] != i) ++b;
-    return Y[b];
+    return Z[b];
   }
 };
 
@@ -107,13 +107,13 @@ template <std::size_t N, std::size_t max_pairs, bool jointed>
 void load_factor(const Island& island, const ContactTree<N, max_pairs, jointed>& tree,
                  ContactFactor<N>& w) noexcept {
   for (std::uint32_t k = 0; k < w.size; ++k) w.A[k] = tree.bodies[w.body[k]].A;
-  for (std::uint32_t b = 0; b < w.first[w.size]; ++b) w.Y[b] = no_coupling();
+  for (std::uint32_t b = 0; b < w.first[w.size]; ++b) w.Z[b] = no_coupling();
   tree.each_pair(island, [&](const TouchingPair& pair) noexcept {
     if (!pair.touches) return;
     const std::uint32_t c = w.number_of[pair.child], p = w.number_of[pair.parent];
     w.A[c] += pair.A;
-    hang(pair.A, pair.d, w.A[p]);
     const CouplingBlock A_pc = coupling(pair.A, pair.d);
+    hang(A_pc, pair.d, w.A[p]);
     w.block(std::max(c, p), std::min(c, p)) = p > c ? A_pc : transposed(A_pc);
   });
 }
@@ -131,13 +131,12 @@ bool factorize(const Island& island, bool again, ContactTree<N, max_pairs, joint
   load_factor(island, tree, w);
   for (std::uint32_t k = 0; k < w.size; ++k) {
     const PivotFactor& pivot = w.pivots[k] = factor(w.A[k]);
-    for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) substitute(pivot, w.Y[b]);
-    for (std::uint32_t b = w.first[k + 1]; b-- > w.first[k];) {
+    for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) substitute(pivot, w.Z[b]);
+    for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) {
       const std::uint32_t i = w.row[b];
-      const CouplingBlock Y_i = scaled(w.Y[b], pivot);
-      for (std::uint32_t c = w.first[k]; c < b; ++c) subtract_product(Y_i, w.Y[c], w.block(i, w.row[c]));
-      subtract_product(Y_i, w.Y[b], w.A[i]);
-      w.Y[b] = Y_i;
+      const CouplingBlock Y_i = scaled(w.Z[b], pivot);
+      for (std::uint32_t c = w.first[k]; c < b; ++c) subtract_product(Y_i, w.Z[c], w.block(i, w.row[c]));
+      subtract_product(Y_i, w.Z[b], w.A[i]);
     }
   }
   return true;
@@ -148,17 +147,17 @@ template <std::size_t N>
 void solve(const ContactFactor<N>& w, std::array<AnchorTwist, N>& b, std::array<AnchorTwist, N>& V) noexcept {
   for (std::uint32_t k = 0; k < w.size; ++k) {
     AnchorTwist& b_k = b[w.body[k]];
-    b_k = lowered(w.pivots[k], b_k);
+    b_k = scaled(lowered(w.pivots[k], b_k), w.pivots[k]);
     for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) {
       AnchorTwist& b_i = b[w.body[w.row[c]]];
-      b_i = b_i - w.Y[c] * b_k;
+      b_i = b_i - w.Z[c] * b_k;
     }
   }
   for (std::uint32_t k = w.size; k-- > 0;) {
     AnchorTwist sum{.w = Column(Pack(0)), .v = Column(Pack(0))};
     for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c)
-      sum = sum + times_transposed(w.Y[c], V[w.body[w.row[c]]]);
-    V[w.body[k]] = raised(w.pivots[k], b[w.body[k]], sum);
+      sum = sum + times_transposed(w.Z[c], V[w.body[w.row[c]]]);
+    V[w.body[k]] = raised(w.pivots[k], b[w.body[k]] - scaled(sum, w.pivots[k]));
   }
 }
 

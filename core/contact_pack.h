@@ -185,8 +185,9 @@ void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
 
 /// The sums of three packs.
 inline Column sum(const Pack& x, const Pack& y, const Pack& z) noexcept {
-  const std::array<Column, 4> lanes = columns(Vector3<Pack>(x, y, z));
-  return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+  const Pack xy = shuffled<0, 4, 2, 6>(x, y) + shuffled<1, 5, 3, 7>(x, y);
+  const Pack zz = z + shuffled<1, 0, 3, 2>(z, z);
+  return Column(shuffled<0, 1, 4, 5>(xy, zz) + shuffled<2, 3, 6, 7>(xy, zz));
 }
 
 /// A symmetric 6 x 6 matrix of a twist, in 3 x 3 blocks; vw is the transposed wv.

@@ -29,6 +29,13 @@ inline CouplingBlock coupling(const TwistBlock& A, const Column& d) noexcept {
           .vv = A.vv * Real(-1)};
 }
 
+/// X^T A X added to the parent, where its coupling to the child is A_pc = -X^T A.
+inline void hang(const CouplingBlock& A_pc, const Column& d, TwistBlock& parent) noexcept {
+  parent.ww -= A_pc.ww - cross(A_pc.wv, d);
+  parent.wv -= A_pc.wv;
+  parent.vv -= A_pc.vv;
+}
+
 /// A B^T.
 inline Block times_transpose(const Block& A, const Block& B) noexcept {
   const auto column = [&](auto c) noexcept {
@@ -103,9 +110,12 @@ inline AnchorTwist lowered(const PivotFactor& f, AnchorTwist b) noexcept {
   b.v -= f.vv.col[1] * b.v.all<1>();
   return b;
 }
-/// L^-T (D^-1 t - s).
-inline AnchorTwist raised(const PivotFactor& f, const AnchorTwist& t, const AnchorTwist& s) noexcept {
-  AnchorTwist V{.w = Column(t.w.p * f.D_inverse_w.p - s.w.p), .v = Column(t.v.p * f.D_inverse_v.p - s.v.p)};
+/// D^-1 b.
+inline AnchorTwist scaled(const AnchorTwist& b, const PivotFactor& f) noexcept {
+  return {.w = Column(b.w.p * f.D_inverse_w.p), .v = Column(b.v.p * f.D_inverse_v.p)};
+}
+/// L^-T b.
+inline AnchorTwist raised(const PivotFactor& f, AnchorTwist V) noexcept {
   V.v -= f.vv_T.col[2] * V.v.all<2>();
   V.v -= f.vv_T.col[1] * V.v.all<1>();
   V.w -= f.vw_T * V.v;
