@@ -24,7 +24,9 @@ constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == 
 /// The passes end when no force misses its law by more than this part of the largest normal force. What lasts is found in
 /// two passes; where many bodies hit each other the next ones find more of it, and are content with less: of the friction
 /// in the end with what there is, of normal forces with as much as the sweep of tests/contacts allows.
-constexpr Real friction_tolerance(int pass) noexcept { return 3e-3 * static_cast<Real>(1 << std::max(pass - 1, 0)); }
+constexpr Real friction_tolerance(int pass) noexcept {
+  return 3e-3 * static_cast<Real>(1 << std::max(pass - 1, 0));
+}
 constexpr Real normal_tolerance(int pass) noexcept { return std::min(friction_tolerance(pass), Real(12e-3)); }
 /// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
 template <std::size_t max_packs>
@@ -152,6 +154,24 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   for (std::size_t n = 0; n < w.tree.num_islands; ++n) solve_island(h, w.tree.islands[n], w);
 }
 
+/// The contact forces of packs [first, end) on their body, about its centre of mass; what they say goes into the report.
+template <class Contacts, std::size_t N>
+AnchorTwist sum_forces(std::uint32_t first, std::uint32_t end, Real h,
+                       BodyContactScratch<Contacts, N>& w) noexcept {
+  Vector3<Pack> tau = Vector3<Pack>::Constant(Pack(0)), f = tau;
+  Pack deepest = 0;
+  for (std::uint32_t p = first; p < end; ++p) {
+    const ContactPack& c = w.packs[p];
+    f += c.F;
+    tau += c.r.cross(c.F);
+    deepest = max(deepest, c.d_0 - h * c.n.dot(c.v));
+    for (std::uint32_t left = bits(Pack(0) < c.n.dot(c.F)); left != 0; left &= left - 1)
+      ++w.report.num_contacts;
+  }
+  w.report.deepest = std::max(w.report.deepest, largest(deepest));
+  return {.w = sum(tau[0], tau[1], tau[2]), .v = sum(f[0], f[1], f[2])};
+}
+
 /// What the contacts carry over, and what they say.
 template <class Contacts, std::size_t N>
 void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -159,27 +179,32 @@ void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScrat
   ContactMemories<Contacts::max_contacts>& next = w.memories[w.last];
   next.size = 0;
   for (Wrench& F : w.wrenches) F = {};
-  std::size_t pairs = 0;
-  for (std::size_t i = 0; i < w.near.size; ++i) {
-    const NearContact& near = w.near.list[i];
-    const bool on_world = near.b >= N;
-    if (!on_world && (i == 0 || pair_of(w.near.list[i - 1]) != pair_of(near))) ++pairs;
-    const ContactPack& pack = w.packs[w.place[i] / 4];
-    const std::size_t j = w.place[i] % 4;
-    const Real side = on_world || w.tree.pairs[pairs - 1].child == near.a ? 1 : -1;
-    const Vec3 v = side * lane(pack.v, j), F = side * lane(pack.F, j);
-    const Real depth = pack.d_0[j] - h * near.n_W.dot(v);
-    const bool touches = near.n_W.dot(F) > 0;
-    if (!touches && !(depth > 0)) continue;
-    next.list[next.size++] = carried_over(law_of(par, near), w.begun[i], h, near.n_W, F);
-    const auto on = [&](std::uint32_t body, const Vec3& f) noexcept {
-      w.wrenches[body].f += f;
-      w.wrenches[body].tau += (near.p_W - w.finder.at[body].p_W).cross(f);
-    };
-    on(near.a, F);
-    if (!on_world) on(near.b, -F);
-    w.report.num_contacts += touches ? 1 : 0;
-    w.report.deepest = std::max(depth, w.report.deepest);
+  const auto on = [&](std::uint32_t body, const AnchorTwist& F) noexcept {
+    w.wrenches[body].tau += F.w.vec();
+    w.wrenches[body].f += F.v.vec();
+  };
+  for (std::size_t g = 0; g < w.num_groups; ++g) {
+    const NearGroup& group = w.groups[g];
+    std::uint32_t child = w.near.list[group.first].a, first_pack = w.tree.bodies[child].first_pack;
+    if (group.pair == NearGroup::no_pair) {
+      on(child, sum_forces(first_pack, w.tree.bodies[child].end_pack, h, w));
+    } else {
+      const TouchingPair& pair = w.tree.pairs[group.pair];
+      const AnchorTwist F = sum_forces(pair.first_pack, pair.end_pack, h, w);
+      on(pair.child, F);
+      on(pair.parent, moved_wrench(F, pair.d) * Real(-1));
+      child = pair.child;
+      first_pack = pair.first_pack;
+    }
+    for (std::uint32_t i = group.first, n = 0; i < group.end; ++i, ++n) {
+      const NearContact& near = w.near.list[i];
+      const ContactPack& pack = w.packs[first_pack + n / 4];
+      const std::size_t j = n % 4;
+      const Real side = child == near.a ? 1 : -1;
+      const Vec3 F = side * lane(pack.F, j), v = side * lane(pack.v, j);
+      if (!(near.n_W.dot(F) > 0) && !(pack.d_0[j] - h * near.n_W.dot(v) > 0)) continue;
+      next.list[next.size++] = carried_over(law_of(par, near), near.key, w.begun[i], h, near.n_W, F);
+    }
   }
 }
 

@@ -34,13 +34,12 @@ struct EdgeCrossing {
   Vec3 p_W, n_W;            // on the edge of a; off b
 };
 
-/// Number j of a pack; a row; a number of one.
+/// The numbers of the next axes, of three.
+inline Pack next(const Pack& a) noexcept { return shuffled<1, 2, 0, 0>(a, a); }
+/// Number j of a pack; a row.
 inline Real lane(const Pack& a, int j) noexcept { return a[static_cast<std::size_t>(j)]; }
 inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
   return rows[static_cast<std::size_t>(row)];
-}
-inline Real lane(const std::array<Pack, 3>& rows, int row, int column) noexcept {
-  return lane(row_of(rows, row), column);
 }
 
 /// Box b as box a sees it. Lane j: axis j of b; the fourth is worthless.
@@ -79,75 +78,88 @@ inline Real depth_of_faces(const BoxOnBox& w) noexcept {
   return std::min(std::min(least[0], least[1]), least[2]);
 }
 
-/// Of axes 0, 1, 2, 0, ...
-constexpr int after(int axis) noexcept { return axis == 2 ? 0 : axis + 1; }
-
-/// The edges of a box along one of its axes, `along`, on the side to which n leads more; two of the four.
+/// Of edges of a box along one of its axes, those on the side to which n leads more; two of the four. Lane j: of the edges
+/// that cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
 struct EdgesToSide {
-  int along, axis, other;  // n leads less out along `axis`
-  Real at_other;           // where both are
-  Real less;               // by how much the one on the positive side of `axis` is deeper than the other
+  PackMask
+      first;  // they are on either side of the next axis, otherwise of the one after it: n leads less out along it
+  Pack h;         // half extent there
+  Pack at_other;  // along the other axis, where both are
+  Pack less;      // by how much the one on the positive side is deeper than the other
 
-  EdgesToSide(int i, const Vec3& n, const Vec3& h) noexcept : along(i) {
-    const int k = after(i), l = after(k);
-    axis = h[k] * std::abs(n[k]) < h[l] * std::abs(n[l]) ? k : l;
-    other = k + l - axis;
-    at_other = n[other] < 0 ? -h[other] : h[other];
-    less = 2 * h[axis] * n[axis];
+  EdgesToSide(const Pack& n_1, const Pack& h_1, const Pack& n_2, const Pack& h_2) noexcept {
+    const Pack out_1 = h_1 * n_1, out_2 = h_2 * n_2;
+    first = abs(out_1) < abs(out_2);
+    h = select(first, h_1, h_2);
+    at_other = select(first, select(n_2 < 0, -h_2, h_2), select(n_1 < 0, -h_1, h_1));
+    less = 2 * select(first, out_1, out_2);
   }
+  /// How much less deep than the deeper one the edge on this side is.
+  Pack lost(bool positive) const noexcept { return max(positive ? -less : less, Pack(0)); }
   /// Which of the four: two bits, its sides.
-  std::uint32_t number(bool positive) const noexcept {
-    const bool outer = at_other > 0, first = axis == after(along);
-    return ((first ? positive : outer) ? 1u : 0u) | ((first ? outer : positive) ? 2u : 0u);
+  std::uint32_t number(std::size_t j, bool positive) const noexcept {
+    const bool outer = at_other[j] > 0, is_first = (bits(first) >> j & 1) != 0;
+    return ((is_first ? positive : outer) ? 1u : 0u) | ((is_first ? outer : positive) ? 2u : 0u);
   }
 };
 
-/// f(edges, depth, point of a in its frame) for the edges along axis i of box a and j of box b that cross, no nearer than
-/// -reach. n_A, n_B: from b to a; d: depth along it, of the edges that are deepest. Lane 0 to 3: of a and b the edge on
-/// the negative side, of a the positive, of b, of both.
+/// f(crossing) for the edges along axis i of box a that cross edges of box b, deeper than -reach; along normals (32) along
+/// which the boxes are no deeper than `most` and no farther from each other than the reach.
 template <class F>
-void each_crossing_along(const BoxOnBox& w, int i, int j, const Vec3& n_A, const Vec3& n_B, Real d,
-                         Real reach, F f) noexcept {
-  const EdgesToSide a(i, -n_A, w.h_a), b(j, n_B, w.h_b);
-  const Real h_a = w.h_a[a.axis], h_b = w.h_b[b.axis];
-  const Pack a_at(-h_a, h_a, -h_a, h_a), b_at(-h_b, -h_b, h_b, h_b);
-  const Real a_less = std::max(a.less, Real(0)), a_more = std::max(-a.less, Real(0));
-  const Real b_less = std::max(b.less, Real(0)), b_more = std::max(-b.less, Real(0));
-  const Pack depth = d - Pack(a_less, a_more, a_less, a_more) - Pack(b_less, b_less, b_more, b_more);
-  // from the middle of the one edge to that of the other: along both
-  const auto R = [&](int row, int column) noexcept { return lane(w.R, row, column); };
-  const Pack on_a = b_at * R(i, b.axis) + (lane(w.p_A, i) + b.at_other * R(i, b.other));
-  const Pack on_b = lane(w.p_B, j) - a.at_other * R(a.other, j) - a_at * R(a.axis, j);
-  const Real cosine = R(i, j), sine_sq = 1 - cosine * cosine, end = sine_sq * (1 - edge_end);
-  const Pack t_a = on_a - on_b * cosine, t_b = on_a * cosine - on_b;
-  std::uint32_t cross =
-      bits((Pack(-reach) < depth) & (abs(t_a) < end * w.h_a[i]) & (abs(t_b) < end * w.h_b[j]));
-  for (; cross != 0; cross &= cross - 1) {
-    const auto at = static_cast<std::size_t>(std::countr_zero(cross));
-    Vec3 p;
-    p[i] = t_a[at] / sine_sq;
-    p[a.axis] = a_at[at];
-    p[a.other] = a.at_other;
-    f(b.number((at & 2) != 0) << 2 | a.number((at & 1) != 0), depth[at], p);
-  }
-}
-
-/// Depths along the normals (32) of axis i of box a and those of b, in lanes.
-struct EdgeDepths {
-  Pack sine, between, d;  // between: a and b, times the sine
-};
-inline EdgeDepths edge_depths(const BoxOnBox& w, int i) noexcept {
-  const int k = after(i), l = after(k);
+void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, F f) noexcept {
+  const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
+  const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), &E_i = row_of(w.E, i);
+  const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
   // a_i x b_j = -R_lj a_k + R_kj a_l
-  const Pack &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), &E_i = row_of(w.E, i);
-  const Pack h_B1(w.h_b[1], w.h_b[2], w.h_b[0], w.h_b[0]), h_B2(w.h_b[2], w.h_b[0], w.h_b[1], w.h_b[1]);
-  EdgeDepths along;
-  along.sine = max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
-  along.between = R_k * lane(w.p_A, l) - R_l * lane(w.p_A, k);
-  along.d = (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + shuffled<1, 2, 0, 0>(E_i, E_i) * h_B2 +
-             shuffled<2, 0, 1, 1>(E_i, E_i) * h_B1 - abs(along.between)) /
-            along.sine;
-  return along;
+  const Pack sine = max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
+  const Pack between = R_k * lane(w.p_A, l) - R_l * lane(w.p_A, k);  // a and b, times the sine
+  const Pack d = (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + next(E_i) * h_B2 +
+                  next(next(E_i)) * h_B1 - abs(between)) /
+                 sine;
+  const std::uint32_t near = bits((Pack(min_edge_sine) < sine) & (Pack(-reach) < d) & (d <= Pack(most))) & 7;
+  if (near == 0) return;
+
+  const Pack s = select(between < 0, Pack(1), Pack(-1)) / sine;
+  const Pack n_k = -s * R_l, n_l = s * R_k;  // from b to a
+  const Pack n_B1 = next(R_k) * n_k + next(R_l) * n_l, n_B2 = next(next(R_k)) * n_k + next(next(R_l)) * n_l;
+  const EdgesToSide a(-n_k, w.h_a[k], -n_l, w.h_a[l]), b(n_B1, h_B1, n_B2, h_B2);
+  const Pack a_b = select(a.first, R_k, R_l), a_b_other = select(a.first, R_l, R_k);
+  const Pack b_a = select(b.first, next(R_i), next(next(R_i))),
+             b_a_other = select(b.first, next(next(R_i)), next(R_i));
+  // of two edges the points that are nearest to each other, from their middles, times the sine squared
+  const Pack sine_sq = 1 - R_i * R_i, end = sine_sq * (1 - edge_end);
+  const Pack on_a = lane(w.p_A, i) + b.at_other * b_a_other, on_b = w.p_B - a.at_other * a_b_other;
+  // on the negative and the positive side of a, and of b
+  const std::array<Pack, 2> to_a{on_b + a.h * a_b, on_b - a.h * a_b}, lost_a{a.lost(false), a.lost(true)};
+  const std::array<Pack, 2> to_b{on_a - b.h * b_a, on_a + b.h * b_a}, lost_b{b.lost(false), b.lost(true)};
+  const Pack end_a = end * w.h_a[i], end_b = end * h_B;
+  std::array<Pack, 4> t_a, depth;
+  std::array<std::uint32_t, 4> cross;
+  for (std::size_t c = 0; c < 4; ++c) {
+    const Pack &from_a = to_a[c & 1], &from_b = to_b[c >> 1];
+    t_a[c] = from_b - from_a * R_i;
+    const Pack t_b = from_b * R_i - from_a;
+    depth[c] = d - lost_a[c & 1] - lost_b[c >> 1];
+    cross[c] = bits((Pack(-reach) < depth[c]) & (abs(t_a[c]) < end_a) & (abs(t_b) < end_b)) & near;
+  }
+  for (std::uint32_t left = cross[0] | cross[1] | cross[2] | cross[3]; left != 0; left &= left - 1) {
+    const auto j = static_cast<std::size_t>(std::countr_zero(left));
+    const bool a_first = (bits(a.first) >> j & 1) != 0;
+    Vec3 n_A, p_A;
+    n_A[i] = 0;
+    n_A[k] = n_k[j];
+    n_A[l] = n_l[j];
+    for (std::size_t c = 0; c < 4; ++c) {
+      if ((cross[c] >> j & 1) == 0) continue;
+      const bool above_a = (c & 1) != 0, above_b = (c & 2) != 0;
+      p_A[i] = t_a[c][j] / sine_sq[j];
+      p_A[a_first ? k : l] = above_a ? a.h[j] : -a.h[j];
+      p_A[a_first ? l : k] = a.at_other[j];
+      f(static_cast<std::uint32_t>(i) << 6 | static_cast<std::uint32_t>(j) << 4 | b.number(j, above_b) << 2 |
+            a.number(j, above_a),
+        depth[c][j], p_A, n_A);
+    }
+  }
 }
 
 /// f(crossing) for the edges of box a that touch edges of box b, or are near to.
@@ -159,30 +171,11 @@ void each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b,
   const Real faces = depth_of_faces(w);
   if (faces <= -reach) return;
   const Real most = (1 + deeper_than_faces) * std::max(faces, Real(0)) + deeper_than_reach * reach;
-  for (int i = 0; i < 3; ++i) {
-    const EdgeDepths along = edge_depths(w, i);
-    std::uint32_t near =
-        bits((Pack(min_edge_sine) < along.sine) & (Pack(-reach) < along.d) & (along.d <= Pack(most))) & 7;
-    for (; near != 0; near &= near - 1) {
-      const int j = std::countr_zero(near), k = after(i), l = after(k);
-      const Real s = (lane(along.between, j) < 0 ? 1 : -1) / lane(along.sine, j);
-      const Real n_k = -s * lane(w.R, l, j), n_l = s * lane(w.R, k, j);
-      Vec3 n_A;
-      n_A[i] = 0;
-      n_A[k] = n_k;
-      n_A[l] = n_l;
-      const Column n_B(row_of(w.R, k) * n_k + row_of(w.R, l) * n_l);
-      each_crossing_along(w, i, j, n_A, n_B.vec(), lane(along.d, j), reach,
-                          [&](std::uint32_t edges, Real depth, const Vec3& p_A) noexcept {
-                            f(EdgeCrossing{
-                                .edges = static_cast<std::uint32_t>(i << 6 | j << 4) | edges,
-                                .d = depth,
-                                .p_W = a.X_WS.p + R_WA * p_A,
-                                .n_W = R_WA * n_A,
-                            });
-                          });
-    }
-  }
+  for (int i = 0; i < 3; ++i)
+    each_crossing_along(
+        w, i, reach, most, [&](std::uint32_t edges, Real d, const Vec3& p_A, const Vec3& n_A) noexcept {
+          f(EdgeCrossing{.edges = edges, .d = d, .p_W = a.X_WS.p + R_WA * p_A, .n_W = R_WA * n_A});
+        });
 }
 
 }  // namespace godobject

@@ -90,26 +90,38 @@ struct ContactStart {
 /// The part of a depth d_0 that its speed v_n of opening does not explain in two steps h.
 inline Real unexplained(Real d_0, Real v_n, Real h) noexcept { return d_0 - 2 * h * std::max(-v_n, Real(0)); }
 
-/// The memory with which a stage treats a contact of normal n. Where the normal has turned round a corner the contact is
-/// another one.
-inline ContactMemory recalled(const ContactLaw& law, const ContactStage& stage, std::uint64_t key,
-                              const ContactMemory* of_step, const ContactMemory* of_stage, const Vec3& n_W,
-                              const ContactStart& start) noexcept {
-  ContactMemory m{.key = key};
+/// What a stage knows of a contact where it begins.
+struct BegunContact {
+  Vec3 xi_W = Vec3::Zero();  // how far it has been dragged along the surface, m
+  Real e = 0;                // depth that no motion explains, m
+  Real F_n = -1;             // normal force of the stage before, N; < 0: the contact is new
+};
+
+/// Of a contact of normal n, from the memories of the step and of the stage before. Where the normal has turned round a
+/// corner the contact is another one.
+inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, const ContactMemory* of_step,
+                             const ContactMemory* of_stage, const Vec3& n_W,
+                             const ContactStart& start) noexcept {
   const auto is_other = [&](const ContactMemory& before) noexcept { return before.n_W.dot(n_W) < Real(0.5); };
   if (!stage.goes_on || (of_stage != nullptr && is_other(*of_stage))) of_stage = nullptr;
   if (of_step != nullptr && is_other(*of_step)) of_step = nullptr;
-  if (of_step != nullptr) m = *of_step;
-  m.xi_W += stage.t_0 * m.xi_dot_W;
-  if (of_stage != nullptr) {
-    m.xi_W += stage.t_1 * of_stage->xi_dot_W;
-    m.F_W = of_stage->F_W;
-    m.n_W = of_stage->n_W;
+  BegunContact c;
+  if (of_step == nullptr && of_stage == nullptr) {
+    c.e = std::max(start.e_new, Real(0));
+    return c;
   }
-  if (of_step != nullptr) m.e = let_out(m.e, start.d_0, stage.elapsed * law.push_out, start.most);
-  else if (of_stage != nullptr) m.e = of_stage->e;
-  else m.e = std::max(start.e_new, Real(0));
-  return m;
+  Vec3 xi = Vec3::Zero();
+  if (of_step != nullptr) {
+    xi = of_step->xi_W + stage.t_0 * of_step->xi_dot_W;
+    c.e = let_out(of_step->e, start.d_0, stage.elapsed * law.push_out, start.most);
+  } else {
+    c.e = of_stage->e;
+  }
+  if (of_stage != nullptr) xi += stage.t_1 * of_stage->xi_dot_W;
+  const ContactMemory& last = of_stage != nullptr ? *of_stage : *of_step;
+  c.xi_W = xi - n_W * n_W.dot(xi);
+  c.F_n = std::max(last.n_W.dot(last.F_W), Real(0));
+  return c;
 }
 
 /// How far the contact point is dragged at the end of a stage, the friction being F_t: spring and damper of (23) move

@@ -59,18 +59,29 @@ inline void put_nothing(ContactPack& pack, std::size_t j) noexcept {
   for (Pack* a : {&pack.d_0, &pack.F_0, &pack.eta_n, &pack.max_eta_t, &pack.mu}) a->set(j, 0);
 }
 
-/// Contact j of a pack: its point at r, its normal n, and its depth where the stage starts.
-inline void set_contact(const ContactLaw& law, const ContactMemory& memory, Real h, Real d_0, const Vec3& r,
-                        const Vec3& n, ContactPack& pack, std::size_t j) noexcept {
-  const Real eta_n = h * law.k + law.c, max_eta_t = h * law.k_t + law.c_t;
-  const Vec3 xi = memory.xi_W - n * n.dot(memory.xi_W);
+/// A law within a stage: what contacts of a pair of materials have in common.
+struct StageLaw {
+  Real k = 0, eta_n = 0, eta_n_h = 0, max_eta_t = 0, v_per_xi = 0, mu = 0;
+
+  StageLaw(const ContactLaw& law, Real h) noexcept
+      : k(law.k),
+        eta_n(h * law.k + law.c),
+        eta_n_h(eta_n / h),
+        max_eta_t(h * law.k_t + law.c_t),
+        v_per_xi(max_eta_t > 0 ? law.k_t / max_eta_t : 0),
+        mu(law.mu) {}
+};
+
+/// Contact j of a pack: its point at r, its normal n, xi on the side of its body, and its depth where the stage starts.
+inline void set_contact(const StageLaw& law, Real e, Real d_0, const Vec3& r, const Vec3& n, const Vec3& xi,
+                        ContactPack& pack, std::size_t j) noexcept {
   set_lane(pack.r, j, r);
   set_lane(pack.n, j, n);
-  set_lane(pack.v_xi, j, max_eta_t > 0 ? Vec3(xi * (law.k_t / max_eta_t)) : Vec3::Zero());
+  set_lane(pack.v_xi, j, xi * law.v_per_xi);
   pack.d_0.set(j, d_0);
-  pack.F_0.set(j, d_0 < 0 ? eta_n * d_0 / h : law.k * (d_0 - memory.e));
-  pack.eta_n.set(j, eta_n);
-  pack.max_eta_t.set(j, max_eta_t);
+  pack.F_0.set(j, d_0 < 0 ? law.eta_n_h * d_0 : law.k * (d_0 - e));
+  pack.eta_n.set(j, law.eta_n);
+  pack.max_eta_t.set(j, law.max_eta_t);
   pack.mu.set(j, law.mu);
 }
 
@@ -211,12 +222,12 @@ inline AnchorTwist total_impulse(const ContactSums& s) noexcept {
 inline Block transposed(const Block& A) noexcept { return transposed(A.col[0], A.col[1], A.col[2]); }
 
 /// What a contact of normal n carries over, F its force.
-inline ContactMemory carried_over(const ContactLaw& law, const ContactMemory& begun, Real h, const Vec3& n,
-                                  const Vec3& F) noexcept {
-  ContactMemory memory{.key = begun.key, .e = begun.e, .F_W = F, .n_W = n};
-  if (!(n.dot(F) > 0 && law.k_t > 0)) return memory;
-  const Vec3 F_t = F - n * n.dot(F), xi = begun.xi_W - n * n.dot(begun.xi_W);
-  memory.xi_W = dragged(law, xi, F_t, h);
+inline ContactMemory carried_over(const ContactLaw& law, std::uint64_t key, const BegunContact& begun, Real h,
+                                  const Vec3& n, const Vec3& F) noexcept {
+  ContactMemory memory{.key = key, .e = begun.e, .F_W = F, .n_W = n};
+  const Real F_n = n.dot(F);
+  if (!(F_n > 0 && law.k_t > 0)) return memory;
+  memory.xi_W = dragged(law, begun.xi_W, F - n * F_n, h);
   memory.xi_dot_W = (memory.xi_W - begun.xi_W) * (1 / h);
   return memory;
 }

@@ -34,6 +34,13 @@ inline void add_impulse(const AnchorTwist& F, BodyStage& stage) noexcept {
   stage.b_v += F.v;
 }
 
+/// Near contacts [first, end) of a pair of bodies, or of a body and the world.
+struct NearGroup {
+  static constexpr std::uint32_t no_pair = ~std::uint32_t(0);
+  std::uint32_t first = 0, end = 0;
+  std::uint32_t pair = no_pair;  // in the tree
+};
+
 /// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
 struct LinePack {
   Pack F_n, by, v_n, touching;
@@ -50,11 +57,11 @@ struct BodyContactScratch {
   static constexpr std::size_t max_contacts = Contacts::max_contacts;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;
-  std::array<ContactMemory, max_contacts> begun;  // of the near ones, where the stage starts
-  std::array<std::uint32_t, max_contacts> place;  // pack and lane of the near ones
-  std::array<ContactPack, max_contacts> packs;    // each of one pair, or one body with the world
-  std::size_t num_packs = 0;
-  LinePacks<max_contacts> line;  // those that leave their cases on it
+  std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
+  std::size_t num_groups = 0;
+  std::array<BegunContact, max_contacts> begun;  // of the near ones
+  std::array<ContactPack, max_contacts> packs;   // each of one pair, or one body with the world
+  LinePacks<max_contacts> line;                  // those that leave their cases on it
   ContactTree<N, max_contacts, Contacts::jointed> tree;
   [[no_unique_address]] std::conditional_t<Contacts::jointed, Absent<12>, ContactFactor<N>> factor;
   bool factored = false;  // the island at hand
@@ -74,81 +81,93 @@ inline std::uint32_t pair_of(const NearContact& near) noexcept {
   return static_cast<std::uint32_t>(near.key >> 32);
 }
 
-/// The pairs of the near contacts, and the tree of the stiffest.
+/// The groups and pairs of the near contacts, and the tree of the stiffest.
 template <class Contacts, std::size_t N>
 void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Real h,
                 BodyContactScratch<Contacts, N>& w) noexcept {
-  w.tree.num_pairs = 0;
+  w.tree.num_pairs = w.num_groups = 0;
   for (std::size_t i = 0; i < num_bodies; ++i) w.touches[i] = false;
-  for (std::size_t i = 0; i < w.near.size; ++i) {
-    const NearContact& near = w.near.list[i];
-    w.touches[near.a] = true;
-    if (near.b >= N) continue;
-    w.touches[near.b] = true;
-    if (i == 0 || pair_of(w.near.list[i - 1]) != pair_of(near)) {
-      TouchingPair& pair = w.tree.pairs[w.tree.num_pairs++];
-      pair.child = near.a;
-      pair.parent = near.b;
-      pair.stiffness = 0;
+  for (std::uint32_t i = 0; i < w.near.size;) {
+    const NearContact& first = w.near.list[i];
+    NearGroup& group = w.groups[w.num_groups++] = {.first = i};
+    Real stiffness = 0;
+    for (; i < w.near.size && pair_of(w.near.list[i]) == pair_of(first); ++i) {
+      const NearContact& near = w.near.list[i];
+      if (!(near.d > 0)) continue;
+      const ContactLaw& law = law_of(par, near);
+      stiffness += h * law.k + law.c;
     }
-    const ContactLaw& law = law_of(par, near);
-    if (near.d > 0) w.tree.pairs[w.tree.num_pairs - 1].stiffness += h * law.k + law.c;
+    group.end = i;
+    w.touches[first.a] = true;
+    if (first.b >= N) continue;
+    w.touches[first.b] = true;
+    group.pair = static_cast<std::uint32_t>(w.tree.num_pairs);
+    TouchingPair& pair = w.tree.pairs[w.tree.num_pairs++];
+    pair.child = first.a;
+    pair.parent = first.b;
+    pair.stiffness = stiffness;
   }
   make_islands(w.touches, num_bodies, w.tree);
 }
 
-/// The normal force that a contact begins with: that of the step before; of a new one, F_n at the predicted velocities.
+/// The normal force that a contact begins with: that of the stage before; of a new one, F_n at the predicted velocities.
 /// Bodies that hit each other are slowed down within the step: at predicted velocities too much touches, too hard.
-inline Real foreseen(const ContactMemory& begun, Real F_n) noexcept {
-  const bool is_new = begun.n_W.isZero();
-  return std::max(is_new ? F_n : begun.n_W.dot(begun.F_W), Real(0));
+inline Real foreseen(const BegunContact& begun, Real F_n) noexcept {
+  return begun.F_n < 0 ? std::max(F_n, Real(0)) : begun.F_n;
 }
 
-/// (24) of the near contacts, four of a pair to a pack.
+/// (24) of a group of near contacts, four to a pack, from pack `first` on. child: of the two, whose packs they are.
 template <class Contacts, std::size_t N>
-void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                    std::size_t num_bodies, Real step, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  Recall of_step(before), of_stage(w.memories[w.last]);
-  w.num_packs = 0;
-  for (std::size_t i = 0; i < num_bodies; ++i) w.tree.bodies[i].first_pack = w.tree.bodies[i].end_pack = 0;
-  std::size_t j = 4, pairs = 0;
-  for (std::size_t i = 0; i < w.near.size; ++i, ++j) {
+std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, std::uint32_t child,
+                          Real step, Real h, std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
+                          Recall<Contacts::max_contacts>& of_stage,
+                          BodyContactScratch<Contacts, N>& w) noexcept {
+  const bool on_world = group.pair == NearGroup::no_pair;
+  const Vec3& p_W = w.finder.at[child].p_W;
+  std::uint32_t n = 0;
+  for (std::uint32_t i = group.first; i < group.end; ++i, ++n) {
     const NearContact& near = w.near.list[i];
-    const bool on_world = near.b >= N;
-    const bool is_new = i == 0 || pair_of(w.near.list[i - 1]) != pair_of(near);
-    if (j == 4 || is_new) {
-      for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
-      j = 0;
-      ++w.num_packs;
-      if (is_new && !on_world) ++pairs;
-      auto& first = on_world ? w.tree.bodies[near.a].first_pack : w.tree.pairs[pairs - 1].first_pack;
-      auto& end = on_world ? w.tree.bodies[near.a].end_pack : w.tree.pairs[pairs - 1].end_pack;
-      if (is_new) first = static_cast<std::uint32_t>(w.num_packs - 1);
-      end = static_cast<std::uint32_t>(w.num_packs);
-    }
-    const std::uint32_t child = on_world ? near.a : w.tree.pairs[pairs - 1].child;
     const ContactLaw& law = law_of(par, near);
     const Real d_0 = near.d + h * near.v_n;
     // edges are found late where spheres of a corner let faces in: no motion explains how deep they are then
     const Real e_new = is_of_edges(near.key) ? d_0 : unexplained(d_0, near.v_n, step);
     const Real most =
         on_world ? std::numeric_limits<Real>::infinity() : max_pushed_steps * step * law.push_out;
-    w.begun[i] = recalled(law, w.stage, near.key, of_step.find(near.key),
-                          w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
-                          {.d_0 = d_0, .e_new = e_new, .most = most});
+    const BegunContact& begun = w.begun[i] =
+        recalled(law, w.stage, of_step.find(near.key), w.stage.goes_on ? of_stage.find(near.key) : nullptr,
+                 near.n_W, {.d_0 = d_0, .e_new = e_new, .most = most});
+    ContactPack& pack = w.packs[first + n / 4];
+    const std::size_t j = n % 4;
     const Real side = child == near.a ? 1 : -1;
-    ContactMemory memory = w.begun[i];
-    memory.xi_W *= side;
-    const Vec3 r = near.p_W - w.finder.at[child].p_W;
-    ContactPack& pack = w.packs[w.num_packs - 1];
-    set_contact(law, memory, h, d_0, r, side * near.n_W, pack, j);
-    set_lane(pack.F, j, side * foreseen(memory, pack.F_0[j] - pack.eta_n[j] * near.v_n) * near.n_W);
-    w.place[i] = static_cast<std::uint32_t>(4 * (w.num_packs - 1) + j);
+    const Vec3 n_W = side * near.n_W;
+    set_contact(StageLaw(law, h), begun.e, d_0, near.p_W - p_W, n_W, side * begun.xi_W, pack, j);
+    set_lane(pack.F, j, n_W * foreseen(begun, pack.F_0[j] - pack.eta_n[j] * near.v_n));
   }
-  for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
-  for (std::size_t k = 0; k < w.tree.num_pairs; ++k) {
-    TouchingPair& pair = w.tree.pairs[k];
+  for (; n % 4 != 0; ++n) put_nothing(w.packs[first + n / 4], n % 4);
+  return first + n / 4;
+}
+
+/// (24) of the near contacts.
+template <class Contacts, std::size_t N>
+void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
+                    std::size_t num_bodies, Real step, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+  Recall of_step(before), of_stage(w.memories[w.last]);
+  for (std::size_t i = 0; i < num_bodies; ++i) w.tree.bodies[i].first_pack = w.tree.bodies[i].end_pack = 0;
+  std::uint32_t packs = 0;
+  const auto begin = [&](const NearGroup& group, std::uint32_t child, auto& of) noexcept {
+    of.first_pack = packs;
+    of.end_pack = packs = begin_group(par, group, child, step, h, packs, of_step, of_stage, w);
+  };
+  for (std::size_t g = 0; g < w.num_groups; ++g) {
+    const NearGroup& group = w.groups[g];
+    if (group.pair == NearGroup::no_pair) {
+      const std::uint32_t body = w.near.list[group.first].a;
+      begin(group, body, w.tree.bodies[body]);
+      continue;
+    }
+    TouchingPair& pair = w.tree.pairs[group.pair];
     pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
+    begin(group, pair.child, pair);
   }
 }
 

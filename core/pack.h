@@ -116,8 +116,8 @@ inline PackMask operator&(const PackMask& a, const PackMask& b) noexcept {
 inline bool any(bool condition) noexcept { return condition; }
 inline bool any(const PackMask& m) noexcept { return bits(m) != 0; }
 
-inline Pack abs(const Pack& a) noexcept { return select(a < 0, -a, a); }
 inline Pack max(const Pack& a, const Pack& b) noexcept { return select(a < b, b, a); }
+inline Pack abs(const Pack& a) noexcept { return max(a, -a); }
 inline Pack min(const Pack& a, const Pack& b) noexcept { return select(b < a, b, a); }
 inline Real largest(const Pack& a) noexcept { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 inline Real total(const Pack& a) noexcept { return (a[0] + a[1]) + (a[2] + a[3]); }
