@@ -20,6 +20,7 @@ namespace godobject {
 template <std::size_t N>
 struct ContactFactor {
   static constexpr std::size_t max_blocks = std::min(8 * N, N*(N - 1) / 2 + 1);
+  static constexpr std::uint32_t no_block = ~std::uint32_t(0);
   std::uint32_t size = 0;
   std::array<std::uint32_t, N> body, number_of;  // in the scene; here, of a body of the scene
   std::array<TwistBlock, N> A;                   // A_kk
@@ -31,10 +32,10 @@ struct ContactFactor {
   std::array<BitSet<N>, N> neighbours;  // of a body that is eliminated: when it was
   std::array<std::uint32_t, N> degree, place_of;
 
-  CouplingBlock& block(std::uint32_t i, std::uint32_t k) noexcept {
-    std::uint32_t b = first[k];
+  /// Of row i, from block b of its column on.
+  std::uint32_t find_row(std::uint32_t i, std::uint32_t b) const noexcept {
     while (row[b] != i) ++b;
-    return Z[b];
+    return b;
   }
 };
 
@@ -48,8 +49,8 @@ void find_neighbours(const Island& island, ContactTree<N, max_pairs, jointed>& t
     w.number_of[tree.order[island.first_body + i]] = i;
   }
   tree.each_pair(island, [&](TouchingPair& pair) noexcept {
-    pair.in_factor = pair.touches || pair.stiffness > 0;
-    if (!pair.in_factor) return;
+    pair.block = pair.touches || pair.stiffness > 0 ? 0 : w.no_block;
+    if (pair.block == w.no_block) return;
     const std::uint32_t i = w.number_of[pair.child], j = w.number_of[pair.parent];
     w.neighbours[i].insert(j);
     w.neighbours[j].insert(i);
@@ -99,6 +100,11 @@ bool order_factor(const Island& island, ContactTree<N, max_pairs, jointed>& tree
     std::sort(w.row.begin() + w.first[k], w.row.begin() + b);
   }
   w.first[w.size] = b;
+  tree.each_pair(island, [&](TouchingPair& pair) noexcept {
+    if (pair.block == w.no_block) return;
+    const std::uint32_t c = w.number_of[pair.child], p = w.number_of[pair.parent];
+    pair.block = w.find_row(std::max(c, p), w.first[std::min(c, p)]);
+  });
   return true;
 }
 
@@ -114,7 +120,7 @@ void load_factor(const Island& island, const ContactTree<N, max_pairs, jointed>&
     w.A[c] += pair.A;
     const CouplingBlock A_pc = coupling(pair.A, pair.d);
     hang(A_pc, pair.d, w.A[p]);
-    w.block(std::max(c, p), std::min(c, p)) = p > c ? A_pc : transposed(A_pc);
+    w.Z[pair.block] = p > c ? A_pc : transposed(A_pc);
   });
 }
 
@@ -124,7 +130,7 @@ bool factorize(const Island& island, bool again, ContactTree<N, max_pairs, joint
                ContactFactor<N>& w) noexcept {
   if (again) {
     tree.each_pair(island, [&](const TouchingPair& pair) noexcept {
-      again = again && (pair.in_factor || !pair.touches);
+      again = again && (pair.block != w.no_block || !pair.touches);
     });
   }
   if (!again && !order_factor(island, tree, w)) return false;
@@ -132,11 +138,15 @@ bool factorize(const Island& island, bool again, ContactTree<N, max_pairs, joint
   for (std::uint32_t k = 0; k < w.size; ++k) {
     const PivotFactor& pivot = w.pivots[k] = factor(w.A[k]);
     for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) substitute(pivot, w.Z[b]);
-    for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) {
-      const std::uint32_t i = w.row[b];
-      const CouplingBlock Y_i = scaled(w.Z[b], pivot);
-      for (std::uint32_t c = w.first[k]; c < b; ++c) subtract_product(Y_i, w.Z[c], w.block(i, w.row[c]));
-      subtract_product(Y_i, w.Z[b], w.A[i]);
+    for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) {
+      const std::uint32_t j = w.row[c];
+      const CouplingBlock Y_j = scaled(w.Z[c], pivot);
+      subtract_product(w.Z[c], Y_j, w.A[j]);
+      std::uint32_t to = w.first[j];
+      for (std::uint32_t b = c + 1; b < w.first[k + 1]; ++b) {
+        to = w.find_row(w.row[b], to);
+        subtract_product(w.Z[b], Y_j, w.Z[to]);
+      }
     }
   }
   return true;

@@ -20,10 +20,10 @@ struct TouchingPair {
   std::uint32_t child = 0, parent = 0;
   std::uint32_t first_pack = 0, end_pack = 0;
   bool in_tree = false;
-  bool in_factor = false;  // there is a block for it
-  Real stiffness = 0;      // of the contacts where the bodies are predicted to be
-  bool touches = false;    // some contact bears a force
-  Column d;                // from the parent's centre of mass to the child's
+  Real stiffness = 0;       // of the contacts where the bodies are predicted to be
+  bool touches = false;     // some contact bears a force
+  std::uint32_t block = 0;  // of a factor
+  Column d;                 // from the parent's centre of mass to the child's
   TwistBlock A;
   Real tamed = 1;  // part of A that the tree takes
   AnchorTwist F;   // impulse of its contacts at rest
