@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/body_spheres.h"
+#include "core/merge_sort.h"
 
 namespace godobject {
 
@@ -122,29 +123,6 @@ int widest_axis(const BroadPhaseScratch<max_bodies>& w) noexcept {
   return spread.y() >= spread.z() ? 1 : 2;
 }
 
-/// Stable merge sort by `lo`, from runs of one up; equal boxes stay in the order of the bodies.
-template <std::size_t max_bodies>
-void sort_entries(BroadPhaseScratch<max_bodies>& w) noexcept {
-  const std::size_t n = w.num_entries;
-  auto *from = w.entries.data(), *to = w.merged.data();
-  for (std::size_t run = 1; run < n; run *= 2) {
-    for (std::size_t begin = 0; begin < n; begin += 2 * run) {
-      const std::size_t middle = std::min(begin + run, n), end = std::min(begin + 2 * run, n);
-      std::size_t i = begin, j = middle, k = begin;
-      while (i < middle && j < end) {
-        const bool second = from[j].lo < from[i].lo;
-        to[k++] = from[second ? j : i];
-        j += second ? 1 : 0;
-        i += second ? 0 : 1;
-      }
-      std::copy(from + i, from + middle, to + k);
-      std::copy(from + j, from + end, to + k + (middle - i));
-    }
-    std::swap(from, to);
-  }
-  if (from != w.entries.data()) std::copy_n(from, n, w.entries.data());
-}
-
 /// The boxes in the order of the entries, four to a pack; lanes without a box overlap nothing.
 template <std::size_t max_bodies>
 void pack_boxes(BroadPhaseScratch<max_bodies>& w) noexcept {
@@ -191,7 +169,9 @@ template <std::size_t max_bodies, class MayTouch>
 void find_overlaps(std::size_t num_bodies, BroadPhaseScratch<max_bodies>& w, MayTouch may_touch) noexcept {
   const int axis = widest_axis(w);
   for (std::size_t k = 0; k < w.num_entries; ++k) w.entries[k].lo = w.boxes[w.entries[k].body].lo[axis];
-  sort_entries(w);
+  using Entry = typename BroadPhaseScratch<max_bodies>::Entry;
+  merge_sort(w.entries.data(), w.merged.data(), w.num_entries,
+             [](const Entry& a, const Entry& b) noexcept { return a.lo < b.lo; });
   pack_boxes(w);
   w.pairs.clear(num_bodies);
   sweep(w, axis, [&](std::size_t k, std::size_t l) {

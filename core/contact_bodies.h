@@ -105,10 +105,10 @@ bool settle_contacts(int pass, const Island& island, BodyContactScratch<Contacts
     settle<false>(c, next, most);
     changed = changed || c.changed;
   });
-  const Real F_n = largest(most.F_n);
-  const bool normal = largest(most.normal) <= normal_tolerance(pass) * F_n;
+  const Real F_n = most.F_n();
+  const bool normal = most.normal() <= normal_tolerance(pass) * F_n;
   if (next == Pass::as_it_was) return normal || !changed;
-  return normal && largest(most.friction) <= friction_tolerance(pass) * F_n;
+  return normal && most.friction() <= friction_tolerance(pass) * F_n;
 }
 
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
@@ -134,7 +134,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
       left = scale_velocities(h, island, w);
     }
     done = settle_contacts(passes, island, w, most) && passes + 1 >= min_passes &&
-           left <= normal_tolerance(passes) * h * largest(most.F_n);
+           left <= normal_tolerance(passes) * h * most.F_n();
     w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
   }
   w.report.residual = std::max({w.report.residual, left / h, most.worst()});

@@ -24,6 +24,9 @@ inline constexpr Real edge_end = 0.01;
 /// Edges may be deeper than the faces by these parts, of the faces' depth and of the reach: where boxes lie on each other
 /// both axes are nearly one.
 inline constexpr Real deeper_than_faces = 0.1, deeper_than_reach = 0.1;
+/// The cosine between normals from which on they are one: boxes that lie on each other touch at all corners of the area
+/// that they have in common, however they are tilted.
+inline constexpr Real same_normal = 0.995;
 /// Edges with a smaller sine between them are parallel.
 inline constexpr Real min_edge_sine = 0.01;
 
@@ -68,14 +71,21 @@ struct BoxOnBox {
   }
 };
 
-/// The least depth along the normal of a face of either, m; < 0: apart.
-inline Real depth_of_faces(const BoxOnBox& w) noexcept {
+/// The normal of a face of either box along which they are least deep in each other, in the frame of a; < 0: apart.
+struct LeastFace {
+  Real depth = 0;
+  Vec3 n_A;
+};
+inline LeastFace least_face(const BoxOnBox& w) noexcept {
   const Column h_A(w.h_a), h_B(w.h_b);
   const Pack of_b = h_B.p + w.E[0] * w.h_a[0] + w.E[1] * w.h_a[1] + w.E[2] * w.h_a[2] - abs(w.p_B);
   const Block E_T{{Column(w.E[0]), Column(w.E[1]), Column(w.E[2])}};
   const Pack of_a = h_A.p + times_transposed(E_T, h_B).p - abs(w.p_A);
   const Pack least = min(of_a, of_b);
-  return std::min(std::min(least[0], least[1]), least[2]);
+  const int k = least[0] < least[1] ? (least[0] < least[2] ? 0 : 2) : (least[1] < least[2] ? 1 : 2);
+  const bool is_of_a = lane(of_a, k) < lane(of_b, k);
+  return {.depth = lane(least, k),
+          .n_A = is_of_a ? Vec3(Vec3::Unit(k)) : Vec3(lane(w.R[0], k), lane(w.R[1], k), lane(w.R[2], k))};
 }
 
 /// Of edges of a box along one of its axes, those on the side to which n leads more; two of the four. Lane j: of the edges
@@ -104,9 +114,9 @@ struct EdgesToSide {
 };
 
 /// f(crossing) for the edges along axis i of box a that cross edges of box b, deeper than -reach; along normals (32) along
-/// which the boxes are no deeper than `most` and no farther from each other than the reach.
+/// which the boxes are no farther from each other than the reach and no deeper than `most`, or that are those of the face.
 template <class F>
-void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, F f) noexcept {
+void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const Vec3& face_A, F f) noexcept {
   const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
   const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), &E_i = row_of(w.E, i);
   const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
@@ -116,7 +126,9 @@ void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, F f) n
   const Pack d = (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + next(E_i) * h_B2 +
                   next(next(E_i)) * h_B1 - abs(between)) /
                  sine;
-  const std::uint32_t near = bits((Pack(min_edge_sine) < sine) & (Pack(-reach) < d) & (d <= Pack(most))) & 7;
+  const Pack along_face = abs(R_k * face_A[l] - R_l * face_A[k]);  // the cosine, times the sine
+  const std::uint32_t near = bits((Pack(min_edge_sine) < sine) & (Pack(-reach) < d)) &
+                             (bits(d <= Pack(most)) | bits(same_normal * sine < along_face)) & 7;
   if (near == 0) return;
 
   const Pack s = select(between < 0, Pack(1), Pack(-1)) / sine;
@@ -168,12 +180,13 @@ void each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b,
                    F f) noexcept {
   const BoxOnBox w(a, R_WA, b, R_WB);
   const Real reach = edge_reach * std::min(w.h_a.minCoeff(), w.h_b.minCoeff());
-  const Real faces = depth_of_faces(w);
-  if (faces <= -reach) return;
-  const Real most = (1 + deeper_than_faces) * std::max(faces, Real(0)) + deeper_than_reach * reach;
+  const LeastFace face = least_face(w);
+  if (face.depth <= -reach) return;
+  const Real most = (1 + deeper_than_faces) * std::max(face.depth, Real(0)) + deeper_than_reach * reach;
   for (int i = 0; i < 3; ++i)
     each_crossing_along(
-        w, i, reach, most, [&](std::uint32_t edges, Real d, const Vec3& p_A, const Vec3& n_A) noexcept {
+        w, i, reach, most, face.n_A,
+        [&](std::uint32_t edges, Real d, const Vec3& p_A, const Vec3& n_A) noexcept {
           f(EdgeCrossing{.edges = edges, .d = d, .p_W = a.X_WS.p + R_WA * p_A, .n_W = R_WA * n_A});
         });
 }

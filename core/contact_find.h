@@ -24,12 +24,15 @@ void add_near(const ContactFinder<Contacts, N>& w, NearContact at,
   near.add(at);
 }
 
-/// Four spheres and a box: bit j of the result, sphere j is near.
+/// Four spheres and a box: bit j of the result, sphere j is near. Where its centre is inside, its depth is its radius,
+/// and it has no normal; with a way out, it is that from there.
 inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
-                              const Vec3& way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
+                              const Vec3* way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
+  const Vector3<Pack> p_S = in_frame(box.X_WS.p, R_WS, pack.p_W);
   Vector3<Pack> n_S;
   Pack distance;
-  BoxShape::nearest(box.half_extents, in_frame(box.X_WS.p, R_WS, pack.p_W), way_out_S, distance, n_S);
+  if (way_out_S == nullptr) BoxShape::nearest(box.half_extents, p_S, distance, n_S);
+  else BoxShape::nearest(box.half_extents, p_S, *way_out_S, distance, n_S);
   for (int k = 0; k < 3; ++k) n_W[k] = R_WS(k, 0) * n_S[0] + R_WS(k, 1) * n_S[1] + R_WS(k, 2) * n_S[2];
   d = pack.r - distance;
   return bits(-contact_reach * pack.r < d);
@@ -38,7 +41,7 @@ inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const Sp
 /// Four spheres and a box that their body leaves through one face: the same, of those that touch it, behind that face.
 inline std::uint32_t behind_face(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
                                  const Vec3& way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
-  const std::uint32_t hits = near_box(box, R_WS, pack, way_out_S, d, n_W) & bits(Pack(0) < d);
+  const std::uint32_t hits = near_box(box, R_WS, pack, nullptr, d, n_W) & bits(Pack(0) < d);
   const Vec3 n = R_WS * way_out_S;
   Pack distance = -box.half_extents.dot(way_out_S.cwiseAbs());
   for (int k = 0; k < 3; ++k) {
@@ -149,11 +152,11 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         if (leaving_W != nullptr) {
           hits = sought & behind_face(shape, R_WS, pack, face_along(R_WS, *leaving_W), d, n_W);
         } else {
-          hits = sought & near_box(shape, R_WS, pack, Vec3::UnitZ(), d, n_W);
+          hits = sought & near_box(shape, R_WS, pack, nullptr, d, n_W);
           if ((hits & bits(pack.r <= d)) != 0) {
             if (b < N) return true;
-            hits =
-                sought & near_box(shape, R_WS, pack, face_along(R_WS, way_out(w, o, o + 1, a).n_W), d, n_W);
+            const Vec3 face = face_along(R_WS, way_out(w, o, o + 1, a).n_W);
+            hits = sought & near_box(shape, R_WS, pack, &face, d, n_W);
           }
         }
         found_all(hits, d, n_W);

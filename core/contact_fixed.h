@@ -120,7 +120,7 @@ bool update_contacts(const Tree<N, Joints>& tree, Pass next, FixedContactScratch
     settle<true>(w.packs[i], next, most);
   }
   w.report.residual = most.worst();
-  return w.report.residual <= contact_tolerance * largest(most.F_n);
+  return w.report.residual <= contact_tolerance * most.F_n();
 }
 
 /// What the contacts carry over, and what they say.

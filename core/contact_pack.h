@@ -91,9 +91,12 @@ inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) ||
 
 /// How far the forces of a pass are from the law, and the largest normal force.
 struct ContactMiss {
-  Pack normal = 0, friction = 0, F_n = 0;
+  Pack normal_miss = 0, friction_miss_sq = 0, normal_force = 0;
 
-  Real worst() const noexcept { return largest(max(normal, friction)); }
+  Real normal() const noexcept { return largest(normal_miss); }
+  Real friction() const noexcept { return std::sqrt(largest(friction_miss_sq)); }
+  Real worst() const noexcept { return std::max(normal(), friction()); }
+  Real F_n() const noexcept { return largest(normal_force); }
 };
 
 /// The velocities of the contact points at the twist V of the body's anchor.
@@ -124,9 +127,9 @@ void settle(ContactPack& c, Pass next, ContactMiss& most) noexcept {
   Vector3<Pack> F_t = s * -c.eta_t;
   if constexpr (tangents) F_t += c.u * (c.eta_t * c.u.dot(s) - c.f_slip);
   c.F = c.n * (c.touching * F_n) + F_t;
-  most.normal = max(most.normal, abs(law_n - c.touching * F_n));
-  most.friction = max(most.friction, sqrt((s * -law_eta - F_t).squaredNorm()));
-  most.F_n = max(most.F_n, law_n);
+  most.normal_miss = max(most.normal_miss, abs(law_n - c.touching * F_n));
+  most.friction_miss_sq = max(most.friction_miss_sq, (s * -law_eta - F_t).squaredNorm());
+  most.normal_force = max(most.normal_force, law_n);
   const Pack touching = case_of(law_n), eta_before = c.eta_t;
   c.changed = differ(c.touching, touching);
   c.touching = touching;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/joint_edges.h"
+#include "core/merge_sort.h"
 #include "core/scene.h"
 
 namespace godobject {
@@ -57,6 +58,12 @@ struct Island {
   std::uint32_t first_body = 0, end_body = 0, first_pair = 0, end_pair = 0;
 };
 
+/// What pairs are sorted by.
+struct PairStiffness {
+  Real stiffness = 0;
+  std::uint32_t pair = 0;
+};
+
 /// For every island a tree of its joints, if the bodies have any, and its stiffest pairs.
 template <std::size_t N, std::size_t max_pairs, bool jointed_ = false>
 struct ContactTree {
@@ -68,7 +75,7 @@ struct ContactTree {
   std::array<std::uint32_t, max_pairs> pair_order;  // island by island
   std::array<Island, N> islands;
   std::size_t num_islands = 0;
-  std::array<std::uint32_t, max_pairs> by_stiffness;
+  std::array<PairStiffness, max_pairs> by_stiffness, merged;
   std::array<std::uint32_t, N> component, first_edge, island_of;  // the last by root of the component
   std::array<std::uint32_t, 2 * N> edges, next_edge;              // of the tree, by body
   [[no_unique_address]] std::conditional_t<jointed, JointEdges<N>, Absent<11>> joints;
@@ -140,22 +147,20 @@ void join_bodies(std::size_t num_bodies, ContactTree<N, max_pairs, jointed>& w) 
   }
   for (std::uint32_t k = 0; k < w.num_pairs; ++k) {
     w.pairs[k].in_tree = false;
-    w.by_stiffness[k] = k;
+    w.by_stiffness[k] = {.stiffness = w.pairs[k].stiffness, .pair = k};
   }
-  std::sort(w.by_stiffness.begin(), w.by_stiffness.begin() + w.num_pairs,
-            [&](std::uint32_t k, std::uint32_t l) noexcept {
-              return w.pairs[k].stiffness != w.pairs[l].stiffness
-                         ? w.pairs[k].stiffness > w.pairs[l].stiffness
-                         : k < l;
-            });
+  merge_sort(
+      w.by_stiffness.data(), w.merged.data(), w.num_pairs,
+      [](const PairStiffness& a, const PairStiffness& b) noexcept { return a.stiffness > b.stiffness; });
   std::uint32_t num_edges = 0;
   if constexpr (jointed) join_by_joints(static_cast<std::uint32_t>(num_bodies), num_edges, w);
   for (std::size_t k = 0; k < w.num_pairs; ++k) {
-    const TouchingPair& pair = w.pairs[w.by_stiffness[k]];
+    const std::uint32_t edge = w.by_stiffness[k].pair;
+    const TouchingPair& pair = w.pairs[edge];
     const std::uint32_t a = component_of(w.component, pair.child), b = component_of(w.component, pair.parent);
     if (a == b) continue;
     w.component[a] = b;
-    add_edge(w.by_stiffness[k], pair.child, pair.parent, num_edges, w);
+    add_edge(edge, pair.child, pair.parent, num_edges, w);
   }
 }
 

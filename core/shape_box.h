@@ -29,8 +29,8 @@ struct BoxShape {
     return {.distance = length, .n = direction(a, length, face)};
   }
 
-  /// The same for four points. Inside, the face with this outward normal, one of the six.
-  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& way_out, Pack& distance,
+  /// The same for four points, of those outside. Inside, no distance and no normal.
+  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, Pack& distance,
                       Vector3<Pack>& n) noexcept {
     Vector3<Pack> a;
     for (int k = 0; k < 3; ++k) {
@@ -38,12 +38,19 @@ struct BoxShape {
       a[k] = select(p[k] < 0, -beyond, beyond);
     }
     const Pack length = sqrt(a.squaredNorm());
+    distance = select(Pack(min_length) < length, length, Pack(0));
+    const Pack scale = 1 / max(length, Pack(min_length));
+    for (int k = 0; k < 3; ++k) n[k] = a[k] * scale;
+  }
+  /// For four points. Inside, the face with this outward normal, one of the six.
+  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& way_out, Pack& distance,
+                      Vector3<Pack>& n) noexcept {
+    nearest(half_extents, p, distance, n);
+    const PackMask outside = Pack(0) < distance;
     const Pack depth =
         p[0] * way_out[0] + p[1] * way_out[1] + p[2] * way_out[2] - half_extents.dot(way_out.cwiseAbs());
-    const PackMask outside = Pack(min_length) < length;
-    const Pack scale = 1 / max(length, Pack(min_length));
-    for (int k = 0; k < 3; ++k) n[k] = select(outside, a[k] * scale, Pack(way_out[k]));
-    distance = select(outside, length, depth);
+    for (int k = 0; k < 3; ++k) n[k] = select(outside, n[k], Pack(way_out[k]));
+    distance = select(outside, distance, depth);
   }
 };
 

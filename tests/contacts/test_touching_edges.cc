@@ -97,6 +97,17 @@ TwoBoxes random_boxes(Real from, Real to, Random& random) {
 
 constexpr Real rounding = 1e-12;  // m
 
+/// The face along which they are least deep looks along n.
+bool is_along_least_face(const Vec3& n, const PosedBox& a, const PosedBox& b) {
+  const Real least = overlap_of_faces(a, b);
+  const auto looks_along = [&](const Vec3& face) {
+    return overlap_along(face, a, b) <= least + rounding && std::abs(face.dot(n)) >= same_normal - 1e-9;
+  };
+  for (int k = 0; k < 3; ++k)
+    if (looks_along(a.R.col(k)) || looks_along(b.R.col(k))) return true;
+  return false;
+}
+
 /// What each_crossing() says of a pair of edges is so.
 void expect_true(const EdgeCrossing& crossing, const PosedBox& a, const PosedBox& b) {
   const EdgeNumbers edges(crossing.edges);
@@ -110,8 +121,9 @@ void expect_true(const EdgeCrossing& crossing, const PosedBox& a, const PosedBox
   EXPECT_LT(at.along_b, b.h[edges.j]);
   EXPECT_GT(crossing.d, -edge_reach * thinnest(a, b) - rounding);
   EXPECT_LE(crossing.d, axis.overlap + rounding);
-  // where faces would part them sooner the edges have no say
-  EXPECT_LT(axis.overlap, 1.25 * std::max(overlap_of_faces(a, b), Real(0)) + edge_reach * thinnest(a, b));
+  // where faces would part them sooner the edges have no say, but round that face
+  if (!is_along_least_face(axis.n, a, b))
+    EXPECT_LT(axis.overlap, 1.25 * std::max(overlap_of_faces(a, b), Real(0)) + edge_reach * thinnest(a, b));
 }
 
 /// All edges that cross, of axes along which the boxes are no deeper than along those of their faces.
@@ -132,6 +144,38 @@ std::vector<std::uint32_t> to_be_found(const PosedBox& a, const PosedBox& b) {
       all.push_back(number);
   }
   return all;
+}
+
+/// Of a brick that lies across another all edges are found that cross in each other, however it is tilted by a hair: along
+/// their normal the bricks may be deeper than along those of their faces. Where such edges were left to the faces, bricks
+/// that were pressed on each other lost what bore them for a step, and sank in by 0.8 mm.
+TEST(EdgeCrossings, AreAllThoseOfBricksThatLieOnEachOther) {
+  const Vec3 h(0.016, 0.008, 0.005);
+  const PosedBox below{.p = Vec3::Zero(), .h = h, .R = Mat3::Identity()};
+  Random random(3);
+  std::size_t sought = 0;
+  for (int n = 0; n < draws; ++n) {
+    SCOPED_TRACE(::testing::Message() << "draw " << n);
+    const Real depth = random.log_uniform(1e-6, 1e-4), tilt = 3 * depth / h.x() * random.uniform(0, 1);
+    const Vec3 p(random.uniform(-1, 1) * h.x(), random.uniform(-1, 1) * h.y(), 2 * h.z() - depth);
+    const Quat turn = exp_so3(tilt * random.direction()) * exp_so3(random.uniform(0.1, 3) * Vec3::UnitZ());
+    const PosedBox above{.p = p, .h = h, .R = turn.toRotationMatrix()};
+    const std::vector<EdgeCrossing> found = crossings(above, below);
+    for (std::uint32_t number = 0; number < 2u << 6; ++number) {
+      const EdgeNumbers edges(number);
+      if (edges.j > 1) continue;
+      const EdgeAxis axis = edge_axis(edges.i, edges.j, above, below);
+      if (axis.sine < 0.05 || axis.n.z() < 0.999) continue;
+      const NearestPoints at = nearest_points(edges, above, below);
+      if (at.along_a > 0.98 * h[edges.i] || at.along_b > 0.98 * h[edges.j]) continue;
+      if (const Real d = axis.n.dot(at.on_b - at.on_a); d < 0 || d > 1e-3) continue;
+      ++sought;
+      EXPECT_TRUE(
+          std::any_of(found.begin(), found.end(), [&](const EdgeCrossing& c) { return c.edges == number; }))
+          << "edges " << number << ", " << depth << " m deep, tilted by " << tilt;
+    }
+  }
+  EXPECT_GT(sought, static_cast<std::size_t>(draws));
 }
 
 TEST(EdgeCrossings, AreThoseOfAllPairsOfEdges) {
