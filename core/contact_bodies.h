@@ -14,8 +14,8 @@
 
 namespace godobject {
 
-inline constexpr int max_touching_passes = 8;
-inline constexpr int num_held_passes = 3;
+inline constexpr int max_touching_passes = 16;
+inline constexpr int num_held_passes = 11;
 constexpr Pass touching_pass(int pass) noexcept {
   return pass + num_held_passes < max_touching_passes ? Pass::by_secant : Pass::as_it_was;
 }
@@ -27,7 +27,10 @@ constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == 
 constexpr Real friction_tolerance(int pass) noexcept {
   return 3e-3 * static_cast<Real>(1 << std::max(pass - 1, 0));
 }
+/// Of the largest normal force of the pass before: friction that is this near to its law.
+inline constexpr Real friction_left_alone = 1e-3;
 constexpr Real normal_tolerance(int pass) noexcept { return std::min(friction_tolerance(pass), Real(12e-3)); }
+
 /// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
 template <std::size_t max_packs>
 bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
@@ -98,11 +101,12 @@ void eliminate_tree(const Island& island, BodyContactScratch<Contacts, N>& w) no
 template <class Contacts, std::size_t N>
 bool settle_contacts(int pass, const Island& island, BodyContactScratch<Contacts, N>& w,
                      ContactMiss& most) noexcept {
+  const Real F_small = friction_left_alone * most.F_n();
   most = {};
   const Pass next = touching_pass(pass + 1);
   bool changed = false;
   each_pack(island, w, [&](ContactPack& c) noexcept {
-    settle<false>(c, next, most);
+    settle<false>(c, next, F_small, most);
     changed = changed || c.changed;
   });
   const Real F_n = most.F_n();
@@ -129,8 +133,10 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
     const bool exact = is_tree || w.factored;
     left = exact ? eliminated(island, w) : iterate(num_iterations(passes), island, w, iterations);
     if (move_contacts(island, w)) {
-      if (exact) multiply(island, w.tree, w.V_0, w.AV_0);
-      search_line(h, island, w);
+      if (passes > 0) {  // those predicted solve nothing that could be lost
+        if (exact) multiply(island, w.tree, w.V_0, w.AV_0);
+        search_line(h, island, w);
+      }
       left = scale_velocities(h, island, w);
     }
     done = settle_contacts(passes, island, w, most) && passes + 1 >= min_passes &&

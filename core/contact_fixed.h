@@ -117,7 +117,7 @@ bool update_contacts(const Tree<N, Joints>& tree, Pass next, FixedContactScratch
   ContactMiss most;
   for (std::size_t i = 0; i < w.num_packs; ++i) {
     move(w.packs[i], tree.nodes[w.packs[i].body].V);
-    settle<true>(w.packs[i], next, most);
+    settle<true>(w.packs[i], next, 0, most);
   }
   w.report.residual = most.worst();
   return w.report.residual <= contact_tolerance * most.F_n();

@@ -115,9 +115,10 @@ inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) n
   return min(c.mu * F_n / speed, c.max_eta_t);
 }
 
-/// The forces of a pass, and the cases of the next, at the velocities of the contact points. tangents: as in add().
+/// The forces of a pass, and the cases of the next, at the velocities of the contact points. tangents: as in add();
+/// otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
 template <bool tangents>
-void settle(ContactPack& c, Pass next, ContactMiss& most) noexcept {
+void settle(ContactPack& c, Pass next, Real F_small, ContactMiss& most) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
   const Pack speed = speed_of(s);
@@ -136,6 +137,7 @@ void settle(ContactPack& c, Pass next, ContactMiss& most) noexcept {
   Pack slip_eta = law_eta;
   // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
   if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, law_eta);
+  else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.touching * c.eta_t, law_eta);
   c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
   c.changed = c.changed || differ(c.eta_t, eta_before);
   if constexpr (tangents) {

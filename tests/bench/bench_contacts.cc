@@ -27,9 +27,9 @@ void add_our_contacts() {
     add_run<study::PressedTool<TrBdf2, 1>>(scene_s2(k), "fixed-contacts tr-bdf2", short_scene);
   }
   add_run<study::Bricks<ImplicitEuler, 64>>(scene_s4(64, 20), "implicit-euler", long_scene);
-  // one crossing of the pile, with one capacity for all
+  // the same, with one capacity for all
   for (const std::size_t n : {16, 64, 128, 256, 512}) {
-    ContactScene scene = scene_s4(n, 2.5);
+    ContactScene scene = scene_s4(n, 20);
     scene.name = "of " + std::to_string(n);
     add_run<study::Bricks<ImplicitEuler, 512>>(scene, "room for 512, implicit-euler", long_scene);
   }
