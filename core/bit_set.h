@@ -20,8 +20,15 @@ struct BitSet {
   }
   std::uint32_t size(std::uint32_t below) const noexcept {
     std::uint32_t size = 0;
-    each(below, [&](std::uint32_t) noexcept { ++size; });
+    for (std::uint32_t k = 0; 64 * k < below; ++k) size += num_bits(words[k]);
     return size;
+  }
+  /// Sums of ever longer parts of the word. std::popcount() needs a library where the processor has no such instruction.
+  static std::uint32_t num_bits(std::uint64_t word) noexcept {
+    word -= word >> 1 & 0x5555555555555555;
+    word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
+    word = (word + (word >> 4)) & 0x0f0f0f0f0f0f0f0f;
+    return static_cast<std::uint32_t>(word * 0x0101010101010101 >> 56);
   }
   template <class F>
   void each(std::uint32_t below, F f) const noexcept {

@@ -146,7 +146,7 @@ Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts,
   const Real s =
       where_flat(2, scale_tolerance * VAV, [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
   w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V[i] = w.V[i] * s; });
-  each_pack(w.V, island, w, [](ContactPack& c, const AnchorTwist& V) noexcept { move(c, V); });
+  each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
   return largest_left(s, island, w);
 }
 

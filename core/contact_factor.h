@@ -61,14 +61,17 @@ void find_neighbours(const Island& island, ContactTree<N, max_pairs, jointed>& t
 /// The order of elimination. False: there is no room for the blocks.
 template <std::size_t N>
 bool order_bodies(ContactFactor<N>& w) noexcept {
-  constexpr std::uint32_t eliminated = ~std::uint32_t(0);
+  constexpr std::uint32_t eliminated = 0xffff;
+  static_assert(N < eliminated);
   std::size_t num_blocks = 0;
   for (std::uint32_t k = 0; k < w.size; ++k) {
-    const auto least = std::min_element(w.degree.begin(), w.degree.begin() + w.size);
-    num_blocks += *least;
+    std::uint32_t least =
+        ~std::uint32_t(0);  // degree, then place: one number, which no branch has to wait for
+    for (std::uint32_t i = 0; i < w.size; ++i) least = std::min(least, w.degree[i] << 16 | i);
+    const std::uint32_t next = least & 0xffff;
+    num_blocks += w.degree[next];
     if (num_blocks > w.max_blocks) return false;
-    *least = eliminated;
-    const auto next = static_cast<std::uint32_t>(least - w.degree.begin());
+    w.degree[next] = eliminated;
     w.place_of[k] = next;
     w.neighbours[next].each(w.size, [&](std::uint32_t i) noexcept {
       BitSet<N>& of_i = w.neighbours[i];
