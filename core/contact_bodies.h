@@ -1,19 +1,22 @@
 // Contacts between bodies, and of bodies with the world, where many of them touch.
 //
 // A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite: the bodies' own
-// blocks, and an impedance for each pair that touches. It is solved by conjugate gradients from rest, preconditioned by
-// the tree of the stiffest pairs (27): a tower takes one iteration, however high and stiff. From rest, every iterate keeps
+// blocks, and an impedance for each pair that touches. Bodies whose contacts make a tree are solved by elimination along
+// it (27), a tower in one go, however high and stiff; those that touch in loops by a sparse factor (31). Where that has no
+// room, or bodies are on joints, by conjugate gradients from rest, preconditioned by the tree of the stiffest pairs. From
+// rest, every iterate keeps
 //
 //   (28)  V^T A V = V^T b
 //
-// the balance of energy of the exact solution: work left undone cannot drive. The cases of the contacts are found by
-// passes over that (29), island by island. What they leave is the residual.
+// the balance of energy of the exact solution. The cases of the contacts are found by passes over that (29), island by
+// island. What they leave is the residual.
 #pragma once
 
 #include "core/contact_joints.h"
 
 namespace godobject {
 
+/// With eight, 9 of 16000 cases of the stability sweep gain energy; with sixteen none.
 inline constexpr int max_touching_passes = 16;
 inline constexpr int num_held_passes = 11;
 constexpr Pass touching_pass(int pass) noexcept {
@@ -27,9 +30,9 @@ constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == 
 constexpr Real friction_tolerance(int pass) noexcept {
   return 3e-3 * static_cast<Real>(1 << std::max(pass - 1, 0));
 }
-/// Of the largest normal force of the pass before: friction that is this near to its law.
-inline constexpr Real friction_left_alone = 1e-3;
 constexpr Real normal_tolerance(int pass) noexcept { return std::min(friction_tolerance(pass), Real(12e-3)); }
+/// Friction nearer to its law than this part of the largest normal force stays as it is in the next pass.
+inline constexpr Real friction_left_alone = 1e-3;
 
 /// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
 template <std::size_t max_packs>
