@@ -122,8 +122,9 @@ void expect_true(const EdgeCrossing& crossing, const PosedBox& a, const PosedBox
   EXPECT_GT(crossing.d, -edge_reach * thinnest(a, b) - rounding);
   EXPECT_LE(crossing.d, axis.overlap + rounding);
   // where faces would part them sooner the edges have no say, but round that face
-  if (!is_along_least_face(axis.n, a, b))
+  if (!is_along_least_face(axis.n, a, b)) {
     EXPECT_LT(axis.overlap, 1.25 * std::max(overlap_of_faces(a, b), Real(0)) + edge_reach * thinnest(a, b));
+  }
 }
 
 /// All edges that cross, of axes along which the boxes are no deeper than along those of their faces.
