@@ -40,7 +40,7 @@ struct EdgeCrossing {
 /// The numbers of the next axes, of three.
 inline Pack next(const Pack& a) noexcept { return shuffled<1, 2, 0, 0>(a, a); }
 /// Number j of a pack; a row.
-inline Real lane(const Pack& a, int j) noexcept { return a[static_cast<std::size_t>(j)]; }
+inline Real component(const Pack& a, int j) noexcept { return a[static_cast<std::size_t>(j)]; }
 inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
   return rows[static_cast<std::size_t>(row)];
 }
@@ -83,9 +83,10 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
   const Pack of_a = h_A.p + times_transposed(E_T, h_B).p - abs(w.p_A);
   const Pack least = min(of_a, of_b);
   const int k = least[0] < least[1] ? (least[0] < least[2] ? 0 : 2) : (least[1] < least[2] ? 1 : 2);
-  const bool is_of_a = lane(of_a, k) < lane(of_b, k);
-  return {.depth = lane(least, k),
-          .n_A = is_of_a ? Vec3(Vec3::Unit(k)) : Vec3(lane(w.R[0], k), lane(w.R[1], k), lane(w.R[2], k))};
+  const bool is_of_a = component(of_a, k) < component(of_b, k);
+  return {.depth = component(least, k),
+          .n_A = is_of_a ? Vec3(Vec3::Unit(k))
+                         : Vec3(component(w.R[0], k), component(w.R[1], k), component(w.R[2], k))};
 }
 
 /// Of edges of a box along one of its axes, those on the side to which n leads more; two of the four. Lane j: of the edges
@@ -122,7 +123,7 @@ void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const 
   const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
   // a_i x b_j = -R_lj a_k + R_kj a_l
   const Pack sine = max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
-  const Pack between = R_k * lane(w.p_A, l) - R_l * lane(w.p_A, k);  // a and b, times the sine
+  const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);  // a and b, times the sine
   const Pack d = (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + next(E_i) * h_B2 +
                   next(next(E_i)) * h_B1 - abs(between)) /
                  sine;
@@ -140,7 +141,7 @@ void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const 
              b_a_other = select(b.first, next(next(R_i)), next(R_i));
   // of two edges the points that are nearest to each other, from their middles, times the sine squared
   const Pack sine_sq = 1 - R_i * R_i, end = sine_sq * (1 - edge_end);
-  const Pack on_a = lane(w.p_A, i) + b.at_other * b_a_other, on_b = w.p_B - a.at_other * a_b_other;
+  const Pack on_a = component(w.p_A, i) + b.at_other * b_a_other, on_b = w.p_B - a.at_other * a_b_other;
   // on the negative and the positive side of a, and of b
   const std::array<Pack, 2> to_a{on_b + a.h * a_b, on_b - a.h * a_b}, lost_a{a.lost(false), a.lost(true)};
   const std::array<Pack, 2> to_b{on_a - b.h * b_a, on_a + b.h * b_a}, lost_b{b.lost(false), b.lost(true)};
