@@ -112,21 +112,32 @@ TEST(ContactStability, GainsNothingAtTheCornersOfTheMap) {
 }
 
 /// The paper's Figs. 5 and 6: a brick that is placed where the device is throws the others about.
+/// Over starts some nm apart: what the pulled brick bears hardly depends on them, 0.5 to 0.6 N; whether bricks jam before
+/// the placed one does, 4.6 to 33 N.
 TEST(ImposedStudy, APlacedBrickPressesWhatAGodObjectPushes) {
-  const LoadResult loaded = load_scene((default_scene_directory() / "lego.toml").string());
-  ASSERT_TRUE(loaded.scene);
-  const double duration = 2;
-  const PileRun pulled = run_pile(*loaded.scene, CouplingMode::god_object, "", duration),
-                placed = run_pile(*loaded.scene, CouplingMode::imposed, "", duration);
-  EXPECT_EQ(pulled.bricks, 61u);
-  EXPECT_EQ(pulled.samples.size(), 200u);
-  EXPECT_EQ(pulled.num_faults, 0u);
-  EXPECT_EQ(pulled.worst.ejected, 0u);
-  EXPECT_GT(pulled.worst.force, 0.01);
-  // by how much, with bricks of sharp corners: 0.43 mm against 0.15 mm deep, and as the pile happens to lie, at samples
-  // 10 ms apart, some ten times the force: 4.6 N against 0.51 N
-  EXPECT_GT(placed.worst.force, 5 * pulled.worst.force);
-  EXPECT_GT(placed.worst.overlap, 2 * pulled.worst.overlap);
+  PileSample pulled, placed;  // the worst of all
+  for (int start = 0; start < 5; ++start) {
+    LoadResult loaded = load_scene((default_scene_directory() / "lego.toml").string());
+    ASSERT_TRUE(loaded.scene);
+    for (std::size_t i = 0; i < loaded.scene->bodies.size(); ++i) {
+      BodyConfig& brick = loaded.scene->bodies[i];
+      if (!brick.coupling) brick.X_WB.p.x() += 1e-10 * start * static_cast<double>(i);
+    }
+    const double duration = 2;
+    const PileRun pull = run_pile(*loaded.scene, CouplingMode::god_object, "", duration),
+                  place = run_pile(*loaded.scene, CouplingMode::imposed, "", duration);
+    EXPECT_EQ(pull.bricks, 61u);
+    EXPECT_EQ(pull.samples.size(), 200u);
+    EXPECT_EQ(pull.num_faults, 0u);
+    EXPECT_EQ(pull.worst.ejected, 0u);
+    EXPECT_GT(pull.worst.force, 0.01);
+    pulled.force = std::max(pulled.force, pull.worst.force);
+    pulled.overlap = std::max(pulled.overlap, pull.worst.overlap);
+    placed.force = std::max(placed.force, place.worst.force);
+    placed.overlap = std::max(placed.overlap, place.worst.overlap);
+  }
+  EXPECT_GT(placed.force, 10 * pulled.force);
+  EXPECT_GT(placed.overlap, 2 * pulled.overlap);
 }
 
 TEST(ImposedStudy, SaysWhatItCannotRead) {
