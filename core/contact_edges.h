@@ -92,11 +92,10 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
 /// Of edges of a box along one of its axes, those on the side to which n leads more; two of the four. Lane j: of the edges
 /// that cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
 struct EdgesToSide {
-  PackMask
-      first;  // they are on either side of the next axis, otherwise of the one after it: n leads less out along it
-  Pack h;         // half extent there
-  Pack at_other;  // along the other axis, where both are
-  Pack less;      // by how much the one on the positive side is deeper than the other
+  PackMask first;  // on either side of the next axis, along which n leads less out; or of the one after it
+  Pack h;          // half extent there
+  Pack at_other;   // along the other axis, where both are
+  Pack less;       // by how much the one on the positive side is deeper than the other
 
   EdgesToSide(const Pack& n_1, const Pack& h_1, const Pack& n_2, const Pack& h_2) noexcept {
     const Pack out_1 = h_1 * n_1, out_2 = h_2 * n_2;

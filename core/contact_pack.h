@@ -155,6 +155,7 @@ inline void foresee(ContactPack& c, const AnchorTwist& V) noexcept {
   c.touching = case_of(F_n);
   c.eta_t = friction(c, speed_of(s), F_n);
 }
+
 /// Sums over the contacts of a body, or a pair, of what they add to its A and b.
 struct ContactSums {
   // of W = h (eta_t (1 - u u^T) + (eta_n - eta_t) n n^T):  W;  [r]x W;  -[r]x W [r]x

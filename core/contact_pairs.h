@@ -93,7 +93,7 @@ void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Re
     Real stiffness = 0;
     for (; i < w.near.size && pair_of(w.near.list[i]) == pair_of(first); ++i) {
       const NearContact& near = w.near.list[i];
-      if (!(near.d > 0)) continue;
+      if (first.b >= N || !(near.d > 0)) continue;
       const ContactLaw& law = law_of(par, near);
       stiffness += h * law.k + law.c;
     }
