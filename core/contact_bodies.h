@@ -16,11 +16,14 @@
 
 namespace godobject {
 
-/// With eight, 9 of 16000 cases of the stability sweep gain energy; with sixteen none.
-inline constexpr int max_touching_passes = 16;
-inline constexpr int num_held_passes = 11;
+/// With eight, 9 of 16000 cases of the stability sweep gain energy; with sixteen none. On joints with sixteen one of 8000,
+/// with twice as many none: what the joints take back (18) presses stiff contacts together.
+template <bool jointed>
+inline constexpr int max_touching_passes = jointed ? 32 : 16;
+/// The first ones seek friction.
+inline constexpr int num_seeking_passes = 5;
 constexpr Pass touching_pass(int pass) noexcept {
-  return pass + num_held_passes < max_touching_passes ? Pass::by_secant : Pass::as_it_was;
+  return pass < num_seeking_passes ? Pass::by_secant : Pass::as_it_was;
 }
 /// Of a pass: few while friction is still sought.
 constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == Pass::by_secant ? 3 : 8; }
@@ -57,11 +60,10 @@ inline TwistBlock sum(TwistBlock A, const BodyStage& stage) noexcept {
   return A;
 }
 
-/// A and b of the bodies and pairs of an island for the cases their contacts are in. The skew part of A acts on V_0.
-/// all: of every contact, not of those alone whose case has changed. True: elimination solves it exactly.
+/// A and b of the bodies and pairs of an island for the cases their contacts are in.
+/// all: of every contact, not of those alone whose case has changed.
 template <class Contacts, std::size_t N>
-bool load_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  bool is_tree = true;
+void load_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   const auto has_changed = [&](std::uint32_t first, std::uint32_t end) noexcept {
     bool changed = all;
     for (std::uint32_t p = first; p < end; ++p) changed = changed || w.packs[p].changed;
@@ -73,29 +75,26 @@ bool load_contacts(Real h, bool all, const Island& island, BodyContactScratch<Co
       gather(w.packs, body.first_pack, body.end_pack, h, body.on_world, body.F);
       body.A = sum(body.on_world, stage);
     }
-    body.tamed = tamed(body.on_world, stage.M);
-    is_tree = is_tree && body.tamed == 1;
-    w.b[i].w = body.F.w + stage.b_w - cross(stage.s, w.V_0[i].w);
+    w.b[i].w = body.F.w + stage.b_w;
     w.b[i].v = body.F.v + stage.b_v;
   });
   w.tree.each_pair(island, [&](TouchingPair& pair) noexcept {
     if (has_changed(pair.first_pack, pair.end_pack))
       pair.touches = gather(w.packs, pair.first_pack, pair.end_pack, h, pair.A, pair.F);
     if (!pair.touches) return;
-    pair.tamed = tamed(pair.A, w.stages[pair.child].M);
-    is_tree = is_tree && pair.in_tree && pair.tamed == 1;
     w.b[pair.child] = w.b[pair.child] + pair.F;
     w.b[pair.parent] = w.b[pair.parent] - moved_wrench(pair.F, pair.d);
   });
-  return is_tree;
 }
 
-/// What hangs in the tree of an island: its bodies, and (27), (30).
+/// What the iteration is preconditioned by: the tree of an island, (27), (30).
 template <class Contacts, std::size_t N>
 void eliminate_tree(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.tree.each_body(island, [&](std::uint32_t i, TouchingBody& body) noexcept {
-    body.hung = body.tamed == 1 ? body.A : sum(body.on_world * body.tamed, w.stages[i]);
+    body.hung = sum(body.on_world * tamed(body.on_world, w.stages[i].M), w.stages[i]);
   });
+  w.tree.each_pair(island,
+                   [&](TouchingPair& pair) noexcept { pair.tamed = tamed(pair.A, w.stages[pair.child].M); });
   eliminate(island, w.tree);
 }
 
@@ -121,29 +120,25 @@ bool settle_contacts(int pass, const Island& island, BodyContactScratch<Contacts
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
 template <class Contacts, std::size_t N>
 void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  if constexpr (Contacts::jointed) shift_contacts(w.tree.joints.V_p, h, island, w);
   ContactMiss most;
   each_pack(w.V_0, island, w, [](ContactPack& c, const AnchorTwist& V) noexcept { foresee(c, V); });
-  // the skew part of A acts on the velocities of the pass before: tools that spin need better ones than those predicted
-  constexpr int min_passes = Contacts::jointed ? 2 : 1;
   w.factored = false;
   Real left = 0;
   int passes = 0, iterations = 0;
-  for (bool done = false; !done && passes < max_touching_passes; ++passes) {
-    const bool is_tree = load_contacts(h, passes == 0, island, w);
-    if constexpr (!Contacts::jointed)
-      w.factored = !is_tree && factorize(island, w.factored, w.tree, w.factor);
+  for (bool done = false; !done && passes < max_touching_passes<Contacts::jointed>; ++passes) {
+    load_contacts(h, passes == 0, island, w);
+    w.factored = factorize(island, w.factored, w.tree, w.factor);
     if (!w.factored) eliminate_tree(island, w);
-    const bool exact = is_tree || w.factored;
-    left = exact ? eliminated(island, w) : iterate(num_iterations(passes), island, w, iterations);
+    left = w.factored ? eliminated(island, w) : iterate(num_iterations(passes), island, w, iterations);
     if (move_contacts(island, w)) {
       if (passes > 0) {  // those predicted solve nothing that could be lost
-        if (exact) multiply(island, w.tree, w.V_0, w.AV_0);
+        if (w.factored) multiply(island, w.tree, w.V_0, w.AV_0);
         search_line(h, island, w);
       }
       left = scale_velocities(h, island, w);
     }
-    done = settle_contacts(passes, island, w, most) && passes + 1 >= min_passes &&
-           left <= normal_tolerance(passes) * h * most.F_n();
+    done = settle_contacts(passes, island, w, most) && left <= normal_tolerance(passes) * h * most.F_n();
     w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
   }
   w.report.residual = std::max({w.report.residual, left / h, most.worst()});
@@ -154,11 +149,10 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
 /// The velocities of all bodies that touch anything; V_0: those they are predicted to have.
 template <class Contacts, std::size_t N>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                    std::size_t num_bodies, Real step, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   find_contacts(par, before, num_bodies, w.finder, w.near);
   find_pairs(par, num_bodies, h, w);
-  begin_contacts(par, before, num_bodies, step, h, w);
-  if constexpr (Contacts::jointed) shift_contacts(h, w);
+  begin_contacts(par, before, num_bodies, h, w);
   w.report = {.num_near = w.near.size};
   for (std::size_t n = 0; n < w.tree.num_islands; ++n) solve_island(h, w.tree.islands[n], w);
 }
@@ -211,8 +205,9 @@ void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScrat
       const std::size_t j = n % 4;
       const Real side = child == near.a ? 1 : -1;
       const Vec3 F = side * lane(pack.F, j), v = side * lane(pack.v, j);
-      if (!(near.n_W.dot(F) > 0) && !(pack.d_0[j] - h * near.n_W.dot(v) > 0)) continue;
-      next.list[next.size++] = carried_over(law_of(par, near), near.key, w.begun[i], h, near.n_W, F);
+      const Real depth = pack.d_0[j] - h * near.n_W.dot(v);
+      if (!(near.n_W.dot(F) > 0) && !(depth > 0)) continue;
+      next.list[next.size++] = carried_over(law_of(par, near), near.key, w.begun[i], h, near.n_W, depth, F);
     }
   }
 }

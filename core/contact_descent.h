@@ -130,14 +130,13 @@ void search_line(Real h, const Island& island, BodyContactScratch<Contacts, N>& 
   each_pack(w.V, island, w, [](ContactPack& c, const AnchorTwist& V) noexcept { move(c, V); });
 }
 
-/// The multiple of V where (29) is least. The skew part of A, in b with V_0, does no work. Returns the largest force that
-/// is left unbalanced, times h.
+/// The multiple of V where (29) is least. Returns the largest force that is left unbalanced, times h.
 template <class Contacts, std::size_t N>
 Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   TwistSum VAV, Vb;
   w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
     VAV.add(w.V[i], w.b[i] - w.r[i]);
-    Vb.add(w.V[i], {.w = w.b[i].w + cross(w.stages[i].s, w.V_0[i].w), .v = w.b[i].v});
+    Vb.add(w.V[i], w.b[i]);
   });
   find_leaving(
       2, island, w, [](const ContactPack&) noexcept { return Pack(0); },

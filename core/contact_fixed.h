@@ -84,9 +84,8 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
     const Real v_n = near.n_W.dot(at.V.v + at.V.w.cross(r));
     const Real d_0 = near.d + h * v_n;
     BegunContact& begun = w.begun[i];
-    begun = recalled(
-        law, w.stage, of_step.find(near.key), of_stage.find(near.key), near.n_W,
-        {.d_0 = d_0, .e_new = unexplained(d_0, v_n, step), .most = std::numeric_limits<Real>::infinity()});
+    begun = recalled(law, w.stage, of_step.find(near.key), of_stage.find(near.key), near.n_W,
+                     {.d_0 = d_0, .e_new = unexplained(d_0, v_n, step)});
     set_contact(StageLaw(law, h), begun.e, d_0, r, near.n_W, begun.xi_W, w.packs[w.num_packs - 1], j);
   }
   for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
@@ -141,7 +140,7 @@ void end_contacts(const typename Contacts::Params& par, Real h, const Tree<N, Jo
     const Real depth = pack.d_0[j] - h * near.n_W.dot(v);
     const bool touches = near.n_W.dot(F) > 0;
     if (!touches && !(depth > 0)) continue;
-    next.list[next.size++] = carried_over(law_of(par, near), near.key, w.begun[i], h, near.n_W, F);
+    next.list[next.size++] = carried_over(law_of(par, near), near.key, w.begun[i], h, near.n_W, depth, F);
     const TreePlace& at = tree.nodes[near.a].at;
     Wrench& sum = w.wrenches[near.a];
     sum.f += F;

@@ -23,14 +23,11 @@ inline Real speed_sq(const BodyStage& stage, const AnchorTwist& V) noexcept {
   return dot(V.v, V.v) + dot(V.w, stage.A_ww * V.w) / stage.M;
 }
 
-/// V = A^-1 b of an island whose contacts are all in its tree, or that is factored. Returns what is left unbalanced: nothing.
+/// V = A^-1 b of an island that is factored. Returns what is left unbalanced: nothing.
 template <class Contacts, std::size_t N>
 Real eliminated(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.Ap[i] = w.b[i]; });
-  if constexpr (!Contacts::jointed) {
-    if (w.factored) solve(w.factor, w.Ap, w.V);
-  }
-  if (!w.factored) solve(island, w.tree, w.Ap, w.V);
+  solve(w.factor, w.Ap, w.V);
   w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.r[i] = {}; });
   return 0;
 }

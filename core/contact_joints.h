@@ -157,17 +157,17 @@ void begin_joints(const Params<S>& par, const State<S>& x, Real h,
     if (all.joined[i]) add_impulse(times(w.stages[i], all.V_p[i]) * -1, w.stages[i]);
 }
 
-/// The contact points begin with the velocities of V_p.
+/// The contact points of an island begin with the velocities of V.
 template <class Contacts, std::size_t N>
-void shift_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  for (std::size_t n = 0; n < w.tree.num_islands; ++n)
-    each_pack(w.tree.joints.V_p, w.tree.islands[n], w, [&](ContactPack& c, const AnchorTwist& V) noexcept {
-      move(c, V);
-      const Pack v_n = c.n.dot(c.v);
-      c.d_0 -= h * v_n;
-      c.F_0 -= c.eta_n * v_n;
-      c.v_xi += c.v - c.n * v_n;
-    });
+void shift_contacts(const std::array<AnchorTwist, N>& V, Real h, const Island& island,
+                    BodyContactScratch<Contacts, N>& w) noexcept {
+  each_pack(V, island, w, [&](ContactPack& c, const AnchorTwist& V_rel) noexcept {
+    move(c, V_rel);
+    const Pack v_n = c.n.dot(c.v);
+    c.d_0 -= h * v_n;
+    c.F_0 -= c.eta_n * v_n;
+    c.v_xi += c.v - c.n * v_n;
+  });
 }
 
 /// V from V - V_p, and the wrenches that the joints bear: what a body's motion asks for beyond its contacts, and all that

@@ -227,10 +227,11 @@ inline AnchorTwist total_impulse(const ContactSums& s) noexcept {
 
 inline Block transposed(const Block& A) noexcept { return transposed(A.col[0], A.col[1], A.col[2]); }
 
-/// What a contact of normal n carries over, F its force.
+/// What a contact of normal n carries over, d deep in the end, F its force.
 inline ContactMemory carried_over(const ContactLaw& law, std::uint64_t key, const BegunContact& begun, Real h,
-                                  const Vec3& n, const Vec3& F) noexcept {
-  ContactMemory memory{.key = key, .e = begun.e, .F_W = F, .n_W = n};
+                                  const Vec3& n, Real d, const Vec3& F) noexcept {
+  ContactMemory memory{
+      .key = key, .e = begun.e, .pressed = std::max(d - begun.e, Real(0)), .F_W = F, .n_W = n};
   const Real F_n = n.dot(F);
   if (!(F_n > 0 && law.k_t > 0)) return memory;
   memory.xi_W = dragged(law, begun.xi_W, F - n * F_n, h);

@@ -19,15 +19,18 @@ struct BodyContacts {
   using BodyOutput = ContactWrench;
 };
 
-/// A body's stage, about its centre of mass, world axes. A is split in its symmetric part and [s]x.
+/// A body's stage, about its centre of mass, world axes. Its A has a skew part (11), which a solve by A = A^T cannot
+/// take: by itself the body moves as by the whole of it, and what it touches meets it as it moves then.
+///
+///   (33)  A_ww = (A + A^T) / 2,  b_w = A_ww A^-1 b
 struct BodyStage {
   Block A_ww;
   Real M = 0;
-  Column s, b_w, b_v;
+  Column b_w, b_v;
 };
 
 inline AnchorTwist times(const BodyStage& stage, const AnchorTwist& V) noexcept {
-  return {.w = stage.A_ww * V.w + cross(stage.s, V.w), .v = V.v * stage.M};
+  return {.w = stage.A_ww * V.w, .v = V.v * stage.M};
 }
 inline void add_impulse(const AnchorTwist& F, BodyStage& stage) noexcept {
   stage.b_w += F.w;
@@ -63,7 +66,7 @@ struct BodyContactScratch {
   std::array<ContactPack, max_contacts> packs;   // each of one pair, or one body with the world
   LinePacks<max_contacts> line;                  // those that leave their cases on it
   ContactTree<N, max_contacts, Contacts::jointed> tree;
-  [[no_unique_address]] std::conditional_t<Contacts::jointed, Absent<12>, ContactFactor<N>> factor;
+  ContactFactor<N, Contacts::jointed> factor;
   bool factored = false;  // the island at hand
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;
@@ -116,31 +119,49 @@ inline Real foreseen(const BegunContact& begun, Real F_n) noexcept {
   return begun.F_n < 0 ? std::max(F_n, Real(0)) : begun.F_n;
 }
 
+/// A law within a stage, between bodies of which the lighter has mass m. Contacts of a group mostly have one.
+struct GroupLaw {
+  const ContactLaw* of;
+  StageLaw stage;
+  Real unpaid, let_out;
+
+  GroupLaw(const ContactLaw& law, Real m, Real h) noexcept
+      : of(&law), stage(law, h), unpaid(godobject::unpaid(law, m)), let_out(max_let_out * unpaid) {}
+  Real most(const ContactStage& at) const noexcept {
+    return std::min(max_pushed_steps * at.letting_out * of->push_out, let_out);
+  }
+};
+
 /// (24) of a group of near contacts, four to a pack, from pack `first` on. child: of the two, whose packs they are.
 template <class Contacts, std::size_t N>
 std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, std::uint32_t child,
-                          Real step, Real h, std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
+                          Real h, std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
                           Recall<Contacts::max_contacts>& of_stage,
                           BodyContactScratch<Contacts, N>& w) noexcept {
+  const NearContact& one = w.near.list[group.first];
   const bool on_world = group.pair == NearGroup::no_pair;
+  const Real m = on_world ? w.stages[child].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
   const Vec3& p_W = w.finder.at[child].p_W;
+  const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
+  GroupLaw law(law_of(par, one), m, h);
   std::uint32_t n = 0;
   for (std::uint32_t i = group.first; i < group.end; ++i, ++n) {
     const NearContact& near = w.near.list[i];
-    const ContactLaw& law = law_of(par, near);
+    if (const ContactLaw& its = law_of(par, near); &its != law.of) law = GroupLaw(its, m, h);
     const Real d_0 = near.d + h * near.v_n;
-    // edges are found late where spheres of a corner let faces in: no motion explains how deep they are then
-    const Real e_new = is_of_edges(near.key) ? d_0 : unexplained(d_0, near.v_n, step);
-    const Real most =
-        on_world ? std::numeric_limits<Real>::infinity() : max_pushed_steps * step * law.push_out;
     const BegunContact& begun = w.begun[i] =
-        recalled(law, w.stage, of_step.find(near.key), w.stage.goes_on ? of_stage.find(near.key) : nullptr,
-                 near.n_W, {.d_0 = d_0, .e_new = e_new, .most = most});
+        recalled(*law.of, w.stage, of_step.find(near.key),
+                 w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
+                 {.d_0 = d_0,
+                  .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.unpaid,
+                  .let_out = law.let_out,
+                  .most = on_world ? std::numeric_limits<Real>::infinity() : law.most(w.stage),
+                  .unpaid = law.unpaid});
     ContactPack& pack = w.packs[first + n / 4];
     const std::size_t j = n % 4;
     const Real side = child == near.a ? 1 : -1;
     const Vec3 n_W = side * near.n_W;
-    set_contact(StageLaw(law, h), begun.e, d_0, near.p_W - p_W, n_W, side * begun.xi_W, pack, j);
+    set_contact(law.stage, begun.e, d_0, near.p_W - p_W, n_W, side * begun.xi_W, pack, j);
     set_lane(pack.F, j, n_W * foreseen(begun, pack.F_0[j] - pack.eta_n[j] * near.v_n));
   }
   for (; n % 4 != 0; ++n) put_nothing(w.packs[first + n / 4], n % 4);
@@ -150,13 +171,13 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
 /// (24) of the near contacts.
 template <class Contacts, std::size_t N>
 void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                    std::size_t num_bodies, Real step, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   Recall of_step(before), of_stage(w.memories[w.last]);
   for (std::size_t i = 0; i < num_bodies; ++i) w.tree.bodies[i].first_pack = w.tree.bodies[i].end_pack = 0;
   std::uint32_t packs = 0;
   const auto begin = [&](const NearGroup& group, std::uint32_t child, auto& of) noexcept {
     of.first_pack = packs;
-    of.end_pack = packs = begin_group(par, group, child, step, h, packs, of_step, of_stage, w);
+    of.end_pack = packs = begin_group(par, group, child, h, packs, of_step, of_stage, w);
   };
   for (std::size_t g = 0; g < w.num_groups; ++g) {
     const NearGroup& group = w.groups[g];

@@ -37,7 +37,6 @@ struct TouchingBody {
   TwistBlock on_world;                         // of its contacts with the world
   TwistBlock A;                                // of these and its stage
   AnchorTwist F;                               // impulse of these at rest
-  Real tamed = 1;                              // part of on_world that the tree takes
   TwistBlock hung;                             // the same for the tree, tamed; then with all that hangs on it
   TwistBlock S_inverse;                        // (27)
   Block Y_ww, Y_wv, Y_vw, Y_vv;

@@ -175,11 +175,10 @@ Real largest_unborne(const Island& island, const ContactTree<N, max_pairs, true>
       most = std::max(most, dot(F[i].v, F[i].v));
       continue;
     }
-    const Vec3 tau = eliminate_axes(joint->num_axes, w.joints.axes[i], F[i]);
     for (int a = 0; a < joint->num_axes; ++a) {
-      const AnchorTwist& s = w.joints.axes[i][static_cast<std::size_t>(a)].s;
-      const Real M = stages[i].M;
-      most = std::max(most, tau[a] * tau[a] * M / (dot(s.w, stages[i].A_ww * s.w) + M * dot(s.v, s.v)));
+      const AnchorTwist s = axis_twist(*joint, a, w.joints.p[i]);
+      const Real M = stages[i].M, tau = dot(s, F[i]);
+      most = std::max(most, tau * tau * M / (dot(s.w, stages[i].A_ww * s.w) + M * dot(s.v, s.v)));
     }
     if (c.hangs) F[c.parent] = F[c.parent] + moved_wrench(F[i], w.joints.p[i] - w.joints.p[c.parent]);
   }

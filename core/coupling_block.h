@@ -20,6 +20,13 @@ inline CouplingBlock no_coupling() noexcept {
 inline CouplingBlock transposed(const CouplingBlock& A) noexcept {
   return {.ww = transposed(A.ww), .wv = transposed(A.vw), .vw = transposed(A.wv), .vv = transposed(A.vv)};
 }
+inline CouplingBlock& operator+=(CouplingBlock& A, const CouplingBlock& B) noexcept {
+  A.ww += B.ww;
+  A.wv += B.wv;
+  A.vw += B.vw;
+  A.vv += B.vv;
+  return A;
+}
 /// From the child to its parent, d away: -X^T A of the impedance A between them.
 inline CouplingBlock coupling(const TwistBlock& A, const Column& d) noexcept {
   const Block A_vw = transposed(A.wv);

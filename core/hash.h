@@ -84,6 +84,7 @@ class Hash {
       add(m.key);
       for (const Vec3* a : {&m.xi_W, &m.xi_dot_W, &m.F_W, &m.n_W}) add(*a);
       add(m.e);
+      add(m.pressed);
     }
   }
   template <int slot>

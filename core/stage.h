@@ -145,23 +145,18 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
   const Matrix3<T> A_W = R * rotation.A_B * R.transpose();
   const Vector3<T> b_w = R * rotation.b_B;
   const Vector3<T> w_W = solve3<T>(A_W, b_w), v_W = translation.b_W * T(1 / translation.M);
-  const Vector3<T> s(Real(0.5) * (A_W(2, 1) - A_W(1, 2)), Real(0.5) * (A_W(0, 2) - A_W(2, 0)),
-                     Real(0.5) * (A_W(1, 0) - A_W(0, 1)));
-  const Matrix3<T> A_s = A_W - skew<T>(s);
+  const Matrix3<T> A_s = Real(0.5) * (A_W + A_W.transpose());
   const auto A_0 = columns(A_s.col(0).eval()), A_1 = columns(A_s.col(1).eval()),
              A_2 = columns(A_s.col(2).eval());
-  const auto s_W = columns(s), b_w_W = columns(b_w), b_v_W = columns(translation.b_W), w_0 = columns(w_W),
+  const auto b_w_W = columns(Vector3<T>(A_s * w_W)), b_v_W = columns(translation.b_W), w_0 = columns(w_W),
              v_0 = columns(v_W);
   for (std::size_t j = 0; j < num_lanes<T> && g * num_lanes<T> + j < num_bodies(par); ++j) {
     const std::size_t i = g * num_lanes<T> + j;
     TreePlace& place = w.contacts.finder.at[i];
     place = lane(at, j);
     w.contacts.finder.owned[i].tree = static_cast<std::uint32_t>(i);
-    w.contacts.stages[i] = {.A_ww = {{A_0[j], A_1[j], A_2[j]}},
-                            .M = lane(translation.M, j),
-                            .s = s_W[j],
-                            .b_w = b_w_W[j],
-                            .b_v = b_v_W[j]};
+    w.contacts.stages[i] = {
+        .A_ww = {{A_0[j], A_1[j], A_2[j]}}, .M = lane(translation.M, j), .b_w = b_w_W[j], .b_v = b_v_W[j]};
     w.contacts.V[i] = {.w = w_0[j], .v = v_0[j]};
     w.contacts.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
   }
@@ -173,7 +168,7 @@ template <Scene S>
                                       Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, h, w.tree, contacts);
-  solve_contacts(par.contacts, x.contacts, num_bodies(par), par.h, h, contacts);
+  solve_contacts(par.contacts, x.contacts, num_bodies(par), h, contacts);
   end_contacts(par.contacts, h, contacts);
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
