@@ -1,10 +1,9 @@
 // Contacts between bodies, and of bodies with the world, where many of them touch.
 //
 // A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite: the bodies' own
-// blocks, and an impedance for each pair that touches. Bodies whose contacts make a tree are solved by elimination along
-// it (27), a tower in one go, however high and stiff; those that touch in loops by a sparse factor (31). Where that has no
-// room, or bodies are on joints, by conjugate gradients from rest, preconditioned by the tree of the stiffest pairs. From
-// rest, every iterate keeps
+// blocks, and an impedance for each pair that touches. It is solved by a sparse factor (31), (33), a tower in one go,
+// however high and stiff. Where that has no room, by conjugate gradients from rest, preconditioned by the elimination of
+// the tree of joints and stiffest pairs (27), (30). From rest, every iterate keeps
 //
 //   (28)  V^T A V = V^T b
 //

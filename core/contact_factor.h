@@ -6,7 +6,7 @@
 //   (31)  A_kk = L D L^T,  Z_i = A_ik L^-T,  A_ij -= Z_i D^-1 Z_j^T
 //
 // by substitution, without inverses: a body keeps its mass beside contacts that are 1e10 times stiffer. Bodies on joints
-// by (32), after all that hangs on them. Bound: max_blocks blocks A_ik, and for each body a product for every two of its
+// by (33), after all that hangs on them. Bound: max_blocks blocks A_ik, and for each body a product for every two of its
 // neighbours. An island that has more is left to the iteration.
 #pragma once
 
@@ -182,7 +182,7 @@ void load_factor(const Island& island, const ContactTree<N, max_pairs, jointed>&
   if constexpr (jointed) load_joints(tree, w);
 }
 
-/// (32)  Body k by the coordinates of the joint by which it hangs.
+/// (33)  Body k by the coordinates of the joint by which it hangs.
 template <std::size_t N>
 void take_by_axes(std::uint32_t k, const JointEdge& edge, ContactFactor<N, true>& w) noexcept {
   const FactoredJoint& joint = w.joints[k];

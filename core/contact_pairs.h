@@ -22,7 +22,7 @@ struct BodyContacts {
 /// A body's stage, about its centre of mass, world axes. Its A has a skew part (11), which a solve by A = A^T cannot
 /// take: by itself the body moves as by the whole of it, and what it touches meets it as it moves then.
 ///
-///   (33)  A_ww = (A + A^T) / 2,  b_w = A_ww A^-1 b
+///   (34)  A_ww = (A + A^T) / 2,  b_w = A_ww A^-1 b
 struct BodyStage {
   Block A_ww;
   Real M = 0;

@@ -3,7 +3,7 @@
 // When body c is eliminated, what hung on it is out of the system, and of its joints the one to body p is left. With S and
 // X as in (30),
 //
-//   (32)  V_c = X V_p + S q':  A_ip += A_ic X,  A_pp += X^T A_cc X + A_pc X + X^T A_cp,
+//   (33)  V_c = X V_p + S q':  A_ip += A_ic X,  A_pp += X^T A_cc X + A_pc X + X^T A_cp,
 //         A_pc := (A_pc + X^T A_cc) S,  A_ic := A_ic S,  A_cc := S^T A_cc S + D_stop
 //
 // and (31) eliminates q' as it does the twists of others.
