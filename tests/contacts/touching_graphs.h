@@ -101,6 +101,7 @@ struct System {
   std::unique_ptr<Tree> tree = std::make_unique<Tree>();
   std::unique_ptr<Factor> factor = std::make_unique<Factor>();
   std::size_t size = 0;
+  std::vector<Vec3> p;  // centres of mass
 
   /// Of the first island. again: other forces of the contacts for which it has been factored.
   bool factorize(bool again) { return godobject::factorize(tree->islands[0], again, *tree, *factor); }
@@ -110,7 +111,7 @@ struct System {
 template <class F>
 System random_system(const Graph& graph, Real stiffest, Random& random, F touching) {
   System s;
-  std::vector<Vec3> p;
+  std::vector<Vec3>& p = s.p;
   std::array<bool, max_bodies> touches{};
   for (const Edge& edge : graph) s.size = std::max(s.size, std::size_t{edge.second} + 1);
   for (std::size_t i = 0; i < s.size; ++i) {
