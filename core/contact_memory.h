@@ -75,9 +75,9 @@ struct ContactStage {
   bool is_of_base() const noexcept { return t_0 == 0 && !goes_on; }
 };
 
-/// (35)  By which a contact spring may be pressed together without a motion that did the work, m: it holds the energy that the
-/// lighter body, of mass m, has at the speed at which it is let out. More would drive where stiff bodies are found deep in
-/// each other since they turned where nothing foresaw it.
+/// (35)  By which a contact spring may be pressed together without a motion that did the work, m: it holds the energy
+/// that the lighter body, of mass m, has at the speed at which it is let out. More would drive where stiff bodies are found
+/// deep in each other since they turned where nothing foresaw it.
 inline Real unpaid(const ContactLaw& law, Real m) noexcept { return law.push_out * std::sqrt(m / law.k); }
 /// What is let out in a stage presses together by at most this many times as much: bodies that are locked into each other
 /// do not move with it, and solves that stop early may not give all of it back.
