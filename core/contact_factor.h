@@ -120,6 +120,24 @@ bool order_bodies(ContactFactor<N, jointed>& w) noexcept {
   return true;
 }
 
+/// The joints by which the bodies of the factor hang.
+template <std::size_t N, std::size_t max_pairs>
+void load_joints(const ContactTree<N, max_pairs, true>& tree, ContactFactor<N, true>& w) noexcept {
+  for (std::uint32_t k = 0; k < w.size; ++k) {
+    const std::uint32_t i = w.body[k], p = tree.bodies[i].parent;
+    const JointEdge* edge = tree.joint_of(tree.bodies[i]);
+    FactoredJoint& joint = w.joints[k];
+    joint.is_free = edge == nullptr;
+    joint.on_world = p == i;
+    if (edge == nullptr) continue;
+    joint.num_axes = edge->num_axes;
+    joint.parent = w.number_of[p];
+    joint.d = tree.joints.p[i] - tree.joints.p[p];
+    for (int a = 0; a < edge->num_axes; ++a)
+      joint.s[static_cast<std::size_t>(a)] = axis_twist(*edge, a, tree.joints.p[i]);
+  }
+}
+
 /// The numbers of an island's bodies, and its blocks. False: there is no room for them.
 template <std::size_t N, std::size_t max_pairs, bool jointed>
 bool order_factor(const Island& island, ContactTree<N, max_pairs, jointed>& tree,
@@ -144,25 +162,8 @@ bool order_factor(const Island& island, ContactTree<N, max_pairs, jointed>& tree
     const std::uint32_t c = w.number_of[pair.child], p = w.number_of[pair.parent];
     pair.block = w.find_row(std::max(c, p), w.first[std::min(c, p)]);
   });
+  if constexpr (jointed) load_joints(tree, w);
   return true;
-}
-
-/// The joints by which the bodies of the factor hang.
-template <std::size_t N, std::size_t max_pairs>
-void load_joints(const ContactTree<N, max_pairs, true>& tree, ContactFactor<N, true>& w) noexcept {
-  for (std::uint32_t k = 0; k < w.size; ++k) {
-    const std::uint32_t i = w.body[k], p = tree.bodies[i].parent;
-    const JointEdge* edge = tree.joint_of(tree.bodies[i]);
-    FactoredJoint& joint = w.joints[k];
-    joint.is_free = edge == nullptr;
-    joint.on_world = p == i;
-    if (edge == nullptr) continue;
-    joint.num_axes = edge->num_axes;
-    joint.parent = w.number_of[p];
-    joint.d = tree.joints.p[i] - tree.joints.p[p];
-    for (int a = 0; a < edge->num_axes; ++a)
-      joint.s[static_cast<std::size_t>(a)] = axis_twist(*edge, a, tree.joints.p[i]);
-  }
 }
 
 /// A of an island: of the bodies, and of the pairs that touch.
@@ -179,7 +180,6 @@ void load_factor(const Island& island, const ContactTree<N, max_pairs, jointed>&
     hang(A_pc, pair.d, w.A[p]);
     w.Z[pair.block] = p > c ? A_pc : transposed(A_pc);
   });
-  if constexpr (jointed) load_joints(tree, w);
 }
 
 /// (33)  Body k by the coordinates of the joint by which it hangs.
@@ -221,7 +221,8 @@ bool factorize(const Island& island, bool again, ContactTree<N, max_pairs, joint
     }
     const PivotFactor& pivot = w.pivots[k] = factor(w.A[k]);
     if constexpr (jointed) {
-      for (std::size_t a = 0; a < 3; ++a) tree.joints.axes[w.body[k]][a].D_inverse = pivot.D_inverse[a][0];
+      if (!w.joints[k].is_free)
+        for (std::size_t a = 0; a < 3; ++a) tree.joints.axes[w.body[k]][a].D_inverse = pivot.D_inverse[a][0];
     }
     for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) substitute(pivot, w.Z[b]);
     for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) {
