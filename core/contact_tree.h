@@ -20,7 +20,6 @@ namespace godobject {
 struct TouchingPair {
   std::uint32_t child = 0, parent = 0;
   std::uint32_t first_pack = 0, end_pack = 0;
-  bool in_tree = false;
   Real stiffness = 0;       // of the contacts where the bodies are predicted to be
   bool touches = false;     // some contact bears a force
   std::uint32_t block = 0;  // of a factor
@@ -144,10 +143,8 @@ void join_bodies(std::size_t num_bodies, ContactTree<N, max_pairs, jointed>& w) 
     w.component[i] = i;
     w.first_edge[i] = no_edge;
   }
-  for (std::uint32_t k = 0; k < w.num_pairs; ++k) {
-    w.pairs[k].in_tree = false;
+  for (std::uint32_t k = 0; k < w.num_pairs; ++k)
     w.by_stiffness[k] = {.stiffness = w.pairs[k].stiffness, .pair = k};
-  }
   merge_sort(
       w.by_stiffness.data(), w.merged.data(), w.num_pairs,
       [](const PairStiffness& a, const PairStiffness& b) noexcept { return a.stiffness > b.stiffness; });
@@ -213,7 +210,6 @@ std::uint32_t order_bodies(std::uint32_t component, std::uint32_t num_bodies, st
         TouchingPair& pair = w.pairs[w.edges[e]];
         pair.child = j;
         pair.parent = i;
-        pair.in_tree = true;
       }
       w.bodies[j].pair = w.edges[e];
       w.bodies[j].parent = i;
