@@ -76,6 +76,7 @@ Eigen::Index Rig::joint_named(const std::string& name) const {
 void Rig::start(Nanoseconds now) noexcept {
   if (state_ != RigState::off) return;
   state_ = RigState::booting;
+  now_ns_ = now;
   boot_started_ns_ = now;
   heartbeat_due_ns_ = now;
 }
@@ -98,7 +99,7 @@ void Rig::clear_faults(Nanoseconds now) noexcept {
   boot_started_ns_ = now;
 }
 
-void Rig::quick_stop() noexcept { raise(RigFault::quick_stop, std::nullopt); }
+void Rig::quick_stop() noexcept { raise({.fault = RigFault::quick_stop}); }
 
 void Rig::stop() noexcept {
   if (state_ == RigState::off) return;
@@ -115,6 +116,7 @@ void Rig::stop() noexcept {
 
 void Rig::sync(Nanoseconds now) noexcept {
   if (state_ == RigState::off) return;
+  now_ns_ = now;
   const bool last_was_complete = complete();
   bool queued = false;
   for (std::size_t i = 0; i < buses_.size(); ++i) queued = queue_sync(i, now) || queued;
@@ -189,8 +191,9 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
   assert(F_hand_W.size() <= num_handles());
   CommandReport report;
   if (state_ == RigState::off) return report;
+  now_ns_ = now;
   JointVector tau = configuration_.joint_torques(F_hand_W);
-  if (!tau.allFinite()) raise(RigFault::command_not_finite, std::nullopt);
+  if (!tau.allFinite()) raise({.fault = RigFault::command_not_finite});
   if (state_ != RigState::armed) tau.setZero();
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     DriveOnBus& drive = drives_[i];
@@ -235,31 +238,39 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
     return true;
   }
   ++to.refused_in_a_row;
-  if (to.refused_in_a_row >= max_refused_in_a_row) raise(RigFault::send_refused, bus);
+  // what a bus that is cut off refuses is told by bus_down
+  if (to.refused_in_a_row >= max_refused_in_a_row && !is_cut_off(to.bus->state()))
+    raise({.fault = RigFault::send_refused, .bus = bus});
   return false;
 }
 
-void Rig::raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id, std::uint16_t emcy_code,
-                std::uint32_t drive_code) noexcept {
+void Rig::raise(const RigFaultPlace& place) noexcept {
   if (state_ == RigState::off) return;
-  fault_log_.raise(fault, bus, node_id, emcy_code, drive_code);
+  fault_log_.raise(place, now_ns_);
+  before_fault_ = reached();
   state_ = RigState::fault;
 }
 
 std::string Rig::fault_text() const {
   std::ostringstream out;
-  for (const RigFaultText& text : rig_fault_texts()) {
-    if (!any(faults() & text.fault)) continue;
-    const RigFaultRecord& record = fault_log_.record(text.fault);
-    out << text.name << " (" << (record.bus ? params_.buses[*record.bus].name : "host");
-    if (record.bus && record.node_id != 0) {
-      const RigNode& node = nodes_[buses_[*record.bus].node_of_id[record.node_id] - std::size_t{1}];
-      out << " node " << int{record.node_id} << ", " << device_text(params_, node);
-    }
-    if (text.fault == RigFault::drive_error) out << ", code " << record.drive_code;
-    if (text.fault == RigFault::emergency) out << ", code 0x" << std::hex << record.emcy_code << std::dec;
-    out << "): " << text.meaning << "; " << text.remedy << ".\n";
+  for (const RigFaultRecord& record : fault_log_.records()) {
+    const RigFaultText& text = text_of(record.place.fault);
+    out << text.name << " (" << place_text(record.place) << "): " << text.meaning << "; " << text.remedy
+        << ".\n";
   }
+  if (fault_log_.left_out() > 0) out << "and at " << fault_log_.left_out() << " more places.\n";
+  return out.str();
+}
+
+std::string Rig::place_text(const RigFaultPlace& place) const {
+  std::ostringstream out;
+  out << (place.bus ? params_.buses[*place.bus].name : "host");
+  if (place.bus && place.node_id != 0) {
+    const RigNode& node = nodes_[buses_[*place.bus].node_of_id[place.node_id] - std::size_t{1}];
+    out << " node " << int{place.node_id} << ", " << device_text(params_, node);
+  }
+  if (place.fault == RigFault::drive_error) out << ", code " << place.drive_code;
+  if (place.fault == RigFault::emergency) out << ", code 0x" << std::hex << place.emcy_code;
   return out.str();
 }
 

@@ -122,7 +122,8 @@ class Rig {
   bool ready() const noexcept { return state_ == RigState::ready || state_ == RigState::armed; }
   RigFault faults() const noexcept { return fault_log_.faults(); }
   const RigFaultLog& fault_log() const noexcept { return fault_log_; }
-  /// The set faults in words, one line each: name, bus, node, meaning, remedy. Not for the loop: allocates.
+  /// The set faults in words, one line for each place, in the order in which they came up: name, bus, node, meaning,
+  /// remedy. Not for the loop: allocates.
   std::string fault_text() const;
   const RigCounters& counters() const noexcept { return counters_; }
 
@@ -174,9 +175,10 @@ class Rig {
 
   bool queue_sync(std::size_t bus, Nanoseconds now) noexcept;
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
-  void raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id = 0,
-             std::uint16_t emcy_code = 0, std::uint32_t drive_code = 0) noexcept;
-  void raise(RigFault fault, const RigNode& node) noexcept { raise(fault, node.bus, node.id); }
+  void raise(const RigFaultPlace& place) noexcept;
+  void raise(RigFault fault, const RigNode& node) noexcept {
+    raise({.fault = fault, .bus = node.bus, .node_id = node.id});
+  }
 
   // rig_receive.cc
   void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
@@ -196,11 +198,17 @@ class Rig {
   void check_drives() noexcept;
   void boot(Nanoseconds now) noexcept;
   void wait_for_drives(Nanoseconds now) noexcept;
+  bool boot_is_over(Nanoseconds now) const noexcept;
   bool booted(const RigNode& node, Nanoseconds now) const noexcept;
   bool silent(const RigNode& node, Nanoseconds now) const noexcept;
   bool running() const noexcept { return state_ >= RigState::enabling && state_ <= RigState::armed; }
+  /// How far it was when the first fault came; without one how far it is. What was there then is still looked after.
+  RigState reached() const noexcept { return state_ == RigState::fault ? before_fault_ : state_; }
+  bool nodes_were_up() const noexcept { return reached() >= RigState::enabling; }
+  bool drives_were_up() const noexcept { return reached() >= RigState::ready; }
 
   DriveGoal goal() const noexcept;
+  std::string place_text(const RigFaultPlace& place) const;
   DeviceButtons buttons() const noexcept;
 
   RigParams params_;
@@ -213,6 +221,8 @@ class Rig {
   std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, else its drive's
 
   RigState state_ = RigState::off;
+  RigState before_fault_ = RigState::off;  // while in fault: the state in which the first one came up
+  Nanoseconds now_ns_ = 0;                 // of the call at hand
   Nanoseconds boot_started_ns_ = 0;
   Nanoseconds heartbeat_due_ns_ = 0;
   int settled_cycles_ = 0;

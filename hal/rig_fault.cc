@@ -1,5 +1,6 @@
 #include "hal/rig_fault.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace godobject {
@@ -53,19 +54,30 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
 
 std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept { return texts; }
 
-bool RigFaultLog::raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id,
-                        std::uint16_t emcy_code, std::uint32_t drive_code) noexcept {
-  if (any(faults_ & fault)) return false;
-  faults_ = faults_ | fault;
-  RigFaultRecord& record = records_[index_of(fault)];
-  record = {.count = record.count + 1,
-            .bus = bus,
-            .node_id = node_id,
-            .emcy_code = emcy_code,
-            .drive_code = drive_code};
+const RigFaultText& text_of(RigFault fault) noexcept { return texts[index_of(fault)]; }
+
+bool RigFaultLog::raise(const RigFaultPlace& place, Nanoseconds now) noexcept {
+  const std::span<const RigFaultRecord> known = records();
+  if (std::ranges::find(known, place, &RigFaultRecord::place) != known.end()) return false;
+  if (!any(faults_ & place.fault)) ++counts_[index_of(place.fault)];
+  faults_ = faults_ | place.fault;
+  if (num_records_ < capacity) records_[num_records_++] = {.place = place, .t_ns = now};
+  else ++left_out_;
   return true;
 }
 
-const RigFaultRecord& RigFaultLog::record(RigFault fault) const noexcept { return records_[index_of(fault)]; }
+void RigFaultLog::clear() noexcept {
+  faults_ = RigFault::none;
+  num_records_ = 0;
+  left_out_ = 0;
+}
+
+RigFaultRecord RigFaultLog::first(RigFault fault) const noexcept {
+  for (const RigFaultRecord& record : records())
+    if (record.place.fault == fault) return record;
+  return {};
+}
+
+std::uint64_t RigFaultLog::count(RigFault fault) const noexcept { return counts_[index_of(fault)]; }
 
 }  // namespace godobject

@@ -7,6 +7,8 @@
 #include <span>
 #include <string_view>
 
+#include "hal/can_frame.h"
+
 namespace godobject {
 
 /// Sticky bits; several can be set. The one-line meaning and remedy of each are in rig_fault_texts().
@@ -46,32 +48,53 @@ struct RigFaultText {
 
 /// In the order of the bits.
 std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept;
+/// fault: a single bit.
+const RigFaultText& text_of(RigFault fault) noexcept;
 
-/// Where and how often a fault came up.
-struct RigFaultRecord {
-  std::uint64_t count = 0;         // times raised since construction
-  std::optional<std::size_t> bus;  // of the latest; none: the fault is of the host, not of a bus
-  std::uint8_t node_id = 0;        // of the latest; 0: no single node
-  std::uint16_t emcy_code = 0;     // of the latest emergency
-  std::uint32_t drive_code = 0;    // of the latest drive_error, in the drive's own numbers
+/// Where a fault came up.
+struct RigFaultPlace {
+  RigFault fault = RigFault::none;   // a single bit
+  std::optional<std::size_t> bus{};  // none: the fault is of the host, not of a bus
+  std::uint8_t node_id = 0;          // 0: no single node
+  std::uint16_t emcy_code = 0;       // of an emergency
+  std::uint32_t drive_code = 0;      // of a drive_error, in the drive's own numbers
+
+  bool operator==(const RigFaultPlace&) const = default;
 };
 
-/// The sticky bits and their records.
+/// A place, and when the fault was seen there first.
+struct RigFaultRecord {
+  RigFaultPlace place;
+  Nanoseconds t_ns = 0;  // bus time
+};
+
+/// The sticky bits, and every place at which they came up since they were cleared last. Of fixed size.
 class RigFaultLog {
  public:
-  /// Sets a single bit; counted when it was not set yet. True then.
-  bool raise(RigFault fault, std::optional<std::size_t> bus, std::uint8_t node_id = 0,
-             std::uint16_t emcy_code = 0, std::uint32_t drive_code = 0) noexcept;
-  /// Clears the bits; the counts stay.
-  void clear() noexcept { faults_ = RigFault::none; }
+  /// Of a device with two buses of 32 nodes each no place is left out where all of it fails in two ways.
+  static constexpr std::size_t capacity = 128;
+
+  /// Sets the bit and notes the place. False where that was known already.
+  bool raise(const RigFaultPlace& place, Nanoseconds now) noexcept;
+  /// Clears the bits and the places; the counts stay.
+  void clear() noexcept;
 
   RigFault faults() const noexcept { return faults_; }
-  /// fault: a single bit.
-  const RigFaultRecord& record(RigFault fault) const noexcept;
+  /// In the order in which they came up: the cause before what follows from it.
+  std::span<const RigFaultRecord> records() const noexcept { return std::span(records_).first(num_records_); }
+  /// Of a single bit: the first place at which it came up; an empty one where it is not set.
+  RigFaultRecord first(RigFault fault) const noexcept;
+  /// Places for which there was no room.
+  std::uint64_t left_out() const noexcept { return left_out_; }
+  /// Times that a single bit was set, since construction.
+  std::uint64_t count(RigFault fault) const noexcept;
 
  private:
   RigFault faults_ = RigFault::none;
-  std::array<RigFaultRecord, num_rig_faults> records_{};
+  std::array<std::uint64_t, num_rig_faults> counts_{};
+  std::array<RigFaultRecord, capacity> records_{};
+  std::size_t num_records_ = 0;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace godobject

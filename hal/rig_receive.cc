@@ -21,6 +21,7 @@ constexpr bool is_heartbeat(std::uint32_t cob_id) noexcept {
 }  // namespace
 
 void Rig::receive(Nanoseconds now) noexcept {
+  now_ns_ = now;
   ReceivedFrame received;
   for (std::size_t i = 0; i < buses_.size(); ++i) {
     int num_frames = 0;
@@ -90,8 +91,11 @@ void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::
   if (node.canopen || !message.alive) return;
   node.heard = true;
   node.heartbeat_ns = now;
-  if (ready() && drive.drive.state() == MotorState::fault && drive.drive.error_code() != 0)
-    raise(RigFault::drive_error, node.bus, node.id, 0, drive.drive.error_code());
+  if (drives_were_up() && drive.drive.state() == MotorState::fault && drive.drive.error_code() != 0)
+    raise({.fault = RigFault::drive_error,
+           .bus = node.bus,
+           .node_id = node.id,
+           .drive_code = drive.drive.error_code()});
 }
 
 void Rig::on_inputs(const RigNode& node, const CanFrame& frame) noexcept {
@@ -117,7 +121,8 @@ void Rig::on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) no
   node.heartbeat_ns = now;
   node.state = heartbeat.state;
   if (heartbeat.state == canopen::NmtState::boot_up) node.start_sent = false;
-  if (running() && heartbeat.state != canopen::NmtState::operational) raise(RigFault::node_restarted, node);
+  if (nodes_were_up() && heartbeat.state != canopen::NmtState::operational)
+    raise(RigFault::node_restarted, node);
 }
 
 void Rig::on_emergency(RigNode& node, const CanFrame& frame) noexcept {
@@ -127,9 +132,11 @@ void Rig::on_emergency(RigNode& node, const CanFrame& frame) noexcept {
     return;
   }
   // while booting, nodes report what happened before; what still holds shows in their state
-  if (running() && emergency.error_code != canopen::emcy_no_error) {
-    raise(RigFault::emergency, node.bus, node.id, emergency.error_code);
-  }
+  if (nodes_were_up() && emergency.error_code != canopen::emcy_no_error)
+    raise({.fault = RigFault::emergency,
+           .bus = node.bus,
+           .node_id = node.id,
+           .emcy_code = emergency.error_code});
 }
 
 }  // namespace godobject

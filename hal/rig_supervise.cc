@@ -17,19 +17,20 @@ bool is_enabled(const Drive& drive) noexcept { return drive.state() == MotorStat
 
 void Rig::supervise(Nanoseconds now) noexcept {
   if (state_ == RigState::off) return;
+  now_ns_ = now;
   check_buses();
-  if (running()) {
+  if (nodes_were_up()) {
     check_nodes(now);
     check_samples(now);
   }
-  if (ready()) check_drives();
+  if (drives_were_up()) check_drives();
   if (state_ == RigState::booting) boot(now);
   if (state_ == RigState::enabling) wait_for_drives(now);
 }
 
 void Rig::check_buses() noexcept {
   for (std::size_t i = 0; i < buses_.size(); ++i) {
-    if (is_cut_off(buses_[i].bus->state())) raise(RigFault::bus_down, i);
+    if (is_cut_off(buses_[i].bus->state())) raise({.fault = RigFault::bus_down, .bus = i});
   }
 }
 
@@ -65,13 +66,14 @@ void Rig::check_slip(DriveOnBus& drive, Nanoseconds now) noexcept {
   const double later_s = 1e-9 * static_cast<double>(joint.t_ns - motor.t_ns);
   const double apart = joint.q - joint.q_dot * later_s - motor.q;
   const bool known = joint.valid && motor.valid;
-  if (known && !ready()) drive.apart = apart;
+  if (known && !drives_were_up()) drive.apart = apart;
   if (!known || std::abs(apart - drive.apart) <= max_slip) drive.t_agreed_ns = now;
   else if (static_cast<double>(now - drive.t_agreed_ns) > 1e9 * params_.stale_after_s)
     raise(RigFault::sensors_disagree, nodes_[drive.node]);
 }
 
 void Rig::check_drives() noexcept {
+  if (goal() == DriveGoal::quick_stop) return;  // they are to leave it
   for (const DriveOnBus& drive : drives_) {
     if (!is_enabled(drive.drive)) raise(RigFault::drive_not_enabled, nodes_[drive.node]);
   }
@@ -88,26 +90,30 @@ void Rig::boot(Nanoseconds now) noexcept {
     node.start_sent_ns = now;
     start_sent[node.bus] = true;
   }
-  const auto missing = std::ranges::find_if(nodes_, [&](const RigNode& node) { return !booted(node, now); });
-  if (missing == nodes_.end()) {
+  if (std::ranges::all_of(nodes_, [&](const RigNode& node) { return booted(node, now); })) {
     state_ = RigState::enabling;
     settled_cycles_ = 0;
-  } else if (static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s) {
-    raise(RigFault::boot_timeout, *missing);
+    return;
   }
+  if (!boot_is_over(now)) return;
+  for (const RigNode& node : nodes_)
+    if (!booted(node, now)) raise(RigFault::boot_timeout, node);
 }
 
 void Rig::wait_for_drives(Nanoseconds now) noexcept {
-  const auto waiting =
-      std::ranges::find_if(drives_, [](const DriveOnBus& d) { return !is_enabled(d.drive); });
-  if (waiting == drives_.end()) {
+  if (std::ranges::all_of(drives_, [](const DriveOnBus& d) { return is_enabled(d.drive); })) {
     ++settled_cycles_;
     if (drives_.empty() || settled_cycles_ > settle_cycles) state_ = RigState::ready;
     return;
   }
   settled_cycles_ = 0;
-  if (static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s)
-    raise(RigFault::boot_timeout, nodes_[waiting->node]);
+  if (!boot_is_over(now)) return;
+  for (const DriveOnBus& drive : drives_)
+    if (!is_enabled(drive.drive)) raise(RigFault::boot_timeout, nodes_[drive.node]);
+}
+
+bool Rig::boot_is_over(Nanoseconds now) const noexcept {
+  return static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s;
 }
 
 bool Rig::booted(const RigNode& node, Nanoseconds now) const noexcept {

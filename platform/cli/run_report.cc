@@ -24,18 +24,20 @@ void add_core_faults(const RunStatistics& statistics, std::vector<FaultReport>& 
                         .cycles = statistics.fault_cycles[i]});
 }
 
-/// Rig::fault_text() has one line per set bit, in the order of the bits; troubles: what the buses say, which
-/// explains bus_down and send_refused.
+/// Rig::fault_text() has a line for each place; troubles: what the buses say, which explains bus_down and
+/// send_refused.
 void add_rig_faults(const Rig& rig, const std::vector<std::string>& troubles,
                     std::vector<FaultReport>& faults) {
   std::istringstream lines(rig.fault_text());
-  for (const RigFaultText& text : rig_fault_texts()) {
-    if (!any(rig.faults() & text.fault)) continue;
-    FaultReport fault{.name = std::string(text.name), .text = ""};
+  bool explained = false;
+  for (const RigFaultRecord& record : rig.fault_log().records()) {
+    FaultReport fault{.name = std::string(text_of(record.place.fault).name), .text = ""};
     std::getline(lines, fault.text);
     fault.text.erase(0, fault.name.size() + 1);
-    if (text.fault == RigFault::bus_down || text.fault == RigFault::send_refused)
+    const bool of_bus = any(record.place.fault & (RigFault::bus_down | RigFault::send_refused));
+    if (of_bus && !explained)
       for (const std::string& trouble : troubles) fault.text += " " + trouble;
+    explained = explained || of_bus;
     faults.push_back(std::move(fault));
   }
 }

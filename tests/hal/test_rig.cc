@@ -265,7 +265,7 @@ TEST_F(RigTest, NotFiniteCommandIsBlamedOnNoBus) {
   F.f.x() = std::numeric_limits<double>::quiet_NaN();
   cycle();
   EXPECT_EQ(rig.faults(), RigFault::command_not_finite);
-  EXPECT_FALSE(rig.fault_log().record(RigFault::command_not_finite).bus.has_value());
+  EXPECT_FALSE(rig.fault_log().first(RigFault::command_not_finite).place.bus.has_value());
   EXPECT_TRUE(rig.fault_text().starts_with("command_not_finite (host): ")) << rig.fault_text();
 }
 
@@ -274,7 +274,7 @@ TEST_F(RigTest, LostHeartbeat) {
   send_heartbeats = false;
   cycles(650);
   EXPECT_EQ(rig.faults(), RigFault::heartbeat_lost);
-  EXPECT_EQ(rig.fault_log().record(RigFault::heartbeat_lost).count, 1u);
+  EXPECT_EQ(rig.fault_log().count(RigFault::heartbeat_lost), 1u);
 }
 
 TEST_F(RigTest, BootUpMessageWhileRunning) {
@@ -282,7 +282,7 @@ TEST_F(RigTest, BootUpMessageWhileRunning) {
   receive(canopen::make_heartbeat(2, canopen::NmtState::boot_up), now);
   cycle();
   EXPECT_EQ(rig.faults(), RigFault::node_restarted);
-  EXPECT_EQ(rig.fault_log().record(RigFault::node_restarted).node_id, 2);
+  EXPECT_EQ(rig.fault_log().first(RigFault::node_restarted).place.node_id, 2);
 }
 
 TEST_F(RigTest, EmergencyButNotTheAllClear) {
@@ -505,6 +505,33 @@ TEST(RigFault, EveryBitHasItsTextsInOrder) {
     EXPECT_FALSE(text.meaning.empty() || text.remedy.empty()) << text.name;
     bit <<= 1;
   }
+}
+
+TEST(RigFaultLog, KeepsEveryPlaceOnceInTheOrderInWhichTheyCameUp) {
+  RigFaultLog log;
+  EXPECT_TRUE(log.raise({.fault = RigFault::sample_stale, .bus = 0, .node_id = 2}, 5));
+  EXPECT_TRUE(log.raise({.fault = RigFault::bus_down, .bus = 1}, 6));
+  EXPECT_FALSE(log.raise({.fault = RigFault::sample_stale, .bus = 0, .node_id = 2}, 7));
+  EXPECT_TRUE(log.raise({.fault = RigFault::sample_stale, .bus = 1, .node_id = 2}, 8));
+  ASSERT_EQ(log.records().size(), 3u);
+  EXPECT_EQ(log.records()[0].t_ns, 5);
+  EXPECT_EQ(log.records()[1].place.fault, RigFault::bus_down);
+  EXPECT_EQ(log.records()[2].place.bus, 1u);
+  EXPECT_EQ(log.count(RigFault::sample_stale), 1u);
+  EXPECT_EQ(log.first(RigFault::sample_stale).t_ns, 5);
+  log.clear();
+  EXPECT_EQ(log.faults(), RigFault::none);
+  EXPECT_TRUE(log.records().empty());
+  EXPECT_TRUE(log.raise({.fault = RigFault::sample_stale, .bus = 0, .node_id = 2}, 9));
+  EXPECT_EQ(log.count(RigFault::sample_stale), 2u);
+}
+
+TEST(RigFaultLog, CountsThePlacesThatItHasNoRoomFor) {
+  RigFaultLog log;
+  for (std::size_t i = 0; i < RigFaultLog::capacity + 3; ++i)
+    log.raise({.fault = RigFault::emergency, .bus = 0, .emcy_code = static_cast<std::uint16_t>(i)}, 0);
+  EXPECT_EQ(log.records().size(), RigFaultLog::capacity);
+  EXPECT_EQ(log.left_out(), 3u);
 }
 
 }  // namespace

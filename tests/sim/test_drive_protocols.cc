@@ -91,9 +91,9 @@ TEST_P(DriveProtocols, AnErrorOfADriveStopsAllAndCanBeCleared) {
   ASSERT_TRUE(device.cycles_to_fault(150));
   const RigFault expected = canopen() ? RigFault::emergency : RigFault::drive_error;
   EXPECT_TRUE(any(device.rig.faults() & expected)) << device.rig.fault_text();
-  const RigFaultRecord& record = device.rig.fault_log().record(expected);
-  EXPECT_EQ(record.node_id, 1);
-  EXPECT_EQ(canopen() ? record.emcy_code : record.drive_code, 33u);
+  const RigFaultPlace place = device.rig.fault_log().first(expected).place;
+  EXPECT_EQ(place.node_id, 1);
+  EXPECT_EQ(canopen() ? place.emcy_code : place.drive_code, 33u);
   EXPECT_TRUE(device.cycles_to_zero(25));
   device.rig.clear_faults(device.t_sync_ns);
   EXPECT_TRUE(device.boot()) << device.rig.fault_text();

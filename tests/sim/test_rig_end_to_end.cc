@@ -213,8 +213,8 @@ TEST(RigEndToEnd, TrippedDriveStopsAllOfThem) {
   sim.drives[1]->trip(0x2310);
   sim.cycles(20, F);
   EXPECT_TRUE(any(sim.rig->faults() & RigFault::emergency));
-  EXPECT_EQ(sim.rig->fault_log().record(RigFault::emergency).emcy_code, 0x2310);
-  EXPECT_EQ(sim.rig->fault_log().record(RigFault::emergency).node_id, 2);
+  EXPECT_EQ(sim.rig->fault_log().first(RigFault::emergency).place.emcy_code, 0x2310);
+  EXPECT_EQ(sim.rig->fault_log().first(RigFault::emergency).place.node_id, 2);
   for (const auto& drive : sim.drives) EXPECT_EQ(drive->applied_torque_Nm(), 0);
   sim.rig->clear_faults(sim.now);
   sim.cycles(50);
@@ -231,7 +231,7 @@ TEST(RigEndToEnd, SilentNodeIsABootTimeout) {
   EXPECT_EQ(sim.rig->state(), RigState::booting);
   sim.cycles(20);
   EXPECT_EQ(sim.rig->faults(), RigFault::boot_timeout);
-  EXPECT_EQ(sim.rig->fault_log().record(RigFault::boot_timeout).node_id, 5);
+  EXPECT_EQ(sim.rig->fault_log().first(RigFault::boot_timeout).place.node_id, 5);
 }
 
 TEST(RigEndToEnd, ResetNodeIsSeenInsideItsHeartbeatTime) {
