@@ -8,7 +8,9 @@ namespace {
 constexpr Nanoseconds ms = 1'000'000;
 constexpr Nanoseconds reset_patience = 2500 * ms;
 constexpr Nanoseconds setup_patience = 5000 * ms;  // INIT and PINIT take seconds on some trackers
-constexpr Nanoseconds poll_patience = 500 * ms;
+constexpr Nanoseconds most_poll_patience = 500 * ms;
+constexpr Nanoseconds poll_margin = 3 * ms;  // between a reply that is still to come and one that is lost
+constexpr Nanoseconds poll_silence = 1500 * ms;
 constexpr Nanoseconds settle = 200 * ms;      // after a change of the bit rate; the API asks for 100
 constexpr Nanoseconds quiet = 8 * ms;         // after a broken reply: its rest may follow
 constexpr Nanoseconds most_quiet = 300 * ms;  // the longest reply at 9600 bit/s
@@ -75,6 +77,7 @@ void NdiTracker::restart(Nanoseconds now) noexcept {
   enabled_ = {};
   refused_[0] = '\0';
   tool_ = address_ = 0;
+  longest_answer_ = 0;
   passes_ = 0;
   go(by_default_rate_ ? Step::slow_down : Step::follow_rate);
   not_before_ = now;
@@ -133,7 +136,17 @@ ndi::Command NdiTracker::command() const noexcept {
 
 Nanoseconds NdiTracker::patience() const noexcept {
   if (step_ == Step::send_break) return reset_patience;
-  return step_ == Step::poll ? poll_patience : setup_patience;
+  return step_ == Step::poll ? poll_patience() : setup_patience;
+}
+
+/// How long a reply takes is known from those before: the time of both on the line, and the tracker's own, which with some
+/// ends with a measurement. One that is not there soon after is lost, and asked for again at once; after some in a row
+/// less and less often.
+Nanoseconds NdiTracker::poll_patience() const noexcept {
+  constexpr int eager_tries = 4;
+  if (longest_answer_ == 0) return most_poll_patience;
+  const Nanoseconds soon = longest_answer_ + longest_answer_ / 4 + poll_margin;
+  return std::min(soon << std::clamp(tries_ - eager_tries, 0, 6), most_poll_patience);
 }
 
 LineRequest NdiTracker::send(Nanoseconds now) noexcept {
@@ -141,6 +154,12 @@ LineRequest NdiTracker::send(Nanoseconds now) noexcept {
   awaiting_ = true;
   reply_began_ = false;
   deadline_ = now + patience();
+  if (tries_ == 0) {
+    num_asked_ = 0;
+    t_first_asked_ = now;
+  }
+  ++num_asked_;
+  t_asked_ = now;
   ++tries_;
   if (step_ == Step::send_break) return {.kind = LineRequest::Kind::serial_break};
   command_ = command();
@@ -170,9 +189,24 @@ void NdiTracker::on_silence(Nanoseconds now) noexcept {
     go(Step::set_rate);  // perhaps it has not understood the break, but listens
     return;
   }
+  if (step_ == Step::poll && tries_ == 0) return;  // it was answered, once for the two that were sent
   ++report_.counters.timeouts;
+  if (step_ == Step::poll && now - t_first_asked_ < poll_silence) return;
   const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;
   if (tries_ >= allowed) give_up_or_restart("no reply: is the tracker switched on, and this its port?", now);
+}
+
+/// A poll that was sent again may be answered twice: its second answer is waited for, or it would be taken for that to
+/// the next one. When all of them come nothing was lost: the tracker is as slow as the first.
+void NdiTracker::on_poll_answered(Nanoseconds now) noexcept {
+  if (tries_ == 1) longest_answer_ -= (longest_answer_ - (now - t_asked_)) / 64;
+  if (tries_ > 0) took_ = now - t_first_asked_;
+  tries_ = 0;
+  awaiting_ = --num_asked_ > 0;
+  reply_began_ = false;
+  if (awaiting_) deadline_ = std::max(deadline_, t_asked_ + took_ + poll_margin);
+  else
+    longest_answer_ = std::max(longest_answer_, took_);
 }
 
 void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
@@ -192,6 +226,7 @@ void NdiTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) n
   for (const std::uint8_t byte : bytes) {
     if (awaiting_ && !reply_began_) t_reply_ = now;
     reply_began_ = true;
+    if (awaiting_ && step_ == Step::poll) deadline_ = std::max(deadline_, now + poll_margin);  // it is coming
     if (!awaiting_ && now < quiet_until_) not_before_ = std::max(not_before_, now + quiet);
     const Event event = receiver_.push(byte);
     if (event == Event::more || !awaiting_) continue;

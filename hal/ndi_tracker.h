@@ -52,11 +52,13 @@ class NdiTracker final : public Tracker {
 
   ndi::Command command() const noexcept;
   Nanoseconds patience() const noexcept;
+  Nanoseconds poll_patience() const noexcept;
   LineRequest send(Nanoseconds now) noexcept;
   void go(Step step) noexcept;
   void restart(Nanoseconds now) noexcept;
   void give_up_or_restart(const char* why, Nanoseconds now) noexcept;
   void on_silence(Nanoseconds now) noexcept;
+  void on_poll_answered(Nanoseconds now) noexcept;
   void on_lost_reply(Nanoseconds now) noexcept;
   void on_text(std::span<const std::uint8_t> text, Nanoseconds now) noexcept;
   void on_error(std::uint8_t code, Nanoseconds now) noexcept;
@@ -88,7 +90,12 @@ class NdiTracker final : public Tracker {
   Nanoseconds quiet_until_ = 0;      // the rest of a broken reply is waited out until then at most
   Nanoseconds t_reply_ = 0;          // of its first byte
   Nanoseconds boot_deadline_ = 0;    // to be tracking
-  int tries_ = 0;                    // of this step
+  int tries_ = 0;                    // of this step; of a poll since it was answered last
+  int num_asked_ = 0;                // polls without an answer yet
+  Nanoseconds t_asked_ = 0;          // of the last poll
+  Nanoseconds t_first_asked_ = 0;    // of the first poll since the last answer
+  Nanoseconds took_ = 0;             // from the first poll to the answer, where it was asked again
+  Nanoseconds longest_answer_ = 0;   // from poll to the end of its reply, lately; 0: not known
   int passes_ = 0;                   // through list_uninitialised
   ndi::PortHandles listed_;          // by the last PHSR
   std::size_t at_ = 0;               // the handle in turn among them

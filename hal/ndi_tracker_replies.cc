@@ -165,7 +165,7 @@ void NdiTracker::on_poses(ndi::ReplyReceiver::Event event, std::span<const std::
     ++report_.counters.malformed;
     return on_lost_reply(now);
   }
-  tries_ = 0;
+  on_poll_answered(now);
   for (const ndi::HandlePose& pose : reply.all()) take(pose, t_reply_);
   std::size_t num_enabled = 0;
   for (std::size_t i = 0; i < params_.tools.size(); ++i) {

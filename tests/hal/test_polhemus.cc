@@ -116,6 +116,33 @@ TEST(Polhemus, InStepAgainAfterALostByte) {
   }
 }
 
+/// A record that is cut short, turned round in a bit, left out or sent twice, up to three in a row: of those after it the
+/// second is read at the latest.
+TEST(Polhemus, InStepWithinTwoRecordsOfADamagedOne) {
+  std::mt19937 random(5);
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  for (const Model model : {Model::fastrak, Model::liberty})
+    for (int kind = 0; kind < 4; ++kind)
+      for (int n = 0; n < 600; ++n) {
+        const int in_a_row = 1 + n % 3;
+        RecordReceiver receiver;
+        int first_read = -1;
+        for (int i = 0; i < 10 && first_read < 0; ++i) {
+          Bytes wire = wire_of(record_at(i, model));
+          const bool damaged = i >= 3 && i < 3 + in_a_row;
+          if (damaged && kind == 0) wire.resize(below(wire.size()));
+          if (damaged && kind == 1) wire[below(wire.size())] ^= static_cast<std::uint8_t>(1u << below(8));
+          if (damaged && kind == 2) wire.clear();
+          if (damaged && kind == 3)
+            wire.insert(wire.end(), wire.begin(), wire.begin() + static_cast<long>(wire.size() / 2));
+          for (const std::uint8_t byte : wire)
+            if (receiver.push(byte) == Event::record && i >= 3 + in_a_row) first_read = i;
+        }
+        ASSERT_GE(first_read, 0);
+        ASSERT_LE(first_read, 3 + in_a_row + 1) << "kind " << kind;
+      }
+}
+
 /// The tracker at the host, set up for continuous records from `now` on.
 std::unique_ptr<Tracker> tracking_tracker(Nanoseconds& now) {
   TrackerParams params;

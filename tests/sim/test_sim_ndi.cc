@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <string>
 
 #include "tests/support/simulated_tracker.h"
@@ -144,6 +145,67 @@ TEST(SimNdi, NoiseOnTheLineCostsRepliesAndNeverGivesAPose) {
   EXPECT_EQ(rig.tracker->report().state, TrackerState::tracking);
   EXPECT_GT(rig.tracker->report().counters.bad_crc, 20u);
   EXPECT_GT(rig.tool(0).number, 900u);
+}
+
+enum class Damage : std::uint8_t { drop, truncate, corrupt, twice };
+
+/// At 115200 bit/s a reply of two tools takes 9 ms: it is asked for again before the second measurement has passed.
+TEST(SimNdi, ADamagedReplyCostsTwoFramesAtTheMost) {
+  constexpr double frame_s = 1.0 / 60;
+  for (const bool text : {false, true})
+    for (const Damage kind : {Damage::drop, Damage::truncate, Damage::corrupt, Damage::twice})
+      for (int in_a_row = 1; in_a_row <= 3; ++in_a_row) {
+        Polaris rig;
+        rig.sim().set_text_only(text);
+        ASSERT_TRUE(rig.track());
+        rig.far->faults.delay = 9'000'000;
+        rig.run(1);
+        std::mt19937 random(7);
+        const auto below = [&](std::size_t n) { return random() % n; };
+        int left = 0;
+        Nanoseconds good_again = 0;
+        rig.damage = [&](std::vector<std::uint8_t>& bytes) {
+          if (left == 0) return;
+          if (--left == 0) good_again = rig.now;
+          switch (kind) {
+            case Damage::drop: return bytes.clear();
+            case Damage::truncate: return bytes.resize(below(bytes.size()));
+            case Damage::corrupt:
+              bytes[below(bytes.size())] ^= static_cast<std::uint8_t>(1u << below(8));
+              return;
+            case Damage::twice: {
+              const std::vector<std::uint8_t> copy = bytes;
+              bytes.insert(bytes.end(), copy.begin(), copy.end());
+            }
+          }
+        };
+        double worst_s = 0;
+        for (int n = 0; n < 60; ++n) {
+          rig.run(0.05 + 1e-3 * static_cast<double>(below(40)));
+          left = in_a_row;
+          ASSERT_TRUE(rig.run_until([&] { return left == 0; }, 3));
+          const std::uint32_t number = rig.tool(0).number;
+          ASSERT_TRUE(rig.run_until([&] { return rig.tool(0).number != number; }, 2));
+          worst_s = std::max(worst_s, 1e-9 * static_cast<double>(rig.now - good_again));
+          EXPECT_LT((rig.tool(0).X_TH.p - here.p).norm(), 1e-5);
+        }
+        EXPECT_LE(worst_s, 2 * frame_s + 1e-3) << static_cast<int>(kind) << ", " << in_a_row << " in a row";
+        EXPECT_EQ(rig.tracker->report().counters.restarts, 0u);
+      }
+}
+
+/// A tracker that waits for its next measurement, or a slow adapter, is not asked twice.
+TEST(SimNdi, WhatIsSlowIsNotTakenForLost) {
+  for (const Nanoseconds delay : {1'000'000, 16'000'000, 60'000'000}) {
+    Polaris rig;
+    ASSERT_TRUE(rig.track());
+    rig.far->faults.delay = delay;
+    rig.run(2);
+    const std::uint64_t timeouts = rig.tracker->report().counters.timeouts;
+    rig.run(5);
+    EXPECT_EQ(rig.tracker->report().counters.timeouts, timeouts) << delay;
+    EXPECT_EQ(rig.tool(0).state, ToolState::valid);
+  }
 }
 
 TEST(SimNdi, SilenceMakesStaleAndIsRecoveredFrom) {

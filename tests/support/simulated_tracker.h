@@ -27,7 +27,11 @@ struct SimulatedTracker {
     now += 1'000'000;
     far->advance(now);
     std::array<std::uint8_t, 256> bytes{};
-    while (const std::size_t size = far->transmit(bytes, now)) tracker->receive({bytes.data(), size}, now);
+    while (const std::size_t size = far->transmit(bytes, now)) {
+      std::vector<std::uint8_t> arrived(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+      if (damage) damage(arrived);
+      tracker->receive(arrived, now);
+    }
     for (;;) {
       const LineRequest request = tracker->next(now);
       if (request.kind == LineRequest::Kind::none) return;
@@ -59,6 +63,7 @@ struct SimulatedTracker {
 
   std::unique_ptr<Tracker> tracker;
   std::unique_ptr<SimTracker> far;
+  std::function<void(std::vector<std::uint8_t>&)> damage;  // what the line does to what is sent at a time
   Nanoseconds now = 1'000'000'000;
   std::uint32_t baud = 0;
   int breaks = 0;
