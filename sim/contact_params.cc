@@ -7,10 +7,6 @@
 namespace godobject {
 namespace {
 
-std::size_t num_solids(const ObstacleConfig& obstacle) {
-  return obstacle.centres.empty() ? 1 : obstacle.centres.size();
-}
-
 ShapeParams shape_params(const ShapeConfig& shape) {
   return {.kind = shape.kind,
           .X_WS = shape.X,
@@ -97,6 +93,10 @@ class ContactBuilder {
 };
 
 }  // namespace
+
+std::size_t num_solids(const ObstacleConfig& obstacle) {
+  return obstacle.centres.empty() ? 1 : obstacle.centres.size();
+}
 
 SceneContacts scene_contacts(const SceneConfig& scene) { return ContactBuilder(scene).take(); }
 

@@ -32,6 +32,9 @@ struct SceneContacts {
 /// Of a scene that was read without errors: at most max_materials, meshes that are solids.
 SceneContacts scene_contacts(const SceneConfig& scene);
 
+/// Surfaces that an obstacle makes: one, or as many as it has centres.
+std::size_t num_solids(const ObstacleConfig& obstacle);
+
 /// What a scene needs room for, without any geometry being made.
 struct ContactCounts {
   std::size_t spheres = 0, surfaces = 0;

@@ -37,6 +37,15 @@ struct BodyView {
   Wrench contact_W;   // of all its contacts, about its centre of mass
 };
 
+/// A contact that bears a force: a sphere of body a, or an edge of its shape, on body b or on the world.
+struct ContactView {
+  std::size_t a = 0, b = world;  // bodies; b: or world
+  std::size_t surface = 0;       // of SceneContacts::surfaces, where b is the world
+  Vec3 p_W = Vec3::Zero();       // contact point, m
+  Vec3 n_W = Vec3::UnitZ();      // normal, off b
+  Vec3 F_W = Vec3::Zero();       // force on a, N
+};
+
 struct StepReport {
   Fault fault = Fault::none;
   Limited limited = Limited::none;
@@ -78,8 +87,12 @@ class Engine {
   /// Body i after the last step.
   virtual BodyView view(std::size_t i) const noexcept = 0;
   virtual Wrench feedback(std::size_t i) const noexcept = 0;
-  /// Kinetic energy of all bodies plus their springs, J.
+  /// Of motion, of gravity (zero at the world's origin), in the springs of couplings and contacts, J. Springs at the
+  /// stops of joints are not in it.
   virtual double energy() const noexcept = 0;
+  /// The contacts that bore a force at the end of the last step, in a lasting order, as far as there is room.
+  /// Their number; real-time.
+  virtual std::size_t contacts(std::span<ContactView> out) const noexcept = 0;
   virtual std::uint64_t state_hash() const noexcept = 0;
 };
 

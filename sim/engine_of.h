@@ -176,14 +176,52 @@ class EngineOf final : public Engine {
     double e = 0;
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       e += kinetic_energy(par_.bodies[i].body, x_.bodies[i].x);
+      e -= par_.bodies[i].body.m * par_.gravity_W.dot(x_.bodies[i].x.X_WB.p);
       if constexpr (uses<typename S::Coupling>) e += coupling_energy(par_, x_, i);
     }
+    if constexpr (uses<ContactsOf<S>>) {
+      each_contact([&](const NearContact& near, const ContactMemory& contact) {
+        const ContactLaw& law = law_of(par_.contacts, near);
+        e += 0.5 * (law.k * contact.pressed * contact.pressed + law.k_t * contact.xi_W.squaredNorm());
+      });
+    }
     return e;
+  }
+
+  std::size_t contacts(std::span<ContactView> out) const noexcept override {
+    std::size_t n = 0;
+    if constexpr (uses<ContactsOf<S>>) {
+      each_contact([&](const NearContact& near, const ContactMemory& contact) {
+        if (n == out.size()) return;
+        const bool on_world =
+            near.on < par_.contacts.num_surfaces && par_.contacts.surfaces[near.on].body == world;
+        out[n++] = {.a = near.a,
+                    .b = on_world ? world : std::size_t{near.b},
+                    .surface = on_world ? near.on : 0,
+                    .p_W = near.p_W,
+                    .n_W = near.n_W,
+                    .F_W = contact.F_W};
+      });
+    }
+    return n;
   }
 
   std::uint64_t state_hash() const noexcept override { return godobject::state_hash(par_, x_); }
 
  private:
+  /// visit(near, memory) for every contact that bore a force at the end of the last step. Both lists are in the order of
+  /// their keys; before the first step there are none.
+  template <class Visit>
+  void each_contact(const Visit& visit) const noexcept {
+    Recall remembered(x_.contacts);
+    const std::size_t num_near = x_.contacts.size > 0 ? w_.contacts.near.size : 0;
+    for (std::size_t i = 0; i < num_near; ++i) {
+      const NearContact& near = w_.contacts.near.list[i];
+      const ContactMemory* const contact = remembered.find(near.key);
+      if (contact != nullptr && contact->n_W.dot(contact->F_W) > 0) visit(near, *contact);
+    }
+  }
+
   Composition composition_;
   [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>>, SceneContacts, Empty> contacts_;
   Params<S> par_;  // refers to contacts_

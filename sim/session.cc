@@ -60,6 +60,7 @@ void Session::cycle(CycleRecord& record) noexcept {
 CycleRecord Session::at_start() const {
   CycleRecord record;
   record.bodies.resize(scene_.bodies.size());
+  if (lists_contacts_) record.touching.resize(engine_->composition().max_contacts);
   observe(record);
   return record;
 }
@@ -72,6 +73,7 @@ void Session::observe(CycleRecord& record) const noexcept {
   record.bodies.resize(scene_.bodies.size());
   for (std::size_t i = 0; i < record.bodies.size(); ++i) record.bodies[i] = engine_->view(i);
   record.energy = engine_->energy();
+  record.num_touching = engine_->contacts(record.touching);
   if (follows()) measure(record);
 }
 

@@ -66,8 +66,11 @@ struct CycleRecord {
   // Of an engine beside it that is told the handle exactly; zero without a simulated bus.
   PoseError exact_following;  // its body against the handle
   PoseError encoders;         // body against its body
-  double energy = 0;          // J
-  Nanoseconds step_ns = 0;    // the engine's step alone, by the step clock
+  double energy = 0;          // J, see Engine::energy()
+  // Contacts that bear a force, with room for all that can; no room unless the session lists them.
+  std::vector<ContactView> touching;
+  std::size_t num_touching = 0;
+  Nanoseconds step_ns = 0;  // the engine's step alone, by the step clock
 };
 
 /// What a device has on this machine.
@@ -144,6 +147,8 @@ class Session {
   Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
   /// Steps are timed by this; by default they are not.
   void set_step_clock(Nanoseconds (*now)() noexcept) noexcept { step_clock_ = now; }
+  /// Records list their contacts from here on; before at_start().
+  void list_contacts() noexcept { lists_contacts_ = true; }
   void set_bus_observer(const BusObserver& observer) noexcept {
     if (link_) link_->set_observer(observer);
   }
@@ -221,6 +226,7 @@ class Session {
   std::int64_t periods_left_ = 0;  // of this phase at most
   bool let_go_ = false;            // for the next step: what was held is engaged anew
   bool on_hold_ = false, deadlines_missed_ = false;
+  bool lists_contacts_ = false;
   Nanoseconds (*step_clock_)() noexcept = []() noexcept { return Nanoseconds{0}; };
   Nanoseconds gather_ns_ = 0;
   Nanoseconds t_bus_ns_ = 0;  // bus time at the start of this cycle

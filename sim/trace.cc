@@ -1,13 +1,8 @@
 #include "sim/trace.h"
 
-#include <array>
-#include <charconv>
-
 #include "sim/contact_pairs.h"
 
 namespace godobject {
-
-inline constexpr std::size_t buffer_size = 1 << 16;  // bytes
 
 namespace {
 
@@ -53,27 +48,25 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
     columns.insert(columns.end(), {"held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz"});
   columns.push_back("penetration");
   if (has_contacts(scene)) columns.insert(columns.end(), {"contacts", "contact_residual"});
-  columns.insert(columns.end(), {"fault", "limited", "rig_fault"});
+  columns.insert(columns.end(), {"energy", "fault", "limited", "rig_fault"});
   return columns;
 }
 
 TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene)
-    : file_(path, std::ios::binary),
+    : file_(path),
       touchable_(touchable_bodies(scene)),
       contacts_(has_contacts(scene)),
       grips_(takes_hold(scene)) {
-  buffer_.reserve(2 * buffer_size);
-  for (const std::string& column : trace_columns(scene)) buffer_ += column + ",";
-  buffer_.back() = '\n';
+  file_.header(trace_columns(scene));
 }
 
 void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
                       std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits) {
-  number(t);
+  file_.number(t);
   for (const TraceBody& body : bodies) {
     pose(body.X_WB);
-    vector(body.V_WB.v);
-    vector(body.V_WB.w);
+    file_.vector(body.V_WB.v);
+    file_.vector(body.V_WB.w);
   }
   for (const TraceDriven& d : driven) {
     wrench(d.coupling);
@@ -83,50 +76,28 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
   for (const Wrench& F : joints) wrench(F);
   for (const std::size_t i : touchable_) wrench(bodies[i].contact);
   if (grips_) {
-    number(scene.held ? static_cast<double>(*scene.held) : -1);
+    file_.number(scene.held ? static_cast<double>(*scene.held) : -1);
     wrench(scene.hand);
   }
-  number(scene.contacts.deepest);
+  file_.number(scene.contacts.deepest);
   if (contacts_) {
-    number(static_cast<double>(scene.contacts.num_contacts));
-    number(scene.contacts.residual);
+    file_.number(static_cast<double>(scene.contacts.num_contacts));
+    file_.number(scene.contacts.residual);
   }
-  for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) number(word);
-  buffer_.back() = '\n';
-  if (buffer_.size() > buffer_size) flush();
-}
-
-bool TraceWriter::close() {
-  flush();
-  file_.close();
-  return !file_.fail();
-}
-
-void TraceWriter::number(double x) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
-  buffer_.append(text.data(), end);
-  buffer_ += ',';
-}
-
-void TraceWriter::vector(const Vec3& a) {
-  for (int i = 0; i < 3; ++i) number(a[i]);
+  file_.number(scene.energy);
+  for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) file_.number(word);
+  file_.end_row();
 }
 
 void TraceWriter::pose(const Pose& X) {
-  vector(X.p);
-  number(X.q.w());
-  vector(X.q.vec());
+  file_.vector(X.p);
+  file_.number(X.q.w());
+  file_.vector(X.q.vec());
 }
 
 void TraceWriter::wrench(const Wrench& F) {
-  vector(F.f);
-  vector(F.tau);
-}
-
-void TraceWriter::flush() {
-  file_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-  buffer_.clear();
+  file_.vector(F.f);
+  file_.vector(F.tau);
 }
 
 }  // namespace godobject

@@ -2,18 +2,18 @@
 // <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, for the same bodies the target they were
 // pulled to, <body>.target.x y z qw qx qy qz, per joint <joint>.fx fy fz tx ty tz, per body that can be touched
 // <body>.contact.fx .. tz, where the device takes hold of bodies held and hand.fx .. tz, then penetration, in scenes
-// with contacts contacts and contact_residual, then fault, limited and rig_fault.
+// with contacts contacts and contact_residual, then energy, then fault, limited and rig_fault.
 // World frame, SI; every number reads back as the same double.
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/contact.h"
+#include "sim/csv_rows.h"
 #include "sim/scene.h"
 
 namespace godobject {
@@ -36,6 +36,7 @@ struct TraceScene {
   ContactReport contacts{};
   std::optional<std::size_t> held{};  // index of the body that the device holds
   Wrench hand{};                      // shown to the hand, about the device's origin
+  double energy = 0;                  // J, see Engine::energy()
 };
 
 /// The bits of Fault, Limited and RigFault as unsigned numbers.
@@ -53,17 +54,13 @@ class TraceWriter {
   void row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
            std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits);
   /// Writes what is left. False when anything did not reach the file.
-  [[nodiscard]] bool close();
+  [[nodiscard]] bool close() { return file_.close(); }
 
  private:
-  void number(double x);
-  void vector(const Vec3& a);
   void pose(const Pose& X);
   void wrench(const Wrench& F);
-  void flush();
 
-  std::ofstream file_;
-  std::string buffer_;
+  CsvRows file_;
   std::vector<std::size_t> touchable_;  // bodies with contact columns
   bool contacts_ = false;               // the scene has some
   bool grips_ = false;                  // its device takes hold of bodies

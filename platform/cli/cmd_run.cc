@@ -47,7 +47,7 @@ ExitCode run(RunOptions options) {
     print_lines(stderr, "", closed);
     if (!closed.empty()) return ExitCode::not_available;
   }
-  RunFiles files(options.trace, options.record, session.scene(), real ? log_origin_ns() : 0);
+  RunFiles files(options.files, session.scene(), real ? log_origin_ns() : 0);
   const std::optional<RunResult> result =
       options.realtime ? run_realtime(session, prepared.plan, files, real ? &*real : nullptr)
                        : run_fast(session, prepared.plan, files);
@@ -100,8 +100,15 @@ void add_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("--integrator", options.integrator, "in place of the scene's")
       ->check(CLI::IsMember(std::vector<std::string>(integrator_names.begin(), integrator_names.end())));
   verb.add_option("--step", options.step, "s, in place of the scene's")->check(number_in(1e-6, 0.1));
-  verb.add_option("--trace", options.trace, "CSV to write: bodies, wrenches, target, faults at every step");
-  verb.add_option("--record", options.record, "log to write: every frame on every bus, in candump's format");
+  verb.add_option("--trace", options.files.trace,
+                  "CSV to write: bodies, wrenches, target, energy, faults at every step");
+  verb.add_option("--trace-every", options.files.trace_every,
+                  "of --trace and --contacts: only every N-th step, and those in which a fault comes up or ends")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1'000'000));
+  verb.add_option("--contacts", options.files.contacts,
+                  "CSV to write: every contact at every step: body, on what, point, normal, force");
+  verb.add_option("--record", options.files.record, "log to write: every frame on every bus, in candump's format");
   verb.add_option("--report", options.report,
                   "JSON to write: everything the summary shows, and the histograms");
 }

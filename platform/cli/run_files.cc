@@ -12,19 +12,31 @@ std::vector<std::string> bus_names(const SceneConfig& scene) {
 
 }  // namespace
 
-RunFiles::RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene,
-                   Nanoseconds log_origin_ns)
-    : trace_path_(trace), record_path_(record), log_origin_ns_(log_origin_ns), driven_(driven_bodies(scene)) {
+RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseconds log_origin_ns)
+    : names_(names), log_origin_ns_(log_origin_ns), driven_(driven_bodies(scene)) {
   for (const JointConfig& joint : scene.joints) children_.push_back(*body_named(scene, joint.child));
   bodies_.resize(scene.bodies.size());
   pulls_.resize(driven_.size());
   joints_.resize(children_.size());
-  if (!trace.empty()) trace_.emplace(trace, scene);
-  if (!record.empty()) record_.emplace(record, bus_names(scene));
+  if (!names.trace.empty()) trace_.emplace(names.trace, scene);
+  if (!names.contacts.empty()) contacts_.emplace(names.contacts, scene);
+  if (!names.record.empty()) record_.emplace(names.record, bus_names(scene));
 }
 
 void RunFiles::add(const CycleRecord& record) {
-  if (!trace_) return;
+  if (!is_kept(record)) return;
+  if (trace_) add_row(record);
+  if (contacts_) contacts_->rows(record.t, std::span(record.touching).first(record.num_touching));
+}
+
+bool RunFiles::is_kept(const CycleRecord& record) noexcept {
+  const bool changed = record.fault != fault_ || record.rig_faults != rig_faults_;
+  fault_ = record.fault;
+  rig_faults_ = record.rig_faults;
+  return num_rows_++ % names_.trace_every == 0 || changed;
+}
+
+void RunFiles::add_row(const CycleRecord& record) {
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     bodies_[i] = {
         .X_WB = record.bodies[i].X_WB, .V_WB = record.bodies[i].V_WB, .contact = record.bodies[i].contact_W};
@@ -33,17 +45,19 @@ void RunFiles::add(const CycleRecord& record) {
     pulls_[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
   }
   for (std::size_t i = 0; i < children_.size(); ++i) joints_[i] = record.bodies[children_[i]].joint_C;
-  trace_->row(record.t, bodies_, pulls_, joints_,
-              {.contacts = record.contacts, .held = record.held, .hand = record.hand_W},
-              {.fault = static_cast<std::uint32_t>(record.fault),
-               .limited = static_cast<std::uint32_t>(record.limited),
-               .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});
+  trace_->row(
+      record.t, bodies_, pulls_, joints_,
+      {.contacts = record.contacts, .held = record.held, .hand = record.hand_W, .energy = record.energy},
+      {.fault = static_cast<std::uint32_t>(record.fault),
+       .limited = static_cast<std::uint32_t>(record.limited),
+       .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});
 }
 
 std::vector<std::string> RunFiles::close() {
   std::vector<std::string> incomplete;
-  if (trace_ && !trace_->close()) incomplete.push_back(trace_path_);
-  if (record_ && !record_->close()) incomplete.push_back(record_path_);
+  if (trace_ && !trace_->close()) incomplete.push_back(names_.trace);
+  if (contacts_ && !contacts_->close()) incomplete.push_back(names_.contacts);
+  if (record_ && !record_->close()) incomplete.push_back(names_.record);
   return incomplete;
 }
 

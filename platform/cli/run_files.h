@@ -6,18 +6,25 @@
 #include <vector>
 
 #include "platform/cli/candump_log.h"
+#include "sim/contact_trace.h"
 #include "sim/session.h"
 #include "sim/trace.h"
 
 namespace godobject {
 
+/// What a run is asked to write while it goes.
+struct RunFileNames {
+  std::string trace, contacts, record;
+  std::uint64_t trace_every =
+      1;  // of trace and contacts: every so many rows, and where a fault comes up or ends
+};
+
 class RunFiles {
  public:
   /// Empty paths: not wanted. log_origin_ns is added to the times of frames.
-  RunFiles(const std::string& trace, const std::string& record, const SceneConfig& scene,
-           Nanoseconds log_origin_ns);
+  RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseconds log_origin_ns);
 
-  bool wants_cycles() const noexcept { return trace_.has_value(); }
+  bool wants_contacts() const noexcept { return contacts_.has_value(); }
   bool wants_frames() const noexcept { return record_.has_value(); }
   void add(const CycleRecord& record);
   void add(const BusFrame& frame) {
@@ -30,13 +37,20 @@ class RunFiles {
   std::vector<std::string> close();
 
  private:
-  std::string trace_path_, record_path_;
+  bool is_kept(const CycleRecord& record) noexcept;
+  void add_row(const CycleRecord& record);
+
+  RunFileNames names_;
   Nanoseconds log_origin_ns_;
   std::vector<std::size_t> driven_, children_;  // bodies with a target; of each joint
   std::vector<TraceBody> bodies_;               // the row being written
   std::vector<TraceDriven> pulls_;
   std::vector<Wrench> joints_;
+  std::uint64_t num_rows_ = 0;  // so far, with those that were left out
+  Fault fault_ = Fault::none;   // of the row before
+  RigFault rig_faults_ = RigFault::none;
   std::optional<TraceWriter> trace_;
+  std::optional<ContactTraceWriter> contacts_;
   std::optional<CandumpLog> record_;
 };
 

@@ -50,8 +50,9 @@ std::string why_not_writable(const std::string& path) {
 /// Every output can be written, and none of them over an input or another output.
 void check_outputs(const RunOptions& options, std::vector<std::string>& errors) {
   std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
-  for (const NamedPath& out : {NamedPath{"--trace", options.trace}, NamedPath{"--record", options.record},
-                               NamedPath{"--report", options.report}}) {
+  for (const NamedPath& out :
+       {NamedPath{"--trace", options.files.trace}, NamedPath{"--contacts", options.files.contacts},
+        NamedPath{"--record", options.files.record}, NamedPath{"--report", options.report}}) {
     if (out.path.empty()) continue;
     const std::string why_not = why_not_writable(out.path);
     if (!why_not.empty()) errors.push_back(out.option + ": '" + out.path + "' " + why_not);
@@ -66,7 +67,7 @@ bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->ri
 
 void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
                   std::vector<std::string>& errors) {
-  if (options.record.empty()) return;
+  if (options.files.record.empty()) return;
   if (!has_rig(scene)) {
     errors.push_back("--record: scene '" + scene.name + "' describes no buses to record");
   } else if (choice == BusChoice::direct) {
@@ -77,6 +78,12 @@ void check_record(const RunOptions& options, BusChoice choice, const SceneConfig
         errors.push_back("--record: bus name '" + bus.name + "' is too long for a candump log, at most " +
                          std::to_string(max_interface_name) + " characters");
   }
+}
+
+void check_contacts(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
+  if (!options.files.contacts.empty() && contact_scope(scene) == ContactScope::none)
+    errors.push_back("--contacts: nothing in scene '" + scene.name +
+                     "' can touch: give its bodies spheres, and obstacles or shapes to touch");
 }
 
 void apply_overrides(const RunOptions& options, SceneConfig& scene) {
@@ -136,7 +143,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
   RealDevice device{
       .buses = nullptr, .trackers = {}, .clock = []() noexcept { return MonotonicClock{}.now(); }};
   if (has_rig(scene)) {
-    auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.record.empty());
+    auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.files.record.empty());
     run.link = link.get();
     device.buses = std::move(link);
   }
@@ -184,6 +191,7 @@ PreparedRun prepare(const RunOptions& options) {
   plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
   check_record(options, run.buses.choice, scene, run.errors);
+  check_contacts(options, scene, run.errors);
   apply_overrides(options, scene);
   check_profiles(options, scene, run);
   std::optional<Motion> motion = load_motion(options, scene, run);

@@ -11,6 +11,7 @@
 #include "hal/node_profile.h"
 #include "platform/cli/run_buses.h"
 #include "platform/cli/run_cycle.h"
+#include "platform/cli/run_files.h"
 #include "platform/cli/run_trackers.h"
 
 namespace godobject {
@@ -26,7 +27,8 @@ struct RunOptions {
   std::optional<double> step;      // s
   std::string integrator;          // empty: the scene's; the same goes for the paths below
   std::string motion;
-  std::string trace, record, report;
+  RunFileNames files;
+  std::string report;
 };
 
 struct PreparedRun {

@@ -74,8 +74,9 @@ void add_file_faults(const RunReport& report, const std::vector<std::string>& in
           {.name = std::string(text_of(RunFault::records_lost).name),
            .text = file + " lacks " + std::to_string(count) + " records: the disk could not keep up"});
   };
-  lost(report.options.trace, report.result.lost_cycles);
-  lost(report.options.record, report.result.lost_frames);
+  lost(report.options.files.trace, report.result.lost_cycles);
+  lost(report.options.files.contacts, report.result.lost_cycles);
+  lost(report.options.files.record, report.result.lost_frames);
 }
 
 std::vector<TrackerReportLine> tracker_reports(const Session& session) {

@@ -180,7 +180,10 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   json["lost"] = {{"cycles", report.result.lost_cycles}, {"frames", report.result.lost_frames}};
   json["machine"] = machine(report.result.setup);
   json["state_hash"] = hash_text(report.session.engine().state_hash());
-  json["files"] = {{"trace", options.trace}, {"record", options.record}, {"report", options.report}};
+  json["files"] = {{"trace", options.files.trace},
+                   {"contacts", options.files.contacts},
+                   {"record", options.files.record},
+                   {"report", options.report}};
   return json;
 }
 

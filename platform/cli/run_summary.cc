@@ -97,7 +97,8 @@ void print_recoveries(std::FILE* out, const RunReport& report) {
 }
 
 void print_files(std::FILE* out, const RunOptions& options) {
-  for (const std::string& file : {options.trace, options.record, options.report})
+  for (const std::string& file :
+       {options.files.trace, options.files.contacts, options.files.record, options.report})
     if (!file.empty()) std::fprintf(out, "  %-26s %s\n", "file", file.c_str());
 }
 

@@ -1,12 +1,12 @@
 # Target and tool, and what lies between them, from a trace.
 # usage: gnuplot -e "dir='out'; body='tool'" sim/plots/following.gp   ->  out/following.png
+# where the device takes hold of bodies: bodies='tool brick', all of them in the order of the scene file
 set terminal pngcairo size 1200,1000 font ",11"
 set output dir."/following.png"
 set datafile separator ","
 trace = dir."/trace.csv"
 
-of_tool(name) = column(body.".".name)
-of_target(name) = column(body.".target.".name)
+load "sim/plots/held.gp"
 sq(x) = x * x
 distance(dummy) = sqrt(sq(of_target("x") - of_tool("x")) + sq(of_target("y") - of_tool("y")) + sq(of_target("z") - of_tool("z")))
 # |q_target -+ q_tool| = 2 sin(angle / 4): exact for small angles too, and -q is the same attitude as q
@@ -17,10 +17,10 @@ angle(dummy) = 4 * asin(nearer_chord(0) / 2)
 
 set grid
 set key outside right top
-set lmargin 10
-set rmargin 18
+set lmargin 14
+set rmargin 20
 set format x ""
-set multiplot layout 3,1 title "following: ".body
+set multiplot layout 3,1 title "following: ".what noenhanced
 set ylabel "position (m)"
 plot trace using (column("t")):(of_target("x")) with lines lw 3 lc rgb "#f4b6a6" title "target x", \
      trace using (column("t")):(of_target("y")) with lines lw 3 lc rgb "#b7dcb0" title "target y", \
@@ -29,6 +29,7 @@ plot trace using (column("t")):(of_target("x")) with lines lw 3 lc rgb "#f4b6a6"
      trace using (column("t")):(of_tool("y")) with lines lc rgb "#2e7d32" title "tool y", \
      trace using (column("t")):(of_tool("z")) with lines lc rgb "#1f4e9c" title "tool z"
 set ylabel "distance to target (mm)"
+set yrange [0:1e-6 < *]  # it may be zero throughout
 plot trace using (column("t")):(1e3 * distance(0)) with lines lc rgb "#333333" notitle
 set ylabel "rotation to target (deg)"
 set xlabel "t (s)"

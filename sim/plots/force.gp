@@ -1,19 +1,20 @@
 # Force and torque shown to the hand, from a trace.
 # usage: gnuplot -e "dir='out'; body='tool'" sim/plots/force.gp   ->  out/force.png
+# where the device takes hold of bodies: bodies='tool brick', all of them in the order of the scene file
 set terminal pngcairo size 1200,800 font ",11"
 set output dir."/force.png"
 set datafile separator ","
 trace = dir."/trace.csv"
 
-shown(name) = column(body.".feedback.".name)
+load "sim/plots/held.gp"
 length(x, y, z) = sqrt(x * x + y * y + z * z)
 
 set grid
 set key outside right top
-set lmargin 10
-set rmargin 18
+set lmargin 14
+set rmargin 20
 set format x ""
-set multiplot layout 2,1 title "feedback: ".body
+set multiplot layout 2,1 title "shown to the hand: ".what noenhanced
 set ylabel "force (N)"
 plot trace using (column("t")):(length(shown("fx"), shown("fy"), shown("fz"))) with lines lw 3 lc rgb "#cccccc" title "magnitude", \
      trace using (column("t")):(shown("fx")) with lines lc rgb "#c0392b" title "x", \

@@ -9,11 +9,12 @@ length(joint, a) = sqrt(column(joint.".".a."x")**2 + column(joint.".".a."y")**2 
 
 set grid
 set key outside right top
-set lmargin 10
-set rmargin 18
+set lmargin 14
+set rmargin 20
 set format x ""
 set multiplot layout 2,1 title "joints"
 set ylabel "force (N)"
+set yrange [0:1e-9 < *]  # rounding is not drawn large
 plot for [joint in body] trace using (column("t")):(length(joint, "f")) with lines lw 2 title joint noenhanced
 set ylabel "torque (N m)"
 set xlabel "t (s)"

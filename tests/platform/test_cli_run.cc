@@ -64,6 +64,93 @@ TEST_F(CliRun, TraceHasItsColumnsAndOneRowPerStep) {
   EXPECT_DOUBLE_EQ(trace.table->at(100, 0), 0.2);
 }
 
+TEST_F(CliRun, TraceEveryKeepsEveryNthRow) {
+  ASSERT_EQ(run("all", rigid + " --duration 0.2").exit_code, 0);
+  ASSERT_EQ(run("some", rigid + " --duration 0.2 --trace-every 7").exit_code, 0);
+  const CsvResult all = read_csv(path("all.csv")), some = read_csv(path("some.csv"));
+  ASSERT_TRUE(all.table && some.table);
+  ASSERT_EQ(some.table->num_rows(), (all.table->num_rows() + 6) / 7);
+  for (std::size_t i = 0; i < some.table->num_rows(); ++i)
+    for (std::size_t c = 0; c < all.table->columns().size(); ++c)
+      ASSERT_EQ(some.table->at(i, c), all.table->at(7 * i, c)) << i << ", " << all.table->columns()[c];
+}
+
+/// The rows of a file of contacts, summed up for each time and body.
+std::map<std::pair<double, std::string>, Vec3> contact_forces(const std::string& file) {
+  std::map<std::pair<double, std::string>, Vec3> sums;
+  std::istringstream lines(file);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "t,body,on,x,y,z,nx,ny,nz,fx,fy,fz");
+  while (std::getline(lines, line)) {
+    std::istringstream fields(line);
+    std::vector<std::string> row;
+    for (std::string field; std::getline(fields, field, ',');) row.push_back(field);
+    EXPECT_EQ(row.size(), 12u) << line;
+    const Vec3 f(std::stod(row[9]), std::stod(row[10]), std::stod(row[11]));
+    for (const auto& [body, sign] : {std::pair{row[1], 1.0}, {row[2], -1.0}})
+      sums.try_emplace({std::stod(row[0]), body}, Vec3::Zero()).first->second += sign * f;
+  }
+  return sums;
+}
+
+TEST_F(CliRun, ContactsAreListedWithTheirForces) {
+  const std::string grasp = "sim/scenes/grasp.toml";
+  ASSERT_EQ(run("a", grasp + " --bus direct --duration 0.6 --contacts " + path("contacts.csv")).exit_code, 0);
+  const auto forces = contact_forces(read_file(path("contacts.csv")));
+  const CsvResult trace = read_csv(path("a.csv"));
+  ASSERT_TRUE(trace.table);
+  const std::set<std::string> touched = {"lower", "upper"};
+  std::size_t num_checked = 0;
+  for (std::size_t i = 1; i < trace.table->num_rows(); ++i)
+    for (const std::string& body : touched) {
+      const auto column = [&](const char* name) {
+        return trace.table->at(i, trace.table->find(body + ".contact." + name).value());
+      };
+      const auto sum = forces.find({trace.table->at(i, 0), body});
+      const Vec3 f = sum == forces.end() ? Vec3(Vec3::Zero()) : sum->second;
+      ASSERT_NEAR((f - Vec3(column("fx"), column("fy"), column("fz"))).norm(), 0, 1e-9)
+          << body << ", row " << i;
+      num_checked += f.norm() > 0 ? 1 : 0;
+    }
+  EXPECT_GT(num_checked, 100u);
+}
+
+TEST_F(CliRun, ContactsAreRefusedWhereNothingCanTouch) {
+  const ProgramResult result = run_program("run " + rigid + " --duration 0.1 --contacts " + path("c.csv"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("--contacts: nothing in scene 'rigid' can touch"));
+}
+
+TEST_F(CliRun, PlotsAreOfWhatThereIs) {
+  if (std::system("command -v gnuplot > /dev/null && command -v python3 > /dev/null") != 0)
+    GTEST_SKIP() << "gnuplot or python3 is not installed";
+  const auto plotted = [&](const std::string& scene, const std::string& options) {
+    EXPECT_EQ(
+        run_program("run " + scene + " --bus direct " + options + " --trace " + path("trace.csv")).exit_code,
+        0);
+    for (const char* name : {"following", "force", "joints", "contacts", "energy"})
+      std::filesystem::remove(path(std::string(name) + ".png"));
+    EXPECT_EQ(std::system(
+                  ("cd '" GODOBJECT_SOURCE_DIR "' && ./dev plot " + path("") + " > " + path("log") + " 2>&1")
+                      .c_str()),
+              0)
+        << read_file(path("log"));
+    std::set<std::string> names;
+    for (const char* name : {"following", "force", "joints", "contacts", "energy"})
+      if (std::filesystem::exists(path(std::string(name) + ".png"))) names.insert(name);
+    return names;
+  };
+  EXPECT_EQ(
+      plotted("sim/scenes/lego.toml", "--motion sim/scenes/lego-motion.csv --duration 0.6 --trace-every 20"),
+      (std::set<std::string>{"following", "force", "contacts", "energy"}))
+      << "hand.* is no joint's";
+  EXPECT_EQ(plotted("sim/scenes/grasp.toml", "--duration 0.2"),
+            (std::set<std::string>{"following", "force", "joints", "contacts", "energy"}));
+  EXPECT_EQ(plotted("sim/scenes/pendulum.toml", "--duration 0.2"),
+            (std::set<std::string>{"joints", "energy"}));
+}
+
 TEST_F(CliRun, RecordIsACandumpLogOfBothBusesInTheOrderOfTime) {
   ASSERT_EQ(run("a", rigid + " --duration 0.5").exit_code, 0);
   std::istringstream log(read_file(path("a.log")));

@@ -69,6 +69,45 @@ TEST(ContactEngine, ContactsCarryTheWeightAndAreReported) {
   }
 }
 
+TEST(ContactEngine, ListsTheContactsThatBearAForce) {
+  for (const char* integrator : integrator_names) {
+    SceneConfig scene = stool();
+    scene.integrator = integrator;
+    const std::unique_ptr<Engine> engine = engine_of(scene);
+    ASSERT_TRUE(engine);
+    std::array<ContactView, 8> list;
+    EXPECT_EQ(engine->contacts(list), 0u) << "before the first step";
+    const BodySample none;
+    for (int i = 0; i < 2000; ++i) static_cast<void>(engine->step({&none, 1}));
+    ASSERT_EQ(engine->contacts(list), 3u);
+    EXPECT_EQ(engine->contacts(std::span(list).first(2)), 2u) << "as far as there is room";
+    Wrench sum;
+    const BodyView body = engine->view(0);
+    for (const ContactView& contact : std::span(list).first(3)) {
+      EXPECT_EQ(contact.a, 0u);
+      EXPECT_EQ(contact.b, world);
+      EXPECT_EQ(contact.surface, 0u);
+      EXPECT_NEAR((contact.n_W - Vec3::UnitZ()).norm(), 0, 1e-12);
+      EXPECT_NEAR(contact.p_W.z(), 0, 1e-3);
+      sum.f += contact.F_W;
+      sum.tau += (contact.p_W - body.X_WB.p).cross(contact.F_W);
+    }
+    EXPECT_NEAR((sum.f - body.contact_W.f).norm(), 0, 1e-9) << integrator;
+    EXPECT_NEAR((sum.tau - body.contact_W.tau).norm(), 0, 1e-6) << integrator;
+  }
+}
+
+TEST(ContactEngine, EnergyHasGravityAndTheSpringsOfContacts) {
+  const std::unique_ptr<Engine> engine = engine_of(stool());
+  ASSERT_TRUE(engine);
+  EXPECT_NEAR(engine->energy(), m * g * 0.05, 1e-12) << "at rest in the air";
+  const BodySample none;
+  for (int i = 0; i < 3000; ++i) static_cast<void>(engine->step({&none, 1}));
+  const double depth = m * g / (3 * k);
+  const double z = engine->view(0).X_WB.p.z();
+  EXPECT_NEAR(engine->energy(), m * g * z + 3 * 0.5 * k * depth * depth, 1e-2 * 3 * 0.5 * k * depth * depth);
+}
+
 TEST(ContactEngine, ASceneWithoutContactsHasNoneOfTheirBytes) {
   const std::unique_ptr<Engine> with = engine_of(stool());
   EXPECT_EQ(with->composition().contacts, ContactScope::obstacles);
