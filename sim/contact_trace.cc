@@ -4,7 +4,7 @@
 
 namespace godobject {
 
-ContactTraceWriter::ContactTraceWriter(const std::string& path, const SceneConfig& scene) : file_(path) {
+ContactTraceWriter::ContactTraceWriter(CsvRows rows, const SceneConfig& scene) : file_(std::move(rows)) {
   for (const BodyConfig& body : scene.bodies) bodies_.push_back(body.name);
   for (const ObstacleConfig& obstacle : scene.obstacles)
     obstacles_.insert(obstacles_.end(), num_solids(obstacle), obstacle.name);

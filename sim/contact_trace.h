@@ -14,7 +14,7 @@ namespace godobject {
 /// Not for the real-time thread.
 class ContactTraceWriter {
  public:
-  ContactTraceWriter(const std::string& path, const SceneConfig& scene);
+  ContactTraceWriter(CsvRows rows, const SceneConfig& scene);
 
   void rows(double t, std::span<const ContactView> contacts);
   /// Writes what is left. False when anything did not reach the file.

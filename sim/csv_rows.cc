@@ -2,14 +2,28 @@
 
 #include <array>
 #include <charconv>
+#include <fstream>
+#include <memory>
+#include <utility>
 
 namespace godobject {
 
 inline constexpr std::size_t buffer_size = 1 << 16;  // bytes
 
-CsvRows::CsvRows(const std::string& path) : file_(path, std::ios::binary) {
-  buffer_.reserve(2 * buffer_size);
+namespace {
+
+CsvRows::Sink file_sink(const std::string& path) {
+  return [file = std::make_shared<std::ofstream>(path, std::ios::binary)](std::string_view text) {
+    file->write(text.data(), static_cast<std::streamsize>(text.size()));
+    return !file->flush().fail();
+  };
 }
+
+}  // namespace
+
+CsvRows::CsvRows(const std::string& path) : CsvRows(file_sink(path)) {}
+
+CsvRows::CsvRows(Sink sink) : sink_(std::move(sink)) { buffer_.reserve(2 * buffer_size); }
 
 void CsvRows::header(std::span<const std::string> columns) {
   for (const std::string& column : columns) text(column);
@@ -50,12 +64,11 @@ void CsvRows::end_row() {
 
 bool CsvRows::close() {
   flush();
-  file_.close();
-  return !file_.fail();
+  return all_taken_;
 }
 
 void CsvRows::flush() {
-  file_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  if (!buffer_.empty()) all_taken_ = sink_(buffer_) && all_taken_;
   buffer_.clear();
 }
 

@@ -1,7 +1,7 @@
 // Rows of a CSV file on their way to it. Every number reads back as the same double.
 #pragma once
 
-#include <fstream>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,10 +10,15 @@
 
 namespace godobject {
 
-/// Writes into a buffer and the buffer to the file when it is full. Not for the real-time thread.
+/// Writes into a buffer, and the buffer where it is to go when it is full. Not for the real-time thread.
 class CsvRows {
  public:
-  explicit CsvRows(const std::string& path);
+  /// Takes text; false: not all of it got where it is to go.
+  using Sink = std::function<bool(std::string_view)>;
+
+  /// Into a file.
+  CsvRows(const std::string& path);  // NOLINT(google-explicit-constructor): a path stands for its file
+  CsvRows(Sink sink);                // NOLINT(google-explicit-constructor)
 
   void header(std::span<const std::string> columns);
   void header(std::initializer_list<std::string_view> columns);
@@ -22,13 +27,14 @@ class CsvRows {
   /// In quotes where it has a comma, a quote or a line end in it.
   void text(std::string_view text);
   void end_row();
-  /// Writes what is left. False when anything did not reach the file.
+  /// Writes what is left. False when anything did not get there.
   [[nodiscard]] bool close();
 
  private:
   void flush();
 
-  std::ofstream file_;
+  Sink sink_;
+  bool all_taken_ = true;
   std::string buffer_;
 };
 

@@ -52,8 +52,8 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
   return columns;
 }
 
-TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene)
-    : file_(path),
+TraceWriter::TraceWriter(CsvRows rows, const SceneConfig& scene)
+    : file_(std::move(rows)),
       touchable_(touchable_bodies(scene)),
       contacts_(has_contacts(scene)),
       grips_(takes_hold(scene)) {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/contact.h"
@@ -47,7 +48,8 @@ struct TraceBits {
 /// Writes rows into a buffer and the buffer to the file when it is full. Not for the real-time thread.
 class TraceWriter {
  public:
-  TraceWriter(const std::string& path, const SceneConfig& scene);
+  /// rows: into a file, or wherever they are to go.
+  TraceWriter(CsvRows rows, const SceneConfig& scene);
 
   /// bodies, driven, joints: as many as the scene has bodies, driven bodies and joints, in their order.
   /// joints: what each does to its child, at its anchor there.

@@ -9,6 +9,7 @@
 #include "platform/cli/run_loop.h"
 #include "platform/cli/run_options.h"
 #include "platform/cli/run_report.h"
+#include "platform/cli/stop_signals.h"
 #include "platform/cli/verbs.h"
 #include "platform/clock.h"
 
@@ -21,7 +22,7 @@ void print_lines(std::FILE* out, const char* before, const std::vector<std::stri
 
 bool write_report(const std::string& path, const RunReport& report) {
   std::ofstream file(path);
-  file << to_json(report).dump(2) << '\n';
+  file << to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   file.close();
   return !file.fail();
 }
@@ -33,6 +34,7 @@ Nanoseconds log_origin_ns() {
 }
 
 ExitCode run(RunOptions options) {
+  guard_process();
   PreparedRun prepared = prepare(options);
   print_lines(stderr, "note: ", prepared.notes);
   print_lines(stderr, "", prepared.errors);

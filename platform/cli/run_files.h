@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "platform/background_file.h"
 #include "platform/cli/candump_log.h"
 #include "sim/contact_trace.h"
 #include "sim/session.h"
@@ -17,6 +18,13 @@ struct RunFileNames {
   std::string trace, contacts, record;
   std::uint64_t trace_every =
       1;  // of trace and contacts: every so many rows, and where a fault comes up or ends
+};
+
+/// A file that lacks something.
+struct FileLoss {
+  std::string path;
+  std::string why;               // empty: the writer of a real-time run was too slow
+  std::uint64_t lost_lines = 0;  // as far as known
 };
 
 class RunFiles {
@@ -33,8 +41,11 @@ class RunFiles {
     logged.received.t_ns += log_origin_ns_;
     record_->add(logged);
   }
-  /// Names of the files that are not complete.
-  std::vector<std::string> close();
+  /// How long add() waits for a file that takes nothing before it gives it up; 0: it waits for none, and leaves out what
+  /// finds no room. At first 2 s.
+  void set_patience(std::chrono::milliseconds patience) noexcept { patience_ = patience; }
+  /// Waits for what is left, 2 s at most, and names the files that are not complete.
+  std::vector<FileLoss> close();
 
  private:
   bool is_kept(const CycleRecord& record) noexcept;
@@ -49,6 +60,8 @@ class RunFiles {
   std::uint64_t num_rows_ = 0;  // so far, with those that were left out
   Fault fault_ = Fault::none;   // of the row before
   RigFault rig_faults_ = RigFault::none;
+  std::chrono::milliseconds patience_{2000};
+  std::optional<BackgroundFile> trace_file_, contacts_file_, record_file_;
   std::optional<TraceWriter> trace_;
   std::optional<ContactTraceWriter> contacts_;
   std::optional<CandumpLog> record_;
