@@ -102,6 +102,9 @@ class Rig {
   void quick_stop() noexcept;
   /// any but off -> fault: the host was too late too often.
   void deadlines_missed() noexcept;
+  /// armed -> fault: what command() is told swings between its bounds; in the command of this drive, if it is
+  /// known.
+  void force_oscillates(std::optional<std::size_t> drive) noexcept;
   /// any -> off: drives disabled, nodes pre-operational.
   void stop() noexcept;
 

@@ -30,8 +30,9 @@ enum class RigFault : std::uint32_t {
   sensors_disagree = 1u << 13,
   second_host = 1u << 14,
   deadlines_missed = 1u << 15,
+  force_oscillates = 1u << 16,
 };
-inline constexpr std::size_t num_rig_faults = 16;
+inline constexpr std::size_t num_rig_faults = 17;
 
 constexpr RigFault operator|(RigFault a, RigFault b) noexcept {
   return static_cast<RigFault>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));

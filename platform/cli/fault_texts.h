@@ -47,10 +47,11 @@ enum class RunFault : std::size_t {
   file_incomplete,
   records_lost,
   deadlines_missed,
+  force_oscillates,
 };
 
 /// In the order of RunFault.
-inline constexpr std::array<FaultText, 8> run_fault_texts{{
+inline constexpr std::array<FaultText, 9> run_fault_texts{{
     {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
      "check power, cables and bit rates; see boot_timeout"},
     {"not_set_up", "a node could not be commissioned; no cycle was run",
@@ -66,6 +67,9 @@ inline constexpr std::array<FaultText, 8> run_fault_texts{{
      "a faster disk, a memory file system, or no --record; the run itself was not disturbed"},
     {"deadlines_missed", "without a rig: 20 deadlines in a row were missed; from there on nothing was shown",
      "look at what else runs on this machine and at the real-time set-up"},
+    {"force_oscillates",
+     "of a scene without a rig: the force shown to the hand swung between its bounds for 0.5 s",
+     "lower the feedback's damping and stiffness, or raise the limit that it meets"},
 }};
 
 constexpr const FaultText& text_of(RunFault fault) noexcept {

@@ -49,6 +49,7 @@ struct RunStatistics {
   RigFault rig_faults = RigFault::none;
   std::uint64_t holds = 0, hold_cycles = 0;  // since too many deadlines were missed
   bool on_hold = false;
+  bool force_oscillates = false;
 
   void add(const CycleRecord& record) noexcept {
     ++cycles;
@@ -71,6 +72,7 @@ struct RunStatistics {
     if (record.on_hold && !on_hold) ++holds;
     if (record.on_hold) ++hold_cycles;
     on_hold = record.on_hold;
+    force_oscillates = force_oscillates || record.force_oscillates;
   }
 };
 
