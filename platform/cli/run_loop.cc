@@ -84,13 +84,13 @@ class StopNotices {
 class Drain {
  public:
   Drain(Ring<CycleEntry>& cycles, Ring<BusFrame>& frames, RunFiles& files, RunEvents& events,
-        const StopSignals& signals, BackgroundFile& console)
+        const StopSignals& signals, BackgroundFile& console, bool quiet)
       : cycles_(cycles),
         frames_(frames),
         files_(files),
         events_(events),
         notices_(signals, events),
-        status_(console) {}
+        status_(console, quiet) {}
 
   void run() {
     notices_.look(t_s_);
@@ -132,7 +132,8 @@ class RealtimeRun {
         real_(real),
         cycles_(make_cycle_ring(session)),
         frames_(frame_ring),
-        drain_(cycles_, frames_, files, events, signals, console),
+        drain_(cycles_, frames_, files, events, signals, console, plan.quiet),
+        quiet_(plan.quiet),
         watch_(events.ring()),
         cycle_(session, plan, signals.requested(), cycles_),
         loop_(clock_, to_ns(session.scene().step)) {
@@ -198,7 +199,7 @@ class RealtimeRun {
     if (!setup_.empty()) return;
     setup_ = process_.steps();
     setup_.insert(setup_.end(), of_thread.begin(), of_thread.end());
-    static_cast<void>(console_.write("real-time set-up\n" + rt_table(setup_)));
+    if (!quiet_) static_cast<void>(console_.write("real-time set-up\n" + rt_table(setup_)));
   }
 
   Session& session_;
@@ -209,6 +210,7 @@ class RealtimeRun {
   Ring<CycleEntry> cycles_;
   Ring<BusFrame> frames_;
   Drain drain_;
+  bool quiet_;
   RtProcess process_;
   EventWatch watch_;
   RealtimeCycle cycle_;
@@ -244,6 +246,7 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
   cycle.tell(watch);
   Recoveries recoveries(session, cycle, plan, nullptr, stop.requested(), events);
   const MonotonicClock clock;
+  FastProgress progress(console, static_cast<double>(plan.num_cycles) * session.scene().step, plan.quiet);
   CycleRecord record = session.at_start();
   do {
     session.start(boot_limit_s);
@@ -253,10 +256,13 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
       const bool stepped = cycle.run(record);
       events.drain();
       if (!stepped) continue;
-      result.timing.compute_ns.add(clock.now() - start);
+      const Nanoseconds end = clock.now();
+      result.timing.compute_ns.add(end - start);
+      progress.update(record.t, end);
       files.add(record);
     }
   } while (recoveries.again());
+  progress.end();
   result.statistics = cycle.statistics();
   finish(result, stop, recoveries, events, console);
   return result;

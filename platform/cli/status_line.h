@@ -11,7 +11,7 @@ namespace godobject {
 /// takes nothing the lines are lost.
 class StatusLine {
  public:
-  explicit StatusLine(BackgroundFile& console) noexcept;
+  StatusLine(BackgroundFile& console, bool quiet) noexcept;
 
   /// Takes note of a cycle, and shows it when it is time to.
   void update(const CycleRecord& record, Nanoseconds wake_ns);
@@ -23,11 +23,30 @@ class StatusLine {
   void say(const CycleRecord& record);
 
   BackgroundFile& console_;
+  bool quiet_;
   bool terminal_;
   double interval_s_;
   double due_s_ = 0;          // in the run's time
   bool on_hold_ = false;      // said
   double worst_wake_us_ = 0;  // since the line was last shown
+};
+
+/// How far a run on a simulated clock has got: on a terminal alone, and only of a run that takes longer than a second.
+class FastProgress {
+ public:
+  FastProgress(BackgroundFile& console, double duration_s, bool quiet) noexcept;
+
+  /// now: of any monotonic clock, the same in every call.
+  void update(double t_s, Nanoseconds now);
+  /// Wipes the line away.
+  void end();
+
+ private:
+  BackgroundFile& console_;
+  bool wanted_;
+  bool shown_ = false;
+  double duration_s_;
+  Nanoseconds start_ns_ = 0, due_ns_ = 0;
 };
 
 }  // namespace godobject
