@@ -23,16 +23,16 @@ bool is_path(const std::string& name) {
 
 /// The profile a name or path means, from the scene's folder or the shipped ones; none where there is none.
 std::optional<ProfileResult> find_profile(const std::string& name, const fs::path& scene_folder) {
-  const fs::path file = scene_folder / (is_path(name) ? name : name + extension);
-  std::error_code ignored;
-  if (fs::is_regular_file(file, ignored)) return load_profile(file.string());
+  const std::string file = is_path(name) ? name : name + extension;
+  if (const FilePath found = path_below(scene_folder.string(), file); !found.path.empty())
+    return load_profile(found.path);
   const auto shipped = std::ranges::find(shipped_profile_files, name, &ShippedProfile::name);
   if (is_path(name) || shipped == shipped_profile_files.end()) return std::nullopt;
   return parse_profile(shipped->toml, "hal/profiles/" + name + extension);
 }
 
 std::string not_found(const std::string& name, const std::string& scene_folder) {
-  if (is_path(name)) return "profile \"" + name + "\": no such file, seen from '" + scene_folder + "'";
+  if (is_path(name)) return "profile \"" + name + "\" " + path_below(scene_folder, name).why_not;
   const std::vector<std::string> shipped = shipped_profiles();
   std::string known;
   for (const std::string& other : shipped) known += (known.empty() ? "" : ", ") + other;
@@ -44,14 +44,10 @@ std::string not_found(const std::string& name, const std::string& scene_folder) 
 
 ProfileResult parse_profile(std::string_view toml, const std::string& file) {
   Diagnostics log(file);
-  const toml::parse_result parsed = toml::parse(toml, file);
-  if (parsed.failed()) {
-    const toml::source_position at = parsed.error().source().begin;
-    log.error({at.line, at.column}, "not TOML: " + std::string(parsed.error().description()));
-    return {std::nullopt, log.errors()};
-  }
+  const std::optional<toml::table> parsed = parse_toml(toml, log);
+  if (!parsed) return {std::nullopt, log.errors()};
   NodeProfile profile{.file = file};
-  TomlReader reader(parsed.table(), "", "the file", log);
+  TomlReader reader(*parsed, "", "the file", log);
   read_profile(reader, profile);
   reader.finish();
   if (!log.ok()) return {std::nullopt, log.errors()};
@@ -67,9 +63,9 @@ std::string profile_reference_markdown() {
 }
 
 ProfileResult load_profile(const std::string& path) {
-  const std::optional<std::string> text = read_text(path);
-  if (!text) return {std::nullopt, {path + ": cannot be read: is the path right?"}};
-  return parse_profile(*text, path);
+  const FileText file = read_file(path, max_toml_bytes);
+  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}};
+  return parse_profile(*file.text, path);
 }
 
 RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder) {
