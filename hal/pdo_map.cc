@@ -21,7 +21,8 @@ constexpr std::array objects{
 
 constexpr const char* no_deadline_hint =
     "where the drive has no deadline for RPDOs, take deadline_ms out and have it watch the host's heartbeat: "
-    "host_timeout_ms = 20 and abort_connection_option = 1 in the profile, heartbeat_period = 0.005 in the scene";
+    "host_timeout_ms = 20 and abort_connection_option = 1 in the profile, heartbeat_period = 0.005 in the "
+    "scene";
 
 /// Hexadecimal or decimal digits up to `end_mark`, which is taken off `text` with them.
 std::optional<unsigned> take_number(std::string_view& text, int base, std::string_view end_mark) noexcept {

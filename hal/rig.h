@@ -133,7 +133,7 @@ class Rig {
   /// remedy. Not for the loop: allocates.
   std::string fault_text() const;
   /// Where: "can0 node 4, drive of elbow". Any thread: it is of the parameters alone. Allocates.
-  std::string place_text(const RigFaultPlace& place) const;
+  std::string place_text(const RigFaultRecord& record) const;
   const RigCounters& counters() const noexcept { return counters_; }
 
   std::size_t num_joints() const noexcept { return tree_.num_joints(); }

@@ -55,7 +55,8 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "starts others (1F80h) or has the host's node id"},
     {RigFault::deadlines_missed, "deadlines_missed",
      "the host missed 20 deadlines in a row: for so long no command was given",
-     "look at what else runs on this machine and at the real-time set-up; then clear the faults and arm again"},
+     "look at what else runs on this machine and at the real-time set-up; then clear the faults and arm "
+     "again"},
     {RigFault::force_oscillates, "force_oscillates",
      "the force shown to the hand, or a motor's command, swung between its bounds for 0.5 s",
      "the feedback is unstable on this device: godobject check prints the margin of each axis and what to "

@@ -109,13 +109,12 @@ void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
 
 template <class V>
 void visit_watchdog(V& v, DriveParams& d) {
-  choose(
-      v,
-      Key{"watchdog", "",
-          "what stops the motor when the host has died. host: what the `profile` or the protocol sets up; "
-          "drive: what is set in the drive already, as on an ODrive; none: nothing, and that is accepted. "
-          "A scene that shows force is refused where it is host and nothing is set up"},
-      drive_watchdog_names, d.watchdog);
+  choose(v,
+         Key{"watchdog", "",
+             "what stops the motor when the host has died. host: what the `profile` or the protocol sets up; "
+             "drive: what is set in the drive already, as on an ODrive; none: nothing, and that is accepted. "
+             "A scene that shows force is refused where it is host and nothing is set up"},
+         drive_watchdog_names, d.watchdog);
   v.value(Key{"watchdog_ms", "ms", "with `watchdog = \"drive\"`: the time that is set there", {1, 65535}},
           d.watchdog_ms);
 }
@@ -158,8 +157,7 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
               "of the joint: how far its position may part from the encoder's, once enabled, before that is "
               "the fault `sensors_disagree`, and its travel in `stale_after` on top while it moves; 0: not "
               "compared; without an encoder there is nothing to compare",
-              not_negative, false,
-              "0.05 rad of a hinge, 0.005 m of a slider, and 2 counts of each sensor"},
+              not_negative, false, "0.05 rad of a hinge, 0.005 m of a slider, and 2 counts of each sensor"},
           d.max_slip);
 }
 

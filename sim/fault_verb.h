@@ -49,11 +49,11 @@ struct FaultVerbText {
   std::string_view name;
   FaultPlace place;
   std::string_view meaning;
-  std::string_view value;     // what FaultConfig::value is, with its unit; empty: not used
-  double default_value = 0;   // in place of a value of 0
-  double min = 0, max = 0;    // of the value
-  bool is_event = false;      // without a duration it happens once; the others then last to the end
-  std::string_view remark;    // what the rig does about it is in sim/fault_promise.h
+  std::string_view value;    // what FaultConfig::value is, with its unit; empty: not used
+  double default_value = 0;  // in place of a value of 0
+  double min = 0, max = 0;   // of the value
+  bool is_event = false;     // without a duration it happens once; the others then last to the end
+  std::string_view remark;   // what the rig does about it is in sim/fault_promise.h
 };
 
 /// In the order of FaultVerb.

@@ -84,9 +84,10 @@ std::vector<std::string> check_lines(const RunOptions& options, const PreparedRu
   const SceneConfig& scene = session.scene();
   const Composition& composition = session.engine().composition();
   std::vector<std::string> lines;
-  lines.push_back(line("scene", "%s: '%s', %s, %s", options.scene.c_str(), scene.name.c_str(),
-                       scene.bodies.size() == 1 ? "1 body" : (std::to_string(scene.bodies.size()) + " bodies").c_str(),
-                       number_of(scene.joints.size(), "joint").c_str()));
+  lines.push_back(
+      line("scene", "%s: '%s', %s, %s", options.scene.c_str(), scene.name.c_str(),
+           scene.bodies.size() == 1 ? "1 body" : (std::to_string(scene.bodies.size()) + " bodies").c_str(),
+           number_of(scene.joints.size(), "joint").c_str()));
   lines.push_back(line("composition", "'%s', %zu bytes", composition.name.c_str(), composition.bytes()));
   lines.push_back(line("time", "%g s in steps of %g s, %s",
                        static_cast<double>(prepared.plan.num_cycles) * scene.step, scene.step,

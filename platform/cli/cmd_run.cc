@@ -124,14 +124,16 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("--trace", options.files.trace,
                   "CSV to write: bodies, wrenches, target, energy, faults at every step")
       ->type_name("FILE");
-  verb.add_option("--trace-every", options.files.trace_every,
-                  "of --trace and --contacts: only every N-th step, and those in which a fault comes up or ends")
+  verb.add_option(
+          "--trace-every", options.files.trace_every,
+          "of --trace and --contacts: only every N-th step, and those in which a fault comes up or ends")
       ->type_name("N")
       ->check(CLI::Range(1, 1'000'000));
   verb.add_option("--contacts", options.files.contacts,
                   "CSV to write: every contact at every step: body, on what, point, normal, force")
       ->type_name("FILE");
-  verb.add_option("--record", options.files.record, "log to write: every frame on every bus, in candump's format")
+  verb.add_option("--record", options.files.record,
+                  "log to write: every frame on every bus, in candump's format")
       ->type_name("FILE");
   verb.add_option("--report", options.report,
                   "JSON to write: everything the summary shows, and the histograms")

@@ -27,7 +27,7 @@ enum class RunEventKind : std::uint8_t {
 /// As it leaves the real-time thread.
 struct RunEventMark {
   RunEventKind kind = RunEventKind::rig_fault;
-  RigFaultPlace place{};
+  RigFaultRecord rig_fault{};
   std::size_t core_fault = 0;  // index of core_fault_texts
   double t_s = 0;              // of the motion
 };

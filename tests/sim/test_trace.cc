@@ -44,10 +44,11 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
   EXPECT_EQ(trace_columns(scene), trace_columns(coupled_and_free())) << "there is nothing to touch";
   scene.obstacles.resize(1);
   const std::vector<std::string> columns = trace_columns(scene);
-  EXPECT_THAT(std::vector(columns.begin() + 46, columns.end()),
-              testing::ElementsAre("brick.contact.fx", "brick.contact.fy", "brick.contact.fz",
-                                   "brick.contact.tx", "brick.contact.ty", "brick.contact.tz", "penetration",
-                                   "contacts", "contact_residual", "energy", "fault", "limited", "rig_fault"));
+  EXPECT_THAT(
+      std::vector(columns.begin() + 46, columns.end()),
+      testing::ElementsAre("brick.contact.fx", "brick.contact.fy", "brick.contact.fz", "brick.contact.tx",
+                           "brick.contact.ty", "brick.contact.tz", "penetration", "contacts",
+                           "contact_residual", "energy", "fault", "limited", "rig_fault"));
 
   const std::string path = testing::TempDir() + "/godobject_contact_trace.csv";
   TraceWriter writer(path, scene);
