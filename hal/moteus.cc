@@ -191,6 +191,12 @@ CanFrame make_torque(std::uint8_t node, float torque_Nm, float watchdog_s) noexc
   return out.frame(request_id(node));
 }
 
+double watchdog_s(double cycle_s) noexcept {
+  constexpr double shortest_s = 0.02;
+  constexpr double cycles = 4;
+  return std::max(shortest_s, cycles * cycle_s);
+}
+
 CanFrame make_stop(std::uint8_t node, bool with_query) noexcept {
   SubframeWriter out;
   out.write(std::array<std::uint8_t, 1>{mode_stopped}, mode);
@@ -231,17 +237,8 @@ CanFrame make_reply(std::uint8_t node, const Reply& reply) noexcept {
 
 }  // namespace moteus
 
-namespace {
-
-// Longer than a few lost frames, shorter than a hand notices.
-constexpr double min_watchdog_s = 0.02;
-constexpr double watchdog_cycles = 4;
-
-}  // namespace
-
 MoteusLink::MoteusLink(const DriveParams& params, double cycle_s) noexcept
-    : node_(params.node_id),
-      watchdog_s_(static_cast<float>(std::max(min_watchdog_s, watchdog_cycles * cycle_s))) {}
+    : node_(params.node_id), watchdog_s_(static_cast<float>(moteus::watchdog_s(cycle_s))) {}
 
 DriveMessage MoteusLink::decode(const CanFrame& frame, DriveTelemetry& out) noexcept {
   moteus::Reply reply;

@@ -113,6 +113,8 @@ DriveText describe(const CanFrame& frame);
 CanFrame make_query(std::uint8_t node) noexcept;
 /// The same, and pure torque control: position mode with both gains scaled to zero. 24 bytes.
 CanFrame make_torque(std::uint8_t node, float torque_Nm, float watchdog_s) noexcept;
+/// 20 ms, or four cycles where those are longer: more than a few lost frames, less than a hand notices.
+double watchdog_s(double cycle_s) noexcept;
 /// Mode 0. 8 bytes.
 CanFrame make_stop(std::uint8_t node, bool with_query) noexcept;
 

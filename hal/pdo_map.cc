@@ -19,6 +19,11 @@ constexpr std::array objects{
     NamedObject{"encoder_speed", {0x6030, 1}, 16},
 };
 
+constexpr const char* no_deadline_hint =
+    "where the drive has no deadline for RPDOs, take deadline_ms out and have it watch the host's heartbeat: "
+    "host_timeout_ms = 20 and abort_connection_option = 1 in the profile, heartbeat_period = 0.005 in the "
+    "scene";
+
 /// Hexadecimal or decimal digits up to `end_mark`, which is taken off `text` with them.
 std::optional<unsigned> take_number(std::string_view& text, int base, std::string_view end_mark) noexcept {
   unsigned value = 0;
@@ -85,8 +90,10 @@ void append_map_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t tra
   if (pdo.inhibit_100us)
     kept.push_back(
         write_step(communication, 3, ObjectType::u16, pdo.inhibit_100us->value, pdo.inhibit_100us->line));
-  if (pdo.timer_ms)
+  if (pdo.timer_ms) {
     kept.push_back(write_step(communication, 5, ObjectType::u16, pdo.timer_ms->value, pdo.timer_ms->line));
+    if (pdo.direction == PdoDirection::receive) kept.back().hint = no_deadline_hint;
+  }
   const SdoStep switch_on{.action = SdoAction::switch_on,
                           .address = {communication, 1},
                           .low = default_cob_id(pdo.direction, pdo.number, node),

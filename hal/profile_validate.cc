@@ -1,6 +1,7 @@
 #include "hal/profile_validate.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include "hal/commissioning_steps.h"
 
@@ -32,6 +33,7 @@ class Validation {
 
   void check(const NodeProfile& profile, const std::vector<Layout>& layouts) {
     check_heartbeats(profile);
+    check_deadlines(profile);
     if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(rig_.cycle_s))
       error(profile, profile.interpolation_time->line,
             "60C2h cannot carry the scene's step: it takes 1 to 255 times a power of ten, from 1 us");
@@ -53,7 +55,23 @@ class Validation {
     if (timeout_ms && 1e-3 * timeout_ms->value < 2 * rig_.heartbeat_period_s)
       error(profile, timeout_ms->line,
             "the node would stop between two heartbeats of the host: give it twice the scene's "
-            "heartbeat_period or more");
+            "heartbeat_period "
+            "or more, or the scene [device.supervision] heartbeat_period = " +
+                number(0.25e-3 * timeout_ms->value));
+  }
+
+  void check_deadlines(const NodeProfile& profile) {
+    for (const PdoProfile& pdo : profile.pdos)
+      if (pdo.direction == PdoDirection::receive && pdo.timer_ms && pdo.timer_ms->value > 0 &&
+          1e-3 * pdo.timer_ms->value < 2 * rig_.cycle_s)
+        error(profile, pdo.timer_ms->line,
+              "the node would stop between two commands of the host: give it twice the scene's step or more");
+  }
+
+  static std::string number(double value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
   }
 
   void check_map(const NodeProfile& profile, const PdoProfile& pdo, const Layout& layout) {

@@ -71,12 +71,24 @@ enum class DriveProtocol : std::uint8_t {
 /// Names of DriveProtocol in scene files, in its order.
 inline constexpr std::array drive_protocol_names{"cia402", "odrive", "moteus"};
 
+/// Who sees to it that a drive stops when the host has died.
+enum class DriveWatchdog : std::uint8_t {
+  host,   // this program sets it up: by the node's profile, or with each command (moteus)
+  drive,  // it is part of the drive's own configuration, which this program does not see
+  none,   // nobody: the motor keeps the last torque it was told
+};
+
+/// Names of DriveWatchdog in scene files, in its order.
+inline constexpr std::array drive_watchdog_names{"host", "drive", "none"};
+
 /// A motor drive commanded in torque. It also measures its joint.
 struct DriveParams {
   std::string joint;
   DriveProtocol protocol = DriveProtocol::cia402;
   std::size_t bus = 0;
   std::uint8_t node_id = 1;
+  DriveWatchdog watchdog = DriveWatchdog::host;
+  std::uint16_t watchdog_ms = 20;          // what is set in the drive, with DriveWatchdog::drive
   double torque_rated_Nm = 0.1;            // 6076h; targets travel in per mille of it
   double torque_max_Nm = 0.05;             // saturation of the command, at the motor shaft
   double torque_rate_Nm_per_s = 5;         // slew limit of the command, at the motor shaft

@@ -125,6 +125,7 @@ class Checker {
             ", must be >= 0");
     require(drive.max_slip == 0 || std::ranges::count(rig_.encoders, drive.joint, &EncoderParams::joint) > 0,
             where, "max_slip compares it with an encoder on its joint, which has none");
+    require(drive.watchdog_ms > 0, where, "watchdog_ms is 0, must be > 0");
     require(drive.status_every_nth_sync >= 1 && drive.status_every_nth_sync <= 240, where,
             "status_every_nth_sync is ", int{drive.status_every_nth_sync}, ", must be 1..240");
   }

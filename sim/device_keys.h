@@ -68,11 +68,10 @@ void visit_sensor_node(V& v, const RigNames& names, std::string_view id_meaning,
   choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true},
          names.joints, joint);
   visit_node(v, names, id_meaning, bus, node_id);
-  v.value(
-      Key{"profile", "",
-          "how a CANopen node on a real bus is set up, see docs/canopen.md; empty: not at all, it is as the "
-          "rig expects it"},
-      profile);
+  v.value(Key{"profile", "",
+              "how a CANopen node is set up, see docs/canopen.md; empty: not at all, it is as the "
+              "rig expects it"},
+          profile);
 }
 
 template <class V>
@@ -109,6 +108,19 @@ void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
 }
 
 template <class V>
+void visit_watchdog(V& v, DriveParams& d) {
+  choose(
+      v,
+      Key{"watchdog", "",
+          "what stops the motor when the host has died. host: what the `profile` or the protocol sets up; "
+          "drive: what is set in the drive already, as on an ODrive; none: nothing, and that is accepted. "
+          "A scene that shows force is refused where it is host and nothing is set up"},
+      drive_watchdog_names, d.watchdog);
+  v.value(Key{"watchdog_ms", "ms", "with `watchdog = \"drive\"`: the time that is set there", {1, 65535}},
+          d.watchdog_ms);
+}
+
+template <class V>
 void visit_drive(V& v, const RigNames& names, DriveParams& d) {
   visit_sensor_node(v, names, "CANopen node-ID; of an ODrive 1 to 62, of a moteus its id", d.joint, d.bus,
                     d.node_id, d.profile);
@@ -141,6 +153,7 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
       "100000 counts per turn of the motor",
       names, d.joint, d.calibration);
   visit_max_speed(v, d.max_speed);
+  visit_watchdog(v, d);
   v.value(Key{"max_slip", "rad or m",
               "of the joint: how far its position may part from the encoder's, once enabled, before that is "
               "the fault "

@@ -82,8 +82,8 @@ class Session {
     std::unique_ptr<Session> session;  // null: see errors
     std::vector<std::string> errors;
   };
-  /// The motion is moved in. bus: sim or direct.
-  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus);
+  /// The motion is moved in. bus: sim or direct. profiles: by which the simulated nodes have been set up.
+  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus, RigProfiles profiles = {});
   /// On real buses, which may still be closed: to be opened before start(). The motion then moves nothing that
   /// the device has a handle for; its switches count.
   static Made make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses);
@@ -153,10 +153,12 @@ class Session {
 
   Session(const SceneConfig& scene, Motion motion);
 
-  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus, RealDevice device);
+  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus, RealDevice device,
+                   const RigProfiles& profiles);
   void take_motion_at_start();
-  void connect(RealDevice device, std::vector<std::string>& errors);
-  void connect_rig(std::unique_ptr<RigLink> buses, std::vector<std::string>& errors);
+  void connect(RealDevice device, const RigProfiles& profiles, std::vector<std::string>& errors);
+  void connect_rig(std::unique_ptr<RigLink> buses, const RigProfiles& profiles,
+                   std::vector<std::string>& errors);
   void connect_trackers(RealDevice device, std::vector<std::string>& errors);
   void find_imposed_joints(bool real, std::vector<std::string>& errors);
 

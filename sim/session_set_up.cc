@@ -21,8 +21,8 @@ Session::Session(const SceneConfig& scene, Motion motion) : scene_(scene), motio
   gather_ns_ = static_cast<Nanoseconds>(gather_share * period_ns) / gather_polls * gather_polls;
 }
 
-Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus) {
-  return make(scene, std::move(motion), bus, {});
+Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus, RigProfiles profiles) {
+  return make(scene, std::move(motion), bus, RealDevice{}, profiles);
 }
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses) {
@@ -30,10 +30,11 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, std::unique
 }
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion, RealDevice device) {
-  return make(scene, std::move(motion), BusChoice::real, std::move(device));
+  return make(scene, std::move(motion), BusChoice::real, std::move(device), {});
 }
 
-Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus, RealDevice device) {
+Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice bus, RealDevice device,
+                            const RigProfiles& profiles) {
   Made made;
   std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
   s->bus_ = bus;
@@ -41,7 +42,7 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
   s->samples_.resize(scene.bodies.size());
   s->find_imposed_joints(bus == BusChoice::real, made.errors);
   s->take_motion_at_start();
-  if (bus != BusChoice::direct && !s->driven_.empty()) s->connect(std::move(device), made.errors);
+  if (bus != BusChoice::direct && !s->driven_.empty()) s->connect(std::move(device), profiles, made.errors);
   if (!made.errors.empty()) return made;
 
   std::string why_not;
@@ -66,18 +67,19 @@ void Session::take_motion_at_start() {
   if (motion_.has_joints()) impose(motion_.joints(0), true, samples_);
 }
 
-void Session::connect(RealDevice device, std::vector<std::string>& errors) {
+void Session::connect(RealDevice device, const RigProfiles& profiles, std::vector<std::string>& errors) {
   const bool has_rig = scene_.device && scene_.device->rig;
   const bool has_trackers = scene_.device && !scene_.device->trackers.empty();
   if (!has_rig && !has_trackers)
     errors.push_back("scene '" + scene_.name +
                      "' describes no buses, encoders and joints: add them, or run it with --bus direct");
-  if (has_rig) connect_rig(std::move(device.buses), errors);
+  if (has_rig) connect_rig(std::move(device.buses), profiles, errors);
   if (has_trackers) connect_trackers(std::move(device), errors);
 }
 
 /// The rig on its buses: simulated ones where none are given.
-void Session::connect_rig(std::unique_ptr<RigLink> buses, std::vector<std::string>& errors) {
+void Session::connect_rig(std::unique_ptr<RigLink> buses, const RigProfiles& profiles,
+                          std::vector<std::string>& errors) {
   const RigParams& rig = *scene_.device->rig;
   for (const std::string& error : validate(rig)) errors.push_back(error);
   if (scene_.device->kind == DeviceKind::admittance)
@@ -100,7 +102,7 @@ void Session::connect_rig(std::unique_ptr<RigLink> buses, std::vector<std::strin
       return;
     }
     auto sim = std::make_unique<SimLink>(scene_, motion_, std::llround(scene_.step * 1e9),
-                                         gather_ns_ / gather_polls);
+                                         gather_ns_ / gather_polls, profiles);
     sim_ = sim.get();
     link_ = std::move(sim);
   }

@@ -253,6 +253,28 @@ void SimCanopenNode::reset_communication() noexcept {
   for (SimPdo& pdo : pdos_) pdo.t_timer_ns = never;
   sdo_server_.reset();
   heartbeat_period_ns_ = power_up_heartbeat_ns_;
+  for (const SdoStep& step : stored_) write_stored(step);
+}
+
+void SimCanopenNode::store(std::vector<SdoStep> steps) {
+  std::erase_if(steps, [](const SdoStep& step) {
+    const bool reads = step.action == SdoAction::check || step.action == SdoAction::wait_for;
+    return reads || step.address == heartbeat_producer;
+  });
+  stored_ = std::move(steps);
+}
+
+void SimCanopenNode::write_stored(const SdoStep& step) noexcept {
+  const Object* object = objects_.find(step.address);
+  if (object == nullptr) return;
+  std::int64_t value = step.low;
+  if (step.action == SdoAction::switch_off || step.action == SdoAction::switch_off_if_there)
+    value = object->value | SdoSequence::pdo_invalid;
+  if (step.action == SdoAction::switch_on) value = step.low | (object->value & SdoSequence::pdo_no_rtr);
+  std::array<std::uint8_t, sizeof(std::uint32_t)> bytes{};
+  const std::span<std::uint8_t> used = std::span(bytes).first(canopen::size_of(object->type));
+  canopen::encode_number(value, used);
+  static_cast<void>(objects_.write(step.address, used));
 }
 
 // The object dictionary.

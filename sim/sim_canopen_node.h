@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <vector>
 
 #include "hal/canopen.h"
 #include "sim/sdo_server.h"
@@ -42,6 +43,10 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
     send(canopen::make_emergency({.node = node_id_, .error_code = error_code, .error_register = 0x01}));
   }
   void set_clock_error(double ppm, Nanoseconds now) noexcept override;
+
+  /// As if these had been written and stored (1010h) before: in effect from each power-up and reset on. What
+  /// reads, and 1017h, is left out: no two simulated nodes send their heartbeats in step. Allocates.
+  void store(std::vector<SdoStep> steps);
 
   std::uint8_t node_id() const noexcept override { return node_id_; }
   canopen::NmtState nmt_state() const noexcept { return nmt_state_; }
@@ -84,6 +89,7 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
   void enter(canopen::NmtState state, Nanoseconds now) noexcept;
   void boot(Nanoseconds now) noexcept;
   void reset_communication() noexcept;
+  void write_stored(const SdoStep& step) noexcept;
   bool answer_service(const CanFrame& frame) noexcept;
   void consume_heartbeat(const CanFrame& frame, Nanoseconds now) noexcept;
   void exchange_synchronous(Nanoseconds now) noexcept;
@@ -99,6 +105,7 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
   SdoServer sdo_server_;
   SimLss lss_;
   std::deque<SimPdo> pdos_;
+  std::vector<SdoStep> stored_;
   Object* consumer_ = nullptr;  // 1016h:01
   Nanoseconds heartbeat_period_ns_ = 0;
   Nanoseconds t_heartbeat_ns_ = never;

@@ -11,7 +11,7 @@ namespace godobject {
 struct SimDriveParams {
   DriveParams drive{};
   // After power-up, of SimDefaults::rig:
-  Nanoseconds rpdo_timeout_ns = 20'000'000;  // deadline of RPDO1, 1400h:05; in whole ms, 0: none
+  Nanoseconds rpdo_timeout_ns = 0;  // deadline of RPDO1, 1400h:05; in whole ms, 0: none, as in CiA 301
   Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2, 1801h:05; in whole ms, 0: never sent
   Nanoseconds heartbeat_period_ns = 0;       // 0: never sent
   SimDefaults defaults = SimDefaults::rig;
@@ -21,7 +21,9 @@ struct SimDriveParams {
 /// RPDO1 that arrived before it into effect. A command thus reaches the motor with the next SYNC, and the
 /// status reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
 ///
-/// No RPDO1 for its deadline (1400h:05) while the power stage works: fault, no torque, EMCY 8250h; the watchdog
+/// What stops the motor of a host that is gone is what was set up, and nothing else: a drive that nobody has
+/// set up keeps its torque.
+/// No RPDO1 for its deadline (1400h:05, where it is not 0) while the power stage works: fault, no torque, EMCY 8250h; the watchdog
 /// acts at its own time, not with a SYNC, and in NMT operational only. When the heartbeat that 1016h names stops, 6007h says what happens.
 /// Leaving the NMT state operational switches the power stage off. Quick stop removes the torque at once and
 /// ends in Switch On Disabled, or stays in Quick Stop Active where 605Ah says so (5 to 7).

@@ -10,8 +10,9 @@ namespace godobject {
 class SimLink final : public RigLink {
  public:
   /// SimRig::why_not(scene, motion) is empty; both outlive the link. Allocates; nothing later does.
-  SimLink(const SceneConfig& scene, const Motion& motion, Nanoseconds period, Nanoseconds poll)
-      : rig_(scene, motion), period_ns_(period), poll_ns_(poll) {}
+  SimLink(const SceneConfig& scene, const Motion& motion, Nanoseconds period, Nanoseconds poll,
+          const RigProfiles& profiles = {})
+      : rig_(scene, motion, profiles), period_ns_(period), poll_ns_(poll) {}
 
   std::span<CanBus* const> buses() noexcept override { return rig_.host_buses(); }
   /// The rest of the last period, with the mechanics up to its end.

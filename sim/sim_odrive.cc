@@ -13,7 +13,7 @@ constexpr Nanoseconds phase_step_ns = 1'370'000;
 
 void SimOdrive::poll(Nanoseconds now) noexcept {
   for (ReceivedFrame received; bus_.try_receive(received);) on_frame(received.frame, now);
-  if (closed_loop() && now >= t_fed_ns_ + watchdog_ns) fail(odrive::error_watchdog);
+  if (now >= watchdog_deadline()) fail(odrive::error_watchdog);
   for (; t_heartbeat_ns_ <= now; t_heartbeat_ns_ += period_ns(odrive::heartbeat_period_s)) {
     send(odrive::make_heartbeat(node_id(),
                                 {.error = error_, .axis_state = static_cast<std::uint8_t>(axis_state_)}));
@@ -25,8 +25,12 @@ void SimOdrive::poll(Nanoseconds now) noexcept {
 }
 
 Nanoseconds SimOdrive::next_timer() const noexcept {
-  const Nanoseconds t_cyclic_ns = std::min(t_heartbeat_ns_, t_torques_ns_);
-  return closed_loop() ? std::min(t_cyclic_ns, t_fed_ns_ + watchdog_ns) : t_cyclic_ns;
+  return std::min({t_heartbeat_ns_, t_torques_ns_, watchdog_deadline()});
+}
+
+Nanoseconds SimOdrive::watchdog_deadline() const noexcept {
+  const bool enabled = params_.watchdog == DriveWatchdog::drive;  // axis.config.enable_watchdog
+  return enabled && closed_loop() ? t_fed_ns_ + period_ns(1e-3 * params_.watchdog_ms) : never;
 }
 
 void SimOdrive::power_cycle(Nanoseconds now) noexcept {

@@ -6,12 +6,11 @@
 
 namespace godobject {
 
-/// Heartbeat and torques come by themselves, the encoder estimates when asked for by a remote frame. In closed
-/// loop without Input_Torque for watchdog_ns: idle, with the watchdog's error, which Clear_Errors takes away.
+/// Heartbeat and torques come by themselves, the encoder estimates when asked for by a remote frame. Where
+/// its own configuration has the watchdog (DriveWatchdog::drive; out of the factory it is off): in closed loop
+/// without Input_Torque for its time idle, with the watchdog's error, which Clear_Errors takes away.
 class SimOdrive final : public SimNode, public SimMotor {
  public:
-  static constexpr Nanoseconds watchdog_ns = 20'000'000;  // axis.config.watchdog_timeout
-
   /// bus: must outlive it and be opened by the caller.
   SimOdrive(CanBus& bus, const DriveParams& params) noexcept : bus_(bus), params_(params) { power_cycle(0); }
 
@@ -37,6 +36,7 @@ class SimOdrive final : public SimNode, public SimMotor {
   void send(const CanFrame& frame) noexcept { static_cast<void>(bus_.try_send(frame)); }
   void send_estimates() noexcept;
   bool closed_loop() const noexcept { return axis_state_ == odrive::axis_closed_loop; }
+  Nanoseconds watchdog_deadline() const noexcept;
   /// A period of its own clock, in time of the bus.
   Nanoseconds period_ns(double period_s) const noexcept;
 

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/commissioning_steps.h"
 #include "sim/sim_drive.h"
 #include "sim/sim_moteus.h"
 #include "sim/sim_odrive.h"
 
 namespace godobject {
 namespace {
+
+constexpr Nanoseconds ms = 1'000'000;
 
 /// Up to 2.27 times the shortest of the rig. No two nodes' clocks agree: heartbeats in step would all come
 /// between the same SYNC and its answers.
@@ -29,14 +32,35 @@ MadeDrive both(std::unique_ptr<Drive> drive) {
 }
 
 // One line per protocol.
-MadeDrive make_drive(CanBus& bus, const DriveParams& params, Nanoseconds heartbeat_ns) {
+MadeDrive make_drive(CanBus& bus, const DriveParams& params, std::vector<SdoStep> stored,
+                     Nanoseconds heartbeat_ns) {
   switch (params.protocol) {
     case DriveProtocol::odrive: return both(std::make_unique<SimOdrive>(bus, params));
     case DriveProtocol::moteus: return both(std::make_unique<SimMoteus>(bus, params));
     case DriveProtocol::cia402: break;
   }
-  return both(
-      std::make_unique<SimDrive>(bus, SimDriveParams{.drive = params, .heartbeat_period_ns = heartbeat_ns}));
+  const bool own_watchdog = params.watchdog == DriveWatchdog::drive;
+  auto drive = std::make_unique<SimDrive>(
+      bus, SimDriveParams{.drive = params,
+                          .rpdo_timeout_ns = own_watchdog ? ms * params.watchdog_ms : 0,
+                          .heartbeat_period_ns = heartbeat_ns});
+  drive->store(std::move(stored));
+  return both(std::move(drive));
+}
+
+const std::optional<NodeProfile>& profile_of(const std::vector<std::optional<NodeProfile>>& profiles,
+                                             std::size_t index) {
+  static const std::optional<NodeProfile> none;
+  return index < profiles.size() ? profiles[index] : none;
+}
+
+/// What the host would write to the node to set it up.
+std::vector<SdoStep> steps_of(const std::optional<NodeProfile>& profile, const RigParams& rig,
+                              NodeSetup setup) {
+  if (!profile) return {};
+  setup.host_node_id = rig.host_node_id;
+  setup.cycle_s = rig.cycle_s;
+  return commissioning_steps(*profile, setup);
 }
 
 }  // namespace
@@ -67,7 +91,7 @@ std::string SimRig::why_not(const SceneConfig& scene, const Motion& motion) {
          joints + "), or use --bus direct";
 }
 
-SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
+SimRig::SimRig(const SceneConfig& scene, const Motion& motion, const RigProfiles& profiles)
     : params_(*scene.device->rig), motion_(motion), tree_(params_.tree), ik_(params_.tree) {
   for (std::size_t i = 0; i < params_.buses.size(); ++i) {
     SimWireParams wire;
@@ -86,15 +110,10 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
     faults_.add_bus(buses_[i]->wire, host, buses_[i]->nodes);
   }
   const double heartbeat_s = simulated_load(params_).heartbeat_period_s;
-  for (const EncoderParams& e : params_.encoders) {
-    SimCanPort& port = add_port(e.bus);
-    auto node = std::make_unique<SimEncoder>(port, e.node_id, e.calibration,
-                                             heartbeat_period_ns(heartbeat_s, e.node_id));
-    const std::size_t fault_node = faults_.add_node(e.bus, port, *node, e.calibration);
-    buses_[e.bus]->nodes.push_back(node.get());
-    encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint), .fault_node = fault_node});
-  }
-  for (const DriveParams& d : params_.drives) add_drive(d, heartbeat_s);
+  for (std::size_t i = 0; i < params_.encoders.size(); ++i)
+    add_encoder(params_.encoders[i], profile_of(profiles.encoders, i), heartbeat_s);
+  for (std::size_t i = 0; i < params_.drives.size(); ++i)
+    add_drive(params_.drives[i], profile_of(profiles.drives, i), heartbeat_s);
   for (const ButtonParams& b : params_.buttons) add_button(b, heartbeat_s);
   std::vector<SimFault> faults;
   for (const FaultConfig& config : scene.faults)
@@ -102,17 +121,31 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
   faults_.schedule_all(faults);
   ik_target_ = driven_by_handles(scene).front().value_or(0);
   const JointTarget start = hand_at(0);
-  const bool haptic =
-      scene.device->kind == DeviceKind::impedance || scene.device->kind == DeviceKind::relative;
+  const bool haptic = shows_force(scene.device->kind);
   plant_ = std::make_unique<SimPlant>(scene.device->plant, params_.tree.joints.size(),
                                       haptic && !drives_.empty(), start.q, 0);
   show_joints();
   press_buttons(0);
 }
 
-void SimRig::add_drive(const DriveParams& d, double heartbeat_s) {
+void SimRig::add_encoder(const EncoderParams& e, const std::optional<NodeProfile>& profile,
+                         double heartbeat_s) {
+  SimCanPort& port = add_port(e.bus);
+  auto node = std::make_unique<SimEncoder>(port, e.node_id, e.calibration,
+                                           heartbeat_period_ns(heartbeat_s, e.node_id));
+  node->store(steps_of(profile, params_, {.node_id = e.node_id}));
+  const std::size_t fault_node = faults_.add_node(e.bus, port, *node, e.calibration);
+  buses_[e.bus]->nodes.push_back(node.get());
+  encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint), .fault_node = fault_node});
+}
+
+void SimRig::add_drive(const DriveParams& d, const std::optional<NodeProfile>& profile, double heartbeat_s) {
   SimCanPort& port = add_port(d.bus);
-  auto [node, motor] = make_drive(port, d, heartbeat_period_ns(heartbeat_s, d.node_id));
+  const NodeSetup setup{.node_id = d.node_id,
+                        .torque_rated_Nm = d.torque_rated_Nm,
+                        .status_every_nth_sync = d.status_every_nth_sync};
+  auto [node, motor] =
+      make_drive(port, d, steps_of(profile, params_, setup), heartbeat_period_ns(heartbeat_s, d.node_id));
   const std::size_t fault_node = faults_.add_node(d.bus, port, *node, d.calibration);
   buses_[d.bus]->nodes.push_back(node.get());
   drives_.push_back({.node = std::move(node),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hal/bus_load.h"
+#include "hal/node_profile.h"
 #include "hal/rig_link.h"
 #include "sim/fault_injector.h"
 #include "sim/inverse_kinematics.h"
@@ -20,14 +21,20 @@ namespace godobject {
 /// What the simulated nodes send besides their answers to SYNC: a heartbeat well within the host's timeout.
 BusLoadParams simulated_load(const RigParams& rig) noexcept;
 
+/// What the hand feels of such a device is the torque of its drives.
+constexpr bool shows_force(DeviceKind kind) noexcept {
+  return kind == DeviceKind::impedance || kind == DeviceKind::relative;
+}
+
 class SimRig {
  public:
   /// Why the scene's rig, which must be valid, cannot follow the motion; empty when it can. Poses need
   /// inverse kinematics, which not every device has; columns of joints do for all of them.
   static std::string why_not(const SceneConfig& scene, const Motion& motion);
 
-  /// scene.device->rig must be there and valid, why_not() empty. Allocates; nothing later does.
-  SimRig(const SceneConfig& scene, const Motion& motion);
+  /// scene.device->rig must be there and valid, why_not() empty. profiles: what the nodes have been set up by
+  /// and have stored; without, it is for the host to do. Allocates; nothing later does.
+  SimRig(const SceneConfig& scene, const Motion& motion, const RigProfiles& profiles = {});
   SimRig(const SimRig&) = delete;
   SimRig& operator=(const SimRig&) = delete;
 
@@ -93,7 +100,9 @@ class SimRig {
   };
 
   SimCanPort& add_port(std::size_t bus);
-  void add_drive(const DriveParams& params, double heartbeat_s);
+  void add_encoder(const EncoderParams& params, const std::optional<NodeProfile>& profile,
+                   double heartbeat_s);
+  void add_drive(const DriveParams& params, const std::optional<NodeProfile>& profile, double heartbeat_s);
   void add_button(const ButtonParams& params, double heartbeat_s);
   void press_buttons(double motion_time) noexcept;
   Eigen::Index joint_named(const std::string& name) const;

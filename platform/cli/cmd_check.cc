@@ -4,6 +4,7 @@
 
 #include "platform/cli/bus_load_text.h"
 #include "platform/cli/run_options.h"
+#include "platform/cli/time_to_zero.h"
 #include "platform/cli/verbs.h"
 #include "sim/contact_params.h"
 #include "sim/scene_toml.h"
@@ -72,6 +73,11 @@ ExitCode check(const std::string& path) {
   print_composition(prepared.session->engine().composition());
   print_capacities(scene, prepared.session->engine().composition());
   print_top_speed(path, scene);
+  if (scene.device && scene.device->rig) {
+    std::puts("");
+    for (const std::string& line : time_to_zero_lines(*scene.device->rig, prepared.profiles))
+      std::puts(line.c_str());
+  }
   for (const BusLoad& load : prepared.bus_loads) {
     print_bus_load(stdout, load);
     if (const std::string advice = load_advice(load); !advice.empty())

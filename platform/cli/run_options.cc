@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "hal/drive_watchdog.h"
 #include "platform/cli/bus_load_text.h"
 #include "platform/clock.h"
 #include "platform/tracker_thread.h"
@@ -114,20 +115,29 @@ void check_real_buses(const RunOptions& options, PreparedRun& run) {
         "count");
 }
 
+/// The profiles of the scene's nodes; where it shows force, every drive stops when this program dies.
+void check_profiles(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
+  if (!has_rig(scene)) return;
+  const RigParams& rig = *scene.device->rig;
+  RigProfilesResult loaded = load_profiles(rig, fs::path(options.scene).parent_path().string());
+  append(run.errors, loaded.errors);
+  run.profiles = std::move(loaded.profiles);
+  if (!loaded.errors.empty() || !shows_force(scene.device->kind)) return;
+  for (const std::string& line : missing_watchdogs(rig, run.profiles))
+    run.errors.push_back(options.scene + ": " + line);
+}
+
 /// The session on the planned buses and trackers; the threads of those have then begun.
 Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
                            PreparedRun& run) {
-  if (run.buses.choice != BusChoice::real) return Session::make(scene, std::move(motion), run.buses.choice);
+  if (run.buses.choice != BusChoice::real)
+    return Session::make(scene, std::move(motion), run.buses.choice, run.profiles);
   RealDevice device{
       .buses = nullptr, .trackers = {}, .clock = []() noexcept { return MonotonicClock{}.now(); }};
   if (has_rig(scene)) {
     auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.record.empty());
     run.link = link.get();
     device.buses = std::move(link);
-    RigProfilesResult profiles =
-        load_profiles(*scene.device->rig, fs::path(options.scene).parent_path().string());
-    append(run.errors, profiles.errors);
-    run.profiles = std::move(profiles.profiles);
   }
   if (!options.trackers.empty())
     for (auto& thread :
@@ -174,6 +184,7 @@ PreparedRun prepare(const RunOptions& options) {
   check_real_buses(options, run);
   check_record(options, run.buses.choice, scene, run.errors);
   apply_overrides(options, scene);
+  check_profiles(options, scene, run);
   std::optional<Motion> motion = load_motion(options, scene, run);
   if (!motion || !run.errors.empty()) return run;
 

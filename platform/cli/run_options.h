@@ -34,7 +34,7 @@ struct PreparedRun {
   RunPlan plan;
   BusPlan buses;
   LinuxLink* link = nullptr;        // the session's, where its buses are real; they are closed
-  RigProfiles profiles;             // of the nodes on them
+  RigProfiles profiles;             // of the scene's nodes
   std::vector<BusLoad> bus_loads;   // what the scene's buses carry at worst; empty with --bus direct
   std::vector<std::string> errors;  // "file:line:column: what", "file: what" or "--option: what"
   std::vector<std::string> notes;

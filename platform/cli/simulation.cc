@@ -139,6 +139,7 @@ nlohmann::ordered_json Simulation::to_json() const {
   json out{{"t_s", seconds(now_ns_)},
            {"motion_s", motion_time()},
            {"syncs", syncs_},
+           {"sync_at_s", seconds(t_sync_ns_)},
            {"reachable", !rig_ || rig_->reachable()},
            {"faults_begun", (rig_ ? rig_->faults().begun() : 0) + (tools_ ? tools_->begun() : 0)}};
   for (std::size_t i = 0; i < buses_.size(); ++i) {

@@ -173,9 +173,9 @@ TEST_F(CliMonitor, DecodesCanopenWithoutAScene) {
 TEST_F(CliMonitor, DecodesTheBusesOfOtherDrives) {
   const auto scene_with = [&](const std::string& drive, const std::string& bus) {
     std::string scene = two_joints_toml;
-    for (std::size_t at = 0; (at = scene.find("torque_rated_Nm", at)) != std::string::npos;
-         at += drive.size() + 1)
-      scene.insert(at, drive);
+    const std::string profile = "profile = \"generic-402\"\n";
+    for (std::size_t at = 0; (at = scene.find(profile, at)) != std::string::npos; at += drive.size())
+      scene.replace(at, profile.size(), drive);
     const std::string second_bus = "name = \"can1\"\n";
     return write("scene.toml", scene.insert(scene.find(second_bus) + second_bus.size(), bus));
   };
@@ -184,7 +184,7 @@ TEST_F(CliMonitor, DecodesTheBusesOfOtherDrives) {
     EXPECT_EQ(run_program("run " + scene + " --duration 0.3 --record " + log).exit_code, 0);
     return run_program("monitor --plain --scene " + scene + " --bus can1=replay:" + log + ",can1").output;
   };
-  const std::string odrive = table_of(scene_with("protocol = \"odrive\"\n", ""));
+  const std::string odrive = table_of(scene_with("protocol = \"odrive\"\nwatchdog = \"drive\"\n", ""));
   EXPECT_THAT(odrive, ContainsRegex("029 +estimates of turret drive .* [+-][0-9.]+ rad, velocity "));
   EXPECT_THAT(odrive, ContainsRegex("029 +estimates request of turret drive .* remote "));
   EXPECT_THAT(odrive, ContainsRegex("04E +torque command of elbow drive .* torque [+-][0-9.]+ Nm"));

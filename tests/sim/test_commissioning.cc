@@ -154,19 +154,36 @@ TEST(Commissioning, NodeIsHaltedBeforeTheFirstRequest) {
   EXPECT_EQ(std::vector(order.begin(), order.begin() + 3), (std::vector<std::uint32_t>{0x701, 0, 0x601}));
 }
 
-// 1016h and 6007h: the drives stop by themselves.
-TEST(Commissioning, DrivesStopWhenTheHostVanishes) {
-  RigParams params = grasper();
+/// All drives in fault within that time of the host's last cycle, for this reason.
+void expect_drives_to_stop(const RigParams& params, const RigProfiles& profiles, Nanoseconds within,
+                           std::uint16_t error_code) {
   SimulatedRig sim(params, false, {}, SimDefaults::factory);
-  Commissioning commissioning(params, profiles_of(params), sim.hosts);
+  Commissioning commissioning(params, profiles, sim.hosts);
   run(commissioning, sim);
   ASSERT_FALSE(commissioning.failed());
   ASSERT_TRUE(sim.boot()) << sim.rig->fault_text();
-  sim.idle(399 * ms);  // the host's last heartbeat is up to 100 ms old; the profile's limit is 300 ms
+  sim.idle(within);
   for (const auto& drive : sim.drives) {
     EXPECT_EQ(drive->drive_state(), cia402::DriveState::fault);
-    EXPECT_EQ(drive->error_code(), 0x8130);
+    EXPECT_EQ(drive->error_code(), error_code);
   }
+}
+
+// 1400h:05: the drives stop by themselves.
+TEST(Commissioning, DrivesStopWhenTheHostVanishes) {
+  const RigParams params = grasper();
+  expect_drives_to_stop(params, profiles_of(params), 20 * ms, 0x8250);
+}
+
+// 1016h and 6007h: the same where there is no deadline.
+TEST(Commissioning, DrivesStopWhenTheHostsHeartbeatStaysAway) {
+  const RigParams params = grasper();
+  RigProfiles profiles = profiles_of(params);
+  for (std::optional<NodeProfile>& drive : profiles.drives)
+    for (PdoProfile& pdo : drive->pdos)
+      if (pdo.direction == PdoDirection::receive) pdo.timer_ms.reset();
+  // the host's last heartbeat is up to 100 ms old; the profile's limit is 300 ms
+  expect_drives_to_stop(params, profiles, 399 * ms, 0x8130);
 }
 
 TEST(Commissioning, NodesWithoutAProfileAreLeftAlone) {
@@ -381,6 +398,7 @@ TEST(Profile, ShippedOnesAreValid) {
   EXPECT_THAT(shipped_profiles(), ElementsAre("epos4", "generic-402", "generic-406", "nanotec"));
   for (const std::string& name : shipped_profiles()) {
     RigParams rig = grasper();
+    rig.heartbeat_period_s = 5e-3;  // epos4 and nanotec watch it
     if (name == "generic-406") rig.encoders[0].profile = name;
     else rig.drives[0].profile = name;
     EXPECT_THAT(load_profiles(rig, ".").errors, IsEmpty());
@@ -418,6 +436,10 @@ TEST(Profile, ContradictionsWithTheSceneAreFoundBeforeTheBus) {
   EXPECT_THAT(errors, testing::Contains(HasSubstr("host: give it twice")));
   EXPECT_THAT(errors, testing::Contains(HasSubstr("at least twice within")));
   EXPECT_THAT(errors, testing::Contains(HasSubstr("60C2h cannot carry")));
+  rig = grasper();
+  rig.cycle_s = 0.02;
+  EXPECT_THAT(load_profiles(rig, ".").errors,
+              ElementsAre(HasSubstr("stop between two commands of the host")));
 }
 
 TEST(Profile, MapThatTheRigWouldMisreadIsAnError) {

@@ -19,6 +19,8 @@ SceneConfig scene_with(DriveProtocol protocol) {
   if (protocol == DriveProtocol::moteus) rig.buses[1].data_bit_rate = 5e6;
   for (DriveParams& drive : rig.drives) {
     drive.protocol = protocol;
+    if (protocol != DriveProtocol::cia402) drive.profile.clear();
+    if (protocol == DriveProtocol::odrive) drive.watchdog = DriveWatchdog::drive;
     drive.calibration.counts_per_unit =
         counts_per_motor_turn / (2 * std::numbers::pi * drive.joint_per_motor_rad);
   }

@@ -21,6 +21,7 @@ SimDriveParams drive_params() {
   params.drive.torque_rated_Nm = 0.1;
   params.drive.torque_max_Nm = 0.05;
   params.drive.calibration.counts_per_unit = 1000;
+  params.rpdo_timeout_ns = 20 * ms;
   return params;
 }
 
@@ -174,6 +175,18 @@ TEST(SimDrive, WatchdogTripsWithoutCommands) {
   EXPECT_EQ(cia402::decode_state(rig.status.statusword), DriveState::operation_enabled);
   rig.cycle();
   EXPECT_EQ(cia402::decode_state(rig.status.statusword), DriveState::fault);
+}
+
+TEST(SimDrive, WithoutADeadlineItKeepsItsTorque) {
+  SimDriveParams params = drive_params();
+  params.rpdo_timeout_ns = SimDriveParams{}.rpdo_timeout_ns;
+  Rig rig(params);
+  rig.enable();
+  rig.cycle(torque(300));
+  rig.cycle(torque(300));
+  rig.run_to(rig.wire.now() + 10'000 * ms);
+  EXPECT_DOUBLE_EQ(rig.drive.applied_torque_Nm(), 0.03);
+  EXPECT_TRUE(rig.emergencies.empty());
 }
 
 TEST(SimDrive, WatchdogActsAtItsOwnTimeWithoutSync) {

@@ -93,8 +93,9 @@ class VcanBus final : public CanBus {
 /// Its time moves as that of a SimLink.
 class VcanLink final : public RigLink {
  public:
-  VcanLink(const SceneConfig& scene, const Motion& motion, Nanoseconds period, Nanoseconds poll)
-      : rig_(scene, motion), period_ns_(period), poll_ns_(poll) {
+  VcanLink(const SceneConfig& scene, const Motion& motion, Nanoseconds period, Nanoseconds poll,
+           const RigProfiles& profiles)
+      : rig_(scene, motion, profiles), period_ns_(period), poll_ns_(poll) {
     const std::vector<std::vector<CanFilter>> filters = rig_filters(*scene.device->rig);
     for (std::size_t i = 0; i < filters.size(); ++i) {
       vcans_.push_back(

@@ -45,6 +45,13 @@ class BackgroundProgram {
   BackgroundProgram(const BackgroundProgram&) = delete;
   BackgroundProgram& operator=(const BackgroundProgram&) = delete;
 
+  /// Waits for its end.
+  void end_by(int signal) {
+    if (pid_ > 0) kill(pid_, signal);
+    if (pid_ > 0) waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+
   /// The next line, without its end; empty at the end of the output.
   std::string line() {
     std::string text;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "hal/rig.h"
+#include "sim/profile_toml.h"
 #include "sim/scene_toml.h"
 #include "sim/sim_link.h"
 
@@ -66,6 +67,7 @@ modulus_counts = 16384
 joint = "turret"
 bus = "can1"
 node_id = 1
+profile = "generic-402"
 torque_rated_Nm = 0.1
 torque_max_Nm = 0.1
 torque_rate_Nm_per_s = 20.0
@@ -75,6 +77,7 @@ counts_per_turn = 40960
 joint = "elbow"
 bus = "can1"
 node_id = 2
+profile = "generic-402"
 torque_rated_Nm = 0.1
 torque_max_Nm = 0.1
 torque_rate_Nm_per_s = 20.0
@@ -97,8 +100,14 @@ inline SceneConfig two_joints() {
   return *loaded.scene;
 }
 
+inline RigProfiles profiles_of(const SceneConfig& scene) {
+  RigProfilesResult loaded = load_profiles(*scene.device->rig, "");
+  if (!loaded.errors.empty()) throw std::runtime_error(loaded.errors.front());
+  return std::move(loaded.profiles);
+}
+
 /// The rig's cycles as a session runs them, with a constant wrench shown to the hand. Link: a RigLink that is made
-/// as SimLink is and has its rig().
+/// as SimLink is and has its rig(). The nodes have been set up by the scene's profiles.
 template <class Link>
 class FaultyRigOn {
  public:
@@ -107,7 +116,7 @@ class FaultyRigOn {
   explicit FaultyRigOn(const SceneConfig& config = two_joints())
       : scene(config),
         motion(scene),
-        link(scene, motion, period_ns, poll_ns),
+        link(scene, motion, period_ns, poll_ns, profiles_of(scene)),
         rig(*scene.device->rig, link.buses()) {}
 
   void cycle() {

@@ -59,6 +59,7 @@ class SimulatedRig {
   static constexpr Nanoseconds cycle_ns = 1'000'000;
   static constexpr Nanoseconds deadline_ns = 700'000;  // after SYNC: the answers should be in
   static constexpr Nanoseconds heartbeat_ns = 100'000'000;
+  static constexpr Nanoseconds watchdog_ns = 20'000'000;  // as the profiles have it
 
   explicit SimulatedRig(const RigParams& rig_params = arm_rig_params(), bool haptic = false,
                         const PlantConfig& plant_config = {}, SimDefaults defaults = SimDefaults::rig)
@@ -76,9 +77,11 @@ class SimulatedRig {
     }
     for (const DriveParams& d : params.drives) {
       drive_ports.push_back(&open_port(wires[d.bus]));
-      drives.push_back(std::make_unique<SimDrive>(
-          *drive_ports.back(),
-          SimDriveParams{.drive = d, .heartbeat_period_ns = heartbeat_ns, .defaults = defaults}));
+      drives.push_back(
+          std::make_unique<SimDrive>(*drive_ports.back(), SimDriveParams{.drive = d,
+                                                                         .rpdo_timeout_ns = watchdog_ns,
+                                                                         .heartbeat_period_ns = heartbeat_ns,
+                                                                         .defaults = defaults}));
       nodes[d.bus].push_back(drives.back().get());
     }
     rig = std::make_unique<Rig>(params, hosts);
