@@ -67,6 +67,19 @@ constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   return is_canopen(frame) ? static_cast<std::uint8_t>(frame.id & max_node_id) : std::uint8_t{0};
 }
 
+/// Node that an RPDO1 goes to; 0: it is none.
+constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
+  return is_canopen(frame) && (frame.id & ~std::uint32_t{max_node_id}) == rpdo_cob_id(1, 0)
+             ? static_cast<std::uint8_t>(frame.id & max_node_id)
+             : std::uint8_t{0};
+}
+
+/// What one node of a network sends, its master: NMT, SYNC and the heartbeat of that node id.
+constexpr bool is_from_master(const CanFrame& frame, std::uint8_t master) noexcept {
+  return is_canopen(frame) &&
+         (frame.id == nmt_cob_id || frame.id == sync_cob_id || frame.id == heartbeat_cob_id(master));
+}
+
 /// Whether a frame is the message `cob_id` of exactly `size` bytes.
 [[nodiscard]] constexpr ParseResult check_message(const CanFrame& frame, std::uint32_t cob_id,
                                                   std::size_t size) noexcept {

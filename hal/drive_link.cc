@@ -21,14 +21,19 @@ std::unique_ptr<DriveLink> make(const DriveParams& params, double cycle_s) {
 
 // In the order of DriveProtocol.
 constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
-    {make<Cia402Link>, {.sender = canopen::sender}},
+    {make<Cia402Link>, {.sender = canopen::sender, .commanded = canopen::commanded}},
     {make<OdriveLink>,
      {.canopen = false,
       .max_node_id = odrive::max_node_id,
       .sender = odrive::sender,
+      .commanded = odrive::commanded,
       .describe = odrive::describe}},
     {make<MoteusLink>,
-     {.canopen = false, .fd = true, .sender = moteus::sender, .describe = moteus::describe}},
+     {.canopen = false,
+      .fd = true,
+      .sender = moteus::sender,
+      .commanded = moteus::commanded,
+      .describe = moteus::describe}},
 }};
 
 }  // namespace

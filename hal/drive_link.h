@@ -99,6 +99,8 @@ struct BusProtocol {
   std::uint8_t max_node_id = canopen::max_node_id;
   /// Node id 1..127, 0: no node of this protocol.
   std::uint8_t (*sender)(const CanFrame&) noexcept = nullptr;
+  /// The drive that a frame commands, which none but its host sends; 0: it is no command.
+  std::uint8_t (*commanded)(const CanFrame&) noexcept = nullptr;
   /// Of any frame; allocates. Null: the messages are those of CANopen.
   DriveText (*describe)(const CanFrame&) = nullptr;
 };

@@ -106,6 +106,12 @@ constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   return to_host ? static_cast<std::uint8_t>(frame.id >> 8) : std::uint8_t{0};
 }
 
+/// Node 1..127 that a host, source 0, asks and commands; 0: none.
+constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
+  const bool from_host = frame.fd && (frame.id & ~0x807Fu) == 0;
+  return from_host ? static_cast<std::uint8_t>(frame.id & 0x7Fu) : std::uint8_t{0};
+}
+
 /// moteus_text.cc
 DriveText describe(const CanFrame& frame);
 

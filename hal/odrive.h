@@ -62,6 +62,17 @@ constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   return classic && node <= max_node_id ? static_cast<std::uint8_t>(node) : std::uint8_t{0};
 }
 
+/// Node that a frame commands or sets up; 0: none. An e-stop may come from anywhere.
+constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
+  switch (static_cast<Command>(frame.id & 0x1Fu)) {
+    case Command::set_axis_state:
+    case Command::set_controller_mode:
+    case Command::set_input_torque:
+    case Command::clear_errors: return sender(frame);
+    default: return 0;
+  }
+}
+
 /// odrive_text.cc
 DriveText describe(const CanFrame& frame);
 

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
+
+#include "hal/slip.h"
 
 namespace godobject {
 
@@ -40,7 +43,8 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
     drives_.push_back({.drive = Drive(drive, params.cycle_s, stale_after_ns),
                        .node = node,
                        .joint = joint_named(drive.joint),
-                       .every_nth_sync = drive.status_every_nth_sync});
+                       .every_nth_sync = drive.status_every_nth_sync,
+                       .max_slip = allowed_slip(params, drive)});
   }
   add_buttons();
   // an encoder on the joint goes before the drive's own position
@@ -244,9 +248,9 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
   return false;
 }
 
-void Rig::raise(const RigFaultPlace& place) noexcept {
+void Rig::raise(const RigFaultPlace& place, std::uint32_t identifier) noexcept {
   if (state_ == RigState::off) return;
-  fault_log_.raise(place, now_ns_);
+  fault_log_.raise(place, now_ns_, identifier);
   before_fault_ = reached();
   state_ = RigState::fault;
 }
@@ -255,14 +259,14 @@ std::string Rig::fault_text() const {
   std::ostringstream out;
   for (const RigFaultRecord& record : fault_log_.records()) {
     const RigFaultText& text = text_of(record.place.fault);
-    out << text.name << " (" << place_text(record.place) << "): " << text.meaning << "; " << text.remedy
-        << ".\n";
+    out << text.name << " (" << place_text(record) << "): " << text.meaning << "; " << text.remedy << ".\n";
   }
   if (fault_log_.left_out() > 0) out << "and at " << fault_log_.left_out() << " more places.\n";
   return out.str();
 }
 
-std::string Rig::place_text(const RigFaultPlace& place) const {
+std::string Rig::place_text(const RigFaultRecord& record) const {
+  const RigFaultPlace& place = record.place;
   std::ostringstream out;
   out << (place.bus ? params_.buses[*place.bus].name : "host");
   if (place.bus && place.node_id != 0) {
@@ -270,7 +274,10 @@ std::string Rig::place_text(const RigFaultPlace& place) const {
     out << " node " << int{place.node_id} << ", " << device_text(params_, node);
   }
   if (place.fault == RigFault::drive_error) out << ", code " << place.drive_code;
-  if (place.fault == RigFault::emergency) out << ", code 0x" << std::hex << place.emcy_code;
+  out << std::hex;
+  if (place.fault == RigFault::emergency) out << ", code 0x" << place.emcy_code;
+  if (place.fault == RigFault::second_host)
+    out << ", identifier 0x" << std::setw(3) << std::setfill('0') << record.identifier;
   return out.str();
 }
 

@@ -159,6 +159,7 @@ class Rig {
     std::uint64_t every_nth_sync;
     std::uint64_t answered_sync = 0;
     bool request_refused = false;  // in this cycle
+    double max_slip = 0;           // rad or m; 0: not compared with an encoder
     double apart = 0;              // the joint's encoder minus its position, as it was before ready; rad or m
     Nanoseconds t_agreed_ns = 0;   // when they were last as far apart as that
   };
@@ -175,13 +176,14 @@ class Rig {
 
   bool queue_sync(std::size_t bus, Nanoseconds now) noexcept;
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
-  void raise(const RigFaultPlace& place) noexcept;
+  void raise(const RigFaultPlace& place, std::uint32_t identifier = 0) noexcept;
   void raise(RigFault fault, const RigNode& node) noexcept {
     raise({.fault = fault, .bus = node.bus, .node_id = node.id});
   }
 
   // rig_receive.cc
   void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
+  bool from_second_host(std::size_t bus, const CanFrame& frame) noexcept;
   void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
   void on_emergency(RigNode& node, const CanFrame& frame) noexcept;
   void on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept;
@@ -208,7 +210,7 @@ class Rig {
   bool drives_were_up() const noexcept { return reached() >= RigState::ready; }
 
   DriveGoal goal() const noexcept;
-  std::string place_text(const RigFaultPlace& place) const;
+  std::string place_text(const RigFaultRecord& record) const;
   DeviceButtons buttons() const noexcept;
 
   RigParams params_;

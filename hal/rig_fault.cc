@@ -48,6 +48,11 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "stale_after",
      "see which of them stands still: encoder, its coupling, a belt or cable that slips; counts per unit of "
      "both"},
+    {RigFault::second_host, "second_host",
+     "another host sends on a bus what only this one should: SYNC, NMT, the host's heartbeat or a drive's "
+     "commands",
+     "end the other program or take the other master off the bus; see that no node sends SYNC (1005h), "
+     "starts others (1F80h) or has the host's node id"},
 }};
 
 }  // namespace
@@ -56,12 +61,13 @@ std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept { retur
 
 const RigFaultText& text_of(RigFault fault) noexcept { return texts[index_of(fault)]; }
 
-bool RigFaultLog::raise(const RigFaultPlace& place, Nanoseconds now) noexcept {
+bool RigFaultLog::raise(const RigFaultPlace& place, Nanoseconds now, std::uint32_t identifier) noexcept {
   const std::span<const RigFaultRecord> known = records();
   if (std::ranges::find(known, place, &RigFaultRecord::place) != known.end()) return false;
   if (!any(faults_ & place.fault)) ++counts_[index_of(place.fault)];
   faults_ = faults_ | place.fault;
-  if (num_records_ < capacity) records_[num_records_++] = {.place = place, .t_ns = now};
+  if (num_records_ < capacity)
+    records_[num_records_++] = {.place = place, .t_ns = now, .identifier = identifier};
   else ++left_out_;
   return true;
 }

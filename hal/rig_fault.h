@@ -28,8 +28,9 @@ enum class RigFault : std::uint32_t {
   drive_error = 1u << 11,
   quick_stop = 1u << 12,
   sensors_disagree = 1u << 13,
+  second_host = 1u << 14,
 };
-inline constexpr std::size_t num_rig_faults = 14;
+inline constexpr std::size_t num_rig_faults = 15;
 
 constexpr RigFault operator|(RigFault a, RigFault b) noexcept {
   return static_cast<RigFault>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -62,10 +63,11 @@ struct RigFaultPlace {
   bool operator==(const RigFaultPlace&) const = default;
 };
 
-/// A place, and when the fault was seen there first.
+/// A place, and what showed the fault there first.
 struct RigFaultRecord {
   RigFaultPlace place;
-  Nanoseconds t_ns = 0;  // bus time
+  Nanoseconds t_ns = 0;          // bus time
+  std::uint32_t identifier = 0;  // of the frame, of a second_host
 };
 
 /// The sticky bits, and every place at which they came up since they were cleared last. Of fixed size.
@@ -75,7 +77,7 @@ class RigFaultLog {
   static constexpr std::size_t capacity = 128;
 
   /// Sets the bit and notes the place. False where that was known already.
-  bool raise(const RigFaultPlace& place, Nanoseconds now) noexcept;
+  bool raise(const RigFaultPlace& place, Nanoseconds now, std::uint32_t identifier = 0) noexcept;
   /// Clears the bits and the places; the counts stay.
   void clear() noexcept;
 

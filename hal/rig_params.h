@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -85,7 +86,7 @@ struct DriveParams {
   std::uint8_t status_every_nth_sync = 1;  // transmission type of its TPDO1, 1..240
   Calibration calibration{};               // of its position 6064h, to the joint coordinate
   double max_speed = 50;                   // of the joint: a position that implies more is not plausible
-  double max_slip = 0;                     // of the joint, against its encoder; 0: not compared
+  std::optional<double> max_slip{};        // of the joint, against its encoder; 0: not compared; none: slip.h
   std::string profile{};                   // as EncoderParams::profile
 };
 

@@ -39,7 +39,7 @@ void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now
   Bus& on = buses_[bus];
   const SyncAttribution::Answer answer = on.syncs.on_frame(received);
   const std::size_t node_plus_1 = on.node_of_id[on.protocol.sender(frame)];
-  if (node_plus_1 == 0) {
+  if (from_second_host(bus, frame) || node_plus_1 == 0) {
     ++counters_.foreign;
     return;
   }
@@ -56,6 +56,19 @@ void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now
   } else if (is_emergency(frame.id)) {
     on_emergency(node, frame);
   }
+}
+
+/// What this host alone may send, and it does not hear itself.
+bool Rig::from_second_host(std::size_t bus, const CanFrame& frame) noexcept {
+  const Bus& on = buses_[bus];
+  if (on.protocol.canopen && canopen::is_from_master(frame, params_.host_node_id)) {
+    raise({.fault = RigFault::second_host, .bus = bus}, frame.id);
+    return true;
+  }
+  const std::size_t node_plus_1 = on.node_of_id[on.protocol.commanded(frame)];
+  if (node_plus_1 == 0 || nodes_[node_plus_1 - 1].kind != NodeKind::drive) return false;
+  raise({.fault = RigFault::second_host, .bus = bus, .node_id = nodes_[node_plus_1 - 1].id}, frame.id);
+  return true;
 }
 
 void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept {

@@ -59,15 +59,15 @@ void Rig::check_samples(Nanoseconds now) noexcept {
 // A drive's zero may be where it was switched on: what counts is how the two have parted since it was enabled. Samples
 // that are missing or not plausible have faults of their own.
 void Rig::check_slip(DriveOnBus& drive, Nanoseconds now) noexcept {
-  const double max_slip = params_.drives[nodes_[drive.node].device].max_slip;
+  if (drive.max_slip <= 0) return;
   const Encoder* const sensor = sensors_[static_cast<std::size_t>(drive.joint)];
-  if (max_slip <= 0 || sensor == &drive.drive.position()) return;
   const JointSample joint = sensor->sample(now), motor = drive.drive.position().sample(now);
   const double later_s = 1e-9 * static_cast<double>(joint.t_ns - motor.t_ns);
   const double apart = joint.q - joint.q_dot * later_s - motor.q;
+  const double travel = std::max(std::abs(joint.q_dot), std::abs(motor.q_dot)) * params_.stale_after_s;
   const bool known = joint.valid && motor.valid;
   if (known && !drives_were_up()) drive.apart = apart;
-  if (!known || std::abs(apart - drive.apart) <= max_slip) drive.t_agreed_ns = now;
+  if (!known || std::abs(apart - drive.apart) <= drive.max_slip + travel) drive.t_agreed_ns = now;
   else if (static_cast<double>(now - drive.t_agreed_ns) > 1e9 * params_.stale_after_s)
     raise(RigFault::sensors_disagree, nodes_[drive.node]);
 }

@@ -121,10 +121,10 @@ class Checker {
     require_positive(drive.torque_rate_Nm_per_s, where, "torque_rate_Nm_per_s");
     require_positive(drive.joint_per_motor_rad, where, "joint_per_motor_rad");
     require(drive.sign == 1 || drive.sign == -1, where, "sign is ", drive.sign, ", must be 1 or -1");
-    require(std::isfinite(drive.max_slip) && drive.max_slip >= 0, where, "max_slip is ", drive.max_slip,
-            ", must be >= 0");
-    require(drive.max_slip == 0 || std::ranges::count(rig_.encoders, drive.joint, &EncoderParams::joint) > 0,
-            where, "max_slip compares it with an encoder on its joint, which has none");
+    const double max_slip = drive.max_slip.value_or(0);
+    require(std::isfinite(max_slip) && max_slip >= 0, where, "max_slip is ", max_slip, ", must be >= 0");
+    require(max_slip == 0 || std::ranges::count(rig_.encoders, drive.joint, &EncoderParams::joint) > 0, where,
+            "max_slip compares it with an encoder on its joint, which has none");
     require(drive.status_every_nth_sync >= 1 && drive.status_every_nth_sync <= 240, where,
             "status_every_nth_sync is ", int{drive.status_every_nth_sync}, ", must be 1..240");
   }

@@ -143,9 +143,10 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
   visit_max_speed(v, d.max_speed);
   v.value(Key{"max_slip", "rad or m",
               "of the joint: how far its position may part from the encoder's, once enabled, before that is "
-              "the fault "
-              "`sensors_disagree`; 0: not compared",
-              not_negative},
+              "the fault `sensors_disagree`, and its travel in `stale_after` on top while it moves; 0: not "
+              "compared; without an encoder there is nothing to compare",
+              not_negative, false,
+              "0.05 rad of a hinge, 0.005 m of a slider, and 2 counts of each sensor"},
           d.max_slip);
 }
 

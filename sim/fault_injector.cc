@@ -1,6 +1,8 @@
 #include "sim/fault_injector.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace godobject {
 namespace {
@@ -14,8 +16,15 @@ bool acts_on(const SimFault& fault, std::size_t bus, std::uint8_t node_id) noexc
 
 }  // namespace
 
-void FaultInjector::add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes) {
-  buses_.push_back({.host = &host, .nodes = &nodes, .impostor_port = std::make_unique<SimCanPort>(wire)});
+void FaultInjector::add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes,
+                            const RigParams& rig) {
+  auto second_port = std::make_unique<SimCanPort>(wire);
+  auto second_host = std::make_unique<SimSecondHost>(*second_port, rig, buses_.size());
+  buses_.push_back({.host = &host,
+                    .nodes = &nodes,
+                    .impostor_port = std::make_unique<SimCanPort>(wire),
+                    .second_port = std::move(second_port),
+                    .second_host = std::move(second_host)});
 }
 
 std::size_t FaultInjector::add_node(std::size_t bus, SimCanPort& port, SimNode& node,
@@ -27,7 +36,8 @@ std::size_t FaultInjector::add_node(std::size_t bus, SimCanPort& port, SimNode& 
                     .port = &port,
                     .node = &node,
                     .impostor = std::move(impostor),
-                    .calibration = calibration});
+                    .calibration = calibration,
+                    .shows = nodes_.size()});
   return nodes_.size() - 1;
 }
 
@@ -35,7 +45,7 @@ void FaultInjector::schedule_all(std::span<const SimFault> faults) {
   waiting_.assign(faults.begin(), faults.end());
   waiting_.reserve(faults.size() + capacity);
   active_.reserve(faults.size() + capacity);
-  for (const BusEntry& bus : buses_) bus.nodes->reserve(bus.nodes->size() + 1);
+  for (const BusEntry& bus : buses_) bus.nodes->reserve(bus.nodes->size() + 2);
 }
 
 bool FaultInjector::schedule(const SimFault& fault) noexcept {
@@ -68,9 +78,14 @@ void FaultInjector::clear(Nanoseconds now) noexcept {
   apply(now);
 }
 
-double FaultInjector::shown(std::size_t node, double q) noexcept {
-  nodes_[node].q = q;
-  return nodes_[node].sensor.shown(q, nodes_[node].calibration);
+double FaultInjector::shown(std::size_t node) const noexcept {
+  const NodeEntry& from = nodes_[nodes_[node].shows];
+  const double q = from.sensor.shown(from.q, from.calibration);
+  if (&from == &nodes_[node] || std::isnan(q)) return q;
+  // the other sensor's count, read by this one's calibration
+  const Calibration& by = nodes_[node].calibration;
+  const double counts = counts_at(q, from.calibration);
+  return by.home + by.sign * (counts - static_cast<double>(by.offset_counts)) / by.counts_per_unit;
 }
 
 // What happens at the beginning; what lasts is apply()'s.
@@ -89,6 +104,7 @@ void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
       for_each_port(fault, [](SimCanPort& port) { static_cast<void>(port.restart()); });
       break;
     case FaultVerb::id_collision: admit_impostor(fault, now); break;
+    case FaultVerb::second_host: admit_second_host(fault, now); break;
     default: break;
   }
   if (once && fault.verb != FaultVerb::spike) return;
@@ -107,6 +123,9 @@ void FaultInjector::end(const SimFault& fault) noexcept {
       dismiss_impostor(buses_[fault.first_bus]);
       static_cast<void>(node_of(fault)->port->restart());
       break;
+    case FaultVerb::second_host:
+      for (std::size_t bus = fault.first_bus; bus < fault.end_bus; ++bus) dismiss_second_host(buses_[bus]);
+      break;
     default: break;
   }
 }
@@ -124,6 +143,18 @@ void FaultInjector::apply(Nanoseconds now) noexcept {
     const double clock_error_ppm = level(FaultVerb::clock_drift, n.bus, id).value_or(0);
     if (clock_error_ppm != n.clock_error_ppm) n.node->set_clock_error(clock_error_ppm, now);
     n.clock_error_ppm = clock_error_ppm;
+  }
+  swap_ids();
+}
+
+void FaultInjector::swap_ids() noexcept {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].shows = i;
+  for (const ActiveFault& active : active_) {
+    if (active.fault.verb != FaultVerb::swap_ids) continue;
+    const std::size_t bus = active.fault.first_bus;
+    const std::size_t one = index_of(bus, active.fault.node_id);
+    const std::size_t other = index_of(bus, static_cast<std::uint8_t>(active.fault.value));
+    if (one < nodes_.size() && other < nodes_.size()) std::swap(nodes_[one].shows, nodes_[other].shows);
   }
 }
 
@@ -164,10 +195,32 @@ void FaultInjector::dismiss_impostor(BusEntry& bus) noexcept {
   bus.impostor_port->close();
 }
 
+void FaultInjector::admit_second_host(const SimFault& fault, Nanoseconds now) noexcept {
+  for (std::size_t i = fault.first_bus; i < fault.end_bus; ++i) {
+    BusEntry& bus = buses_[i];
+    dismiss_second_host(bus);
+    if (!bus.second_port->open()) continue;
+    bus.second_host->set_period(to_ns(fault.value));
+    bus.second_host->power_cycle(now);
+    bus.nodes->push_back(bus.second_host.get());
+  }
+}
+
+void FaultInjector::dismiss_second_host(BusEntry& bus) noexcept {
+  std::erase(*bus.nodes, bus.second_host.get());
+  bus.second_port->close();
+}
+
 FaultInjector::NodeEntry* FaultInjector::node_of(const SimFault& fault) noexcept {
   const auto node = std::ranges::find_if(
       nodes_, [&](const NodeEntry& n) { return acts_on(fault, n.bus, n.node->node_id()); });
   return node == nodes_.end() ? nullptr : &*node;
+}
+
+std::size_t FaultInjector::index_of(std::size_t bus, std::uint8_t node_id) const noexcept {
+  const auto node = std::ranges::find_if(
+      nodes_, [&](const NodeEntry& n) { return n.bus == bus && n.node->node_id() == node_id; });
+  return static_cast<std::size_t>(node - nodes_.begin());
 }
 
 template <class Function>

@@ -9,6 +9,7 @@
 #include "sim/fault_target.h"
 #include "sim/sensor_fault.h"
 #include "sim/sim_encoder.h"
+#include "sim/sim_second_host.h"
 
 namespace godobject {
 
@@ -24,8 +25,8 @@ class FaultInjector {
 
   // Set-up, in the rig's order of buses. What is added outlives the injector. Allocates.
 
-  /// nodes: those that run on the wire; a second node of an id joins them.
-  void add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes);
+  /// nodes: those that run on the wire; a second node of an id and a second host join them. rig: that of all buses.
+  void add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes, const RigParams& rig);
   /// Index for shown().
   std::size_t add_node(std::size_t bus, SimCanPort& port, SimNode& node, const Calibration& calibration);
   void schedule_all(std::span<const SimFault> faults);
@@ -39,8 +40,10 @@ class FaultInjector {
   /// Ends all that is active and forgets all that waits.
   void clear(Nanoseconds now) noexcept;
 
-  /// What the sensor of a node shows where its joint is at q.
-  double shown(std::size_t node, double q) noexcept;
+  /// The joint of a node is at q now.
+  void move(std::size_t node, double q) noexcept { nodes_[node].q = q; }
+  /// What its sensor shows there; all nodes have been moved.
+  double shown(std::size_t node) const noexcept;
   std::span<const ActiveFault> active() const noexcept { return active_; }
   std::uint64_t begun() const noexcept { return begun_; }
 
@@ -50,6 +53,8 @@ class FaultInjector {
     std::vector<SimNode*>* nodes;
     std::unique_ptr<SimCanPort> impostor_port;  // of the second nodes of an id: closed without one
     SimEncoder* impostor = nullptr;             // that is on the bus now
+    std::unique_ptr<SimCanPort> second_port;    // of the second host: closed without it
+    std::unique_ptr<SimSecondHost> second_host;
   };
   struct NodeEntry {
     std::size_t bus;
@@ -58,7 +63,8 @@ class FaultInjector {
     std::unique_ptr<SimEncoder> impostor;
     Calibration calibration;
     SensorFault sensor{};
-    double q = 0;  // where its joint was when last asked
+    std::size_t shows;  // of nodes_: the one whose sensor sends under its id
+    double q = 0;       // where its joint is
     double clock_error_ppm = 0;
   };
 
@@ -69,6 +75,10 @@ class FaultInjector {
   std::optional<double> level(FaultVerb verb, std::size_t bus, std::uint8_t node_id) const noexcept;
   void admit_impostor(const SimFault& fault, Nanoseconds now) noexcept;
   void dismiss_impostor(BusEntry& bus) noexcept;
+  void admit_second_host(const SimFault& fault, Nanoseconds now) noexcept;
+  void dismiss_second_host(BusEntry& bus) noexcept;
+  void swap_ids() noexcept;
+  std::size_t index_of(std::size_t bus, std::uint8_t node_id) const noexcept;
   NodeEntry* node_of(const SimFault& fault) noexcept;
   template <class Function>
   void for_each_port(const SimFault& fault, Function&& function) noexcept;

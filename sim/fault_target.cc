@@ -17,6 +17,11 @@ bool has_node(const RigParams& rig, std::size_t bus, std::uint8_t id) {
          std::ranges::any_of(rig.buttons, is_it);
 }
 
+bool has_encoder(const RigParams& rig, std::size_t bus, double id) {
+  return std::ranges::any_of(rig.encoders,
+                             [&](const EncoderParams& e) { return e.bus == bus && e.node_id == id; });
+}
+
 std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 std::string verb_names() {
@@ -59,6 +64,13 @@ std::string find_node(const RigParams& rig, SimFault& fault) {
   fault.first_bus = buses.front();
   fault.end_bus = fault.first_bus + 1;
   return "";
+}
+
+/// Of two encoders that exchange their ids; empty, or what is wrong.
+std::string check_swap(const RigParams& rig, const SimFault& fault) {
+  const bool are_two = fault.value != fault.node_id && has_encoder(rig, fault.first_bus, fault.node_id) &&
+                       has_encoder(rig, fault.first_bus, fault.value);
+  return are_two ? "" : "node and value must be two encoders on one bus";
 }
 
 bool to_number(std::string_view text, double& out) {
@@ -110,6 +122,9 @@ FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   if (error.empty() && config.node_id) error = find_node(rig, fault);
   if (error.empty() && !config.node_id && text.place == FaultPlace::node)
     error = in_quotes(text.name) + " is a fault of one node: say which";
+  if (error.empty() && config.node_id && text.place == FaultPlace::bus)
+    error = in_quotes(text.name) + " is a fault of a bus: leave the node out";
+  if (error.empty() && *verb == FaultVerb::swap_ids) error = check_swap(rig, fault);
   if (!error.empty()) return {{}, error};
   return {fault, ""};
 }

@@ -16,11 +16,8 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1,
      .min = 0,
      .max = 1,
-     .reaction =
-         "single frames: the last sample is held, the last command too. Three in a row of an encoder's: "
-         "`sample_stale`; of a drive's: `drive_silent`, and its own watchdog stops the motor. A tracker's "
-         "replies: asked for "
-         "again; with all of them gone its tools are `stale`, which is no fault"},
+     .remark = "of a drive: its own watchdog stops the motor. Of a tracker: a reply is asked for again; with "
+               "all of them gone its tools are `stale`, which is no fault"},
     {.verb = FaultVerb::duplicate,
      .name = "duplicate",
      .place = FaultPlace::bus_or_node,
@@ -29,7 +26,7 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1,
      .min = 0,
      .max = 1,
-     .reaction = "none: the second copy is not later than the first and is left out"},
+     .remark = "the second copy is not later than the first and is left out"},
     {.verb = FaultVerb::delay,
      .name = "delay",
      .place = FaultPlace::anywhere,
@@ -38,8 +35,8 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 2e-3,
      .min = 0,
      .max = 1,
-     .reaction = "less than `stale_after`: none, the samples are as much older; more: `sample_stale`, or "
-                 "`drive_silent`. A tracker's poses: later; more than its `stale_after`: `stale`"},
+     .remark = "less than `stale_after`: the samples are as much older. Of a tracker: more than its "
+               "`stale_after`: its tools are `stale`"},
     {.verb = FaultVerb::corrupt,
      .name = "corrupt",
      .place = FaultPlace::anywhere,
@@ -48,17 +45,15 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 0.1,
      .min = 0,
      .max = 1,
-     .reaction = "few: none but bus load and error counters. Most of them: the sender goes bus-off, then as "
-                 "`bus-off`. Of a tracker: `bad_crc`, and asked again"},
+     .remark = "few: bus load and error counters. Most of them: the sender goes bus-off. Of a tracker: "
+               "`bad_crc`, and asked again"},
     {.verb = FaultVerb::stuck,
      .name = "stuck",
      .place = FaultPlace::node,
      .meaning = "the sensor keeps showing where it is now",
      .value = {},
-     .reaction =
-         "with `max_slip` of the joint's drive, once the joint has moved that far: `sensors_disagree`. "
-         "Without: "
-         "none, nothing tells it from a joint at rest; the jump at its end, if there is one: as `spike`"},
+     .remark = "seen where the joint has a drive and an encoder, and not with `max_slip = 0`; else nothing "
+               "tells it from a joint at rest, and the jump at its end is a `spike`"},
     {.verb = FaultVerb::spike,
      .name = "spike",
      .place = FaultPlace::node,
@@ -68,8 +63,7 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .min = -1e3,
      .max = 1e3,
      .is_event = true,
-     .reaction = "one sample: it is not used, that step holds the last one. Three of five: "
-                 "`sample_implausible`"},
+     .remark = "a single sample is not used: that step holds the last one"},
     {.verb = FaultVerb::wrap,
      .name = "wrap",
      .place = FaultPlace::node,
@@ -78,22 +72,21 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 256,
      .min = 2,
      .max = 4294967296.0,
-     .reaction = "a jump of its count: `sample_implausible`"},
+     .remark = "a jump of its count"},
     {.verb = FaultVerb::nan,
      .name = "nan",
      .place = FaultPlace::node,
      .meaning = "the sensor has no value: NaN where the wire carries floats, 8000 0000h where it carries "
                 "integers",
      .value = {},
-     .reaction = "`sample_implausible` at the third"},
+     .remark = "its samples are not used"},
     {.verb = FaultVerb::reboot_node,
      .name = "reboot-node",
      .place = FaultPlace::node,
      .meaning = "the node loses its power for the duration and boots",
      .value = {},
      .is_event = true,
-     .reaction = "`sample_stale` or `drive_silent` while it is away, `node_restarted` with its boot-up "
-                 "message"},
+     .remark = "it is pre-operational then, until the faults are cleared"},
     {.verb = FaultVerb::emcy,
      .name = "emcy",
      .place = FaultPlace::node,
@@ -103,36 +96,34 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .min = 1,
      .max = 0xFFFF,
      .is_event = true,
-     .reaction = "`emergency`; of a drive also `drive_not_enabled`"},
+     .remark = ""},
     {.verb = FaultVerb::bus_off,
      .name = "bus-off",
      .place = FaultPlace::bus_or_node,
      .meaning = "the controller goes bus-off; at the end of the duration it restarts",
      .value = {},
      .is_event = true,
-     .reaction = "of a node: as `drop` of all. Of the host: `bus_down`; over a real bus, whose controller is "
-                 "another: `sample_stale`, `drive_silent`"},
+     .remark = "of the host `bus_down`, in process only: over a real bus its controller is another, and its "
+               "nodes fall silent"},
     {.verb = FaultVerb::restart,
      .name = "restart",
      .place = FaultPlace::bus_or_node,
      .meaning = "the controller starts its way out of bus-off: 128 times 11 recessive bits",
      .value = {},
      .is_event = true,
-     .reaction = "none by itself: the faults stay until they are cleared"},
+     .remark = "the faults stay until they are cleared"},
     {.verb = FaultVerb::unplug,
      .name = "unplug",
      .place = FaultPlace::anywhere,
      .meaning = "the plug is pulled; at the end of the duration it is put back",
      .value = {},
-     .reaction = "as `drop` of all, and a node's heartbeat: `heartbeat_lost`. A tracker begins anew when "
-                 "it is back"},
+     .remark = "a tracker begins anew when it is back"},
     {.verb = FaultVerb::id_collision,
      .name = "id-collision",
      .place = FaultPlace::node,
      .meaning = "a second encoder with the node's id, whose count is another, joins the bus",
      .value = {},
-     .reaction = "its boot-up message: `node_restarted`. Both answer SYNC at once and go bus-off: then "
-                 "`sample_stale` or `drive_silent`"},
+     .remark = "both answer SYNC at once and go bus-off"},
     {.verb = FaultVerb::clock_drift,
      .name = "clock-drift",
      .place = FaultPlace::node,
@@ -141,8 +132,27 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1e4,
      .min = -9e5,
      .max = 9e6,
-     .reaction = "none: samples follow SYNC. So slow that the heartbeat's period passes "
-                 "`heartbeat_timeout`: `heartbeat_lost`"},
+     .remark = "samples follow SYNC; only a heartbeat can come too late"},
+    {.verb = FaultVerb::swap_ids,
+     .name = "swap-ids",
+     .place = FaultPlace::node,
+     .meaning = "this encoder and another one on its bus exchange their node ids",
+     .value = "node id of the other",
+     .default_value = 2,
+     .min = 1,
+     .max = 127,
+     .remark = "seen as the joints part from their drives, or as a jump. Of joints without a drive that "
+               "stand alike: not seen"},
+    {.verb = FaultVerb::second_host,
+     .name = "second-host",
+     .place = FaultPlace::bus,
+     .meaning = "another host joins the bus: SYNC and a heartbeat once a period; where the drives are no "
+                "CANopen nodes, commands",
+     .value = "s, its period",
+     .default_value = 0.01,
+     .min = 1e-3,
+     .max = 1,
+     .remark = "its own frames a host does not hear; those of another with the same identifier it does"},
     {.verb = FaultVerb::missing,
      .name = "missing",
      .place = FaultPlace::tracker,
@@ -151,7 +161,7 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1,
      .min = 1,
      .max = 8,
-     .reaction = "no fault: the limit `held`, the tool's state is `missing`"},
+     .remark = "the limit `held`; the state of the tool is `missing`, which is no fault"},
     {.verb = FaultVerb::disabled,
      .name = "disabled",
      .place = FaultPlace::tracker,
@@ -160,12 +170,12 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1,
      .min = 1,
      .max = 8,
-     .reaction = "no fault: the limit `held`, the tool's state is `disabled`"},
+     .remark = "the limit `held`; the state of the tool is `disabled`, which is no fault"},
 }};
 
 std::string_view place_text(FaultPlace place) {
-  constexpr std::array<std::string_view, 4> texts_of_places{"node", "node or bus", "node, bus or tracker",
-                                                            "tracker"};
+  constexpr std::array<std::string_view, 5> texts_of_places{"node", "bus", "node or bus",
+                                                            "node, bus or tracker", "tracker"};
   return texts_of_places[static_cast<std::size_t>(place)];
 }
 
@@ -188,12 +198,12 @@ std::optional<FaultVerb> fault_verb_named(std::string_view name) noexcept {
 
 std::string fault_reference_markdown() {
   std::string out =
-      "| verb | of | what happens | `value`, and without one | without `duration` | what the rig does |\n"
+      "| verb | of | what happens | `value`, and without one | without `duration` | remarks |\n"
       "|---|---|---|---|---|---|\n";
   for (const FaultVerbText& text : texts) {
     out += "| `" + std::string(text.name) + "` | " + std::string(place_text(text.place)) + " | " +
            std::string(text.meaning) + " | " + default_text(text) + " | " +
-           (text.is_event ? "once" : "to the end") + " | " + std::string(text.reaction) + " |\n";
+           (text.is_event ? "once" : "to the end") + " | " + std::string(text.remark) + " |\n";
   }
   return out;
 }

@@ -1,5 +1,4 @@
-// The faults a simulated rig can play: one table of their names, what they take, what they do, and what the rig
-// at the other end does about it.
+// The faults a simulated rig can play: one table of their names, what they take and what they do.
 #pragma once
 
 #include <array>
@@ -27,14 +26,17 @@ enum class FaultVerb : std::uint8_t {
   unplug,
   id_collision,
   clock_drift,
+  swap_ids,
+  second_host,
   missing,
   disabled,
 };
-inline constexpr std::size_t num_fault_verbs = 17;
+inline constexpr std::size_t num_fault_verbs = 19;
 
 /// What a verb can act on. A bus stands for the host's end of it.
 enum class FaultPlace : std::uint8_t {
   node,         // one node
+  bus,          // a bus
   bus_or_node,  // without a node: the host's end of the bus, so all nodes of it at once
   anywhere,     // that, or a tracker
   tracker,      // a tracker
@@ -51,7 +53,7 @@ struct FaultVerbText {
   double default_value = 0;   // in place of a value of 0
   double min = 0, max = 0;    // of the value
   bool is_event = false;      // without a duration it happens once; the others then last to the end
-  std::string_view reaction;  // of the rig at the other end, as docs/faults.md has it
+  std::string_view remark;    // what the rig does about it is in sim/fault_promise.h
 };
 
 /// In the order of FaultVerb.

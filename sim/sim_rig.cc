@@ -83,7 +83,7 @@ SimRig::SimRig(const SceneConfig& scene, const Motion& motion)
     host.set_loss_probability(scene.wire.loss_probability);
     host.set_receive_delay(static_cast<Nanoseconds>(scene.wire.delay_s * 1e9));
     host_buses_.push_back(&host);
-    faults_.add_bus(buses_[i]->wire, host, buses_[i]->nodes);
+    faults_.add_bus(buses_[i]->wire, host, buses_[i]->nodes, params_);
   }
   const double heartbeat_s = simulated_load(params_).heartbeat_period_s;
   for (const EncoderParams& e : params_.encoders) {
@@ -211,10 +211,10 @@ void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
 }
 
 void SimRig::show_joints() noexcept {
-  for (const EncoderAt& e : encoders_)
-    e.node->set_position(faults_.shown(e.fault_node, plant_->q()[e.joint]));
-  for (const DriveAt& d : drives_)
-    d.motor->set_joint(faults_.shown(d.fault_node, plant_->q()[d.joint]), plant_->q_dot()[d.joint]);
+  for (const EncoderAt& e : encoders_) faults_.move(e.fault_node, plant_->q()[e.joint]);
+  for (const DriveAt& d : drives_) faults_.move(d.fault_node, plant_->q()[d.joint]);
+  for (const EncoderAt& e : encoders_) e.node->set_position(faults_.shown(e.fault_node));
+  for (const DriveAt& d : drives_) d.motor->set_joint(faults_.shown(d.fault_node), plant_->q_dot()[d.joint]);
 }
 
 MotionSample SimRig::handle(std::size_t index) const noexcept {

@@ -13,9 +13,9 @@ constexpr const char* interface_gone = "interface gone bus=can1";
 
 /// The verbs and the two. The controller of the wire is not the host's: what it does the host sees by the silence.
 std::vector<FaultReaction> reactions() {
-  std::vector<FaultReaction> out(fault_reactions.begin(), fault_reactions.end());
+  std::vector<FaultReaction> out = fault_reactions(*two_joints().device->rig);
   for (FaultReaction& reaction : out)
-    if (reaction.expected == RigFault::bus_down)
+    if (any(reaction.expected & RigFault::bus_down))
       reaction = {reaction.words, RigFault::sample_stale | RigFault::drive_silent, cycles_of_silence};
   out.push_back({interface_down, RigFault::bus_down, 2});
   out.push_back({interface_gone, RigFault::bus_down, 2});

@@ -1,10 +1,11 @@
-// Every fault verb, and what the rig does about it as docs/faults.md has it: for test::FaultyRig.
+// What sim/fault_promise.h promises, as it is played on test::FaultyRig.
 #pragma once
 
-#include <array>
 #include <ostream>
+#include <string>
+#include <vector>
 
-#include "hal/rig_fault.h"
+#include "sim/fault_promise.h"
 
 namespace godobject::test {
 
@@ -12,47 +13,54 @@ namespace godobject::test {
 inline constexpr int cycles_of_watchdog = 22;
 /// stale_after is three cycles.
 inline constexpr int cycles_of_silence = 5;
+/// In which a joint of FaultyRig moves by its max_slip, wherever its motion is.
+inline constexpr int cycles_of_travel = 500;
+
+inline void replace(std::string& text, const std::string& word, const std::string& by) {
+  if (const std::size_t at = text.find(word); at != std::string::npos) text.replace(at, word.size(), by);
+}
+
+/// The words of a promise for a rig whose encoders are nodes 1 and 2 on can0, whose drives are so on can1.
+inline std::string words_for(const FaultPromise& promise, const RigParams& rig) {
+  std::string words(promise.words);
+  replace(words, "ENCODER", "bus=can0 node=1");
+  replace(words, "DRIVE", "bus=can1 node=1");
+  replace(words, "OTHER", "2");
+  const std::size_t at = words.find("*stale_after");
+  if (at == std::string::npos) return words;
+  const std::size_t begin = words.find("value=") + 6;
+  return words.substr(0, begin) + std::to_string(std::stod(words.substr(begin)) * rig.stale_after_s);
+}
 
 struct FaultReaction {
-  const char* words;
-  RigFault expected;  // one of its bits at least; none: no fault may come up
-  int within = 0;     // cycles
+  std::string words;
+  RigFault expected = RigFault::none;  // one of its bits at least; none: no fault may come up
+  int within = 0;                      // cycles, to the first
 };
 
 inline std::ostream& operator<<(std::ostream& out, const FaultReaction& reaction) {
   return out << reaction.words;
 }
 
-inline constexpr std::array fault_reactions{
-    FaultReaction{"drop bus=can0 node=1 value=0.005", RigFault::none},
-    FaultReaction{"drop bus=can0 node=1", RigFault::sample_stale, cycles_of_silence},
-    FaultReaction{"drop bus=can1 node=1", RigFault::drive_silent, cycles_of_silence},
-    FaultReaction{"drop", RigFault::sample_stale | RigFault::drive_silent, cycles_of_silence},
-    FaultReaction{"duplicate", RigFault::none},
-    FaultReaction{"delay bus=can0 value=3e-4", RigFault::none},
-    FaultReaction{"delay bus=can0 value=0.01", RigFault::sample_stale, cycles_of_silence},
-    FaultReaction{"corrupt value=0.05", RigFault::none},
-    FaultReaction{"corrupt bus=can0 node=1 value=1", RigFault::sample_stale, cycles_of_silence},
-    FaultReaction{"stuck bus=can0 node=1", RigFault::none},
-    FaultReaction{"spike bus=can0 node=1", RigFault::none},
-    FaultReaction{"spike bus=can0 node=1 duration=1", RigFault::sample_implausible, cycles_of_silence},
-    FaultReaction{"wrap bus=can0 node=1", RigFault::sample_implausible, cycles_of_silence},
-    FaultReaction{"nan bus=can0 node=1", RigFault::sample_implausible, cycles_of_silence},
-    FaultReaction{"reboot-node bus=can0 node=1", RigFault::node_restarted, cycles_of_silence},
-    FaultReaction{"reboot-node bus=can1 node=1 duration=0.1", RigFault::drive_silent, cycles_of_silence},
-    FaultReaction{"emcy bus=can0 node=1 value=20480", RigFault::emergency, 2},
-    FaultReaction{"emcy bus=can1 node=1", RigFault::emergency | RigFault::drive_not_enabled, 2},
-    FaultReaction{"bus-off bus=can0", RigFault::bus_down, 2},
-    FaultReaction{"bus-off bus=can1 node=1", RigFault::drive_silent, cycles_of_silence},
-    FaultReaction{"restart", RigFault::none},
-    FaultReaction{"unplug bus=can0 node=1", RigFault::sample_stale, cycles_of_silence},
-    FaultReaction{"unplug", RigFault::sample_stale | RigFault::drive_silent | RigFault::send_refused,
-                  cycles_of_silence},
-    FaultReaction{"id-collision bus=can0 node=1", RigFault::node_restarted | RigFault::sample_stale,
-                  cycles_of_silence},
-    FaultReaction{"id-collision bus=can1 node=1", RigFault::node_restarted | RigFault::drive_silent,
-                  cycles_of_silence},
-    FaultReaction{"clock-drift bus=can0 node=1", RigFault::none},
-    FaultReaction{"clock-drift bus=can1 node=1 value=-9e5", RigFault::heartbeat_lost, 1200}};
+inline std::vector<FaultReaction> fault_reactions(const RigParams& rig) {
+  std::vector<FaultReaction> out;
+  for (const FaultPromise& promise : fault_promises()) {
+    FaultReaction reaction{.words = words_for(promise, rig)};
+    for (const PromisedFault& promised : promise.faults) {
+      // what takes travel may be preceded by what takes none
+      const bool may_be_first = promised.always || promise.faults[0].within == FaultDelay::travel;
+      if (promised.fault == RigFault::none || !may_be_first) continue;
+      reaction.expected = reaction.expected | promised.fault;
+      if (promised.within == FaultDelay::duration) continue;  // never the first
+      const auto within_ns = bound(promised.within, rig, 0);
+      const int within = within_ns
+                             ? static_cast<int>(1e-9 * static_cast<double>(*within_ns) / rig.cycle_s + 0.5)
+                             : cycles_of_travel;
+      if (reaction.within == 0 || (promised.always && within < reaction.within)) reaction.within = within;
+    }
+    out.push_back(reaction);
+  }
+  return out;
+}
 
 }  // namespace godobject::test

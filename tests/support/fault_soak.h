@@ -6,7 +6,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +25,7 @@ inline double soak_seconds(double unless_given) {
 template <class Link>
 class FaultSoak {
  public:
-  explicit FaultSoak(std::span<const FaultReaction> reactions) {
+  explicit FaultSoak(const std::vector<FaultReaction>& reactions) {
     for (const FaultReaction& reaction : reactions) kinds_.push_back({.reaction = reaction});
   }
   virtual ~FaultSoak() = default;
@@ -80,7 +79,7 @@ class FaultSoak {
   }
 
   void play(Kind& kind) {
-    SCOPED_TRACE(std::string(kind.reaction.words) + " at " + std::to_string(device.motion_time) + " s");
+    SCOPED_TRACE(kind.reaction.words + " at " + std::to_string(device.motion_time) + " s");
     expect_no_fault(1 + cycles_below(200));
     ++kind.played;
     begin(kind.reaction);
@@ -104,7 +103,7 @@ class FaultSoak {
     const std::optional<int> to_fault = device.cycles_to_fault(kind.reaction.within);
     EXPECT_TRUE(to_fault) << "no fault came up";
     EXPECT_TRUE(any(device.rig.faults() & kind.reaction.expected)) << device.rig.fault_text();
-    expect_place(kind.reaction.words);
+    if (kind.reaction.expected != RigFault::sensors_disagree) expect_place(kind.reaction.words);
     const std::optional<int> to_zero = device.cycles_to_zero(cycles_of_watchdog);
     EXPECT_TRUE(to_zero) << device.motor_torque() << " N m";
     kind.to_fault = std::max(kind.to_fault, to_fault.value_or(0));
@@ -122,7 +121,7 @@ class FaultSoak {
   void report() const {
     int faults = 0, seen = 0, to_zero = 0;
     for (const Kind& kind : kinds_) {
-      std::printf("  %5d  %-44s", kind.played, kind.reaction.words);
+      std::printf("  %5d  %-44s", kind.played, kind.reaction.words.c_str());
       if (kind.reaction.expected == RigFault::none) std::printf("no fault\n");
       else
         std::printf("fault within %d cycles, motors at zero within %d more\n", kind.to_fault, kind.to_zero);
