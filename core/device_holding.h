@@ -37,8 +37,8 @@ inline HoldingState carried_over(const HoldingPull& pull) noexcept {
 ///         X_WD X_DB, which moves with w_D and v_D + w_D x R_WD p_DB.
 ///
 /// So there is no error of pose to begin with, whatever the two do at that time, and what is left, the
-/// damping of their relative velocity, rises with the ramp (14). After a time without samples for which other
-/// devices engage anew, this one takes hold anew. While `engaged` is false the target is the device's own
+/// damping of their relative velocity, rises with the ramp (14). After a gap in the samples that is longer than
+/// a grip lasts it takes hold anew. While `engaged` is false the target is the device's own
 /// pose.
 ///
 /// One device that may hold any of several bodies: all of them get its sample, `engaged` for the one that is
@@ -53,10 +53,12 @@ struct HoldingDevice {
                    Limited& limited) noexcept {
     Pull d{begin_pull(par, x, in.engaged, in.valid, h, limited), {}};
     const Pose X_WD{.p = in.X_WD.p, .q = renormalized(in.X_WD.q)};
-    if (d.ramp.engaged) d.X_DB = d.fresh ? seen_from(X_WD, moved(body.X_WB, body.v_W, body.w_B, h)) : x.X_DB;
+    const bool takes = d.fresh && !(x.held > 0 && grip_lasted(x));
+    if (d.ramp.engaged) d.X_DB = takes ? seen_from(X_WD, moved(body.X_WB, body.v_W, body.w_B, h)) : x.X_DB;
     d.from = x.last;
     d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
     if (in.valid) d.to = held(X_WD, in.V_WD, d.X_DB);
+    else if (d.bridged) d.to = carried_on(x.last, h);
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
     return d;

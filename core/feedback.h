@@ -32,6 +32,9 @@ struct LimitedFeedback {
   using Params = FeedbackParams;
   struct State {
     Wrench F_D;  // shown in the last step
+    // Of what was shown when the samples came back after a gap, N and N m:
+    Real force_then = 0;
+    Real torque_then = 0;
   };
   struct Output {
     Wrench F_D;  // on the device at the target's origin, world axes
@@ -55,6 +58,28 @@ struct LimitedFeedback {
     x.F_D.f += bounded(f - x.F_D.f, h * par.max_force_rate, Limited::force_rate, limited);
     x.F_D.tau += bounded(tau - x.F_D.tau, h * par.max_torque_rate, Limited::torque_rate, limited);
     out.F_D = x.F_D;
+  }
+
+  /// The same, as the samples of the device allow.
+  static void show(const Params& par, const Pull& pull, const Wrench& wanted, Real h, State& x, Output& out,
+                   Limited& limited) noexcept {
+    if (pull.showing == Showing::all) return show(par, wanted, h, x, out, limited);
+    show_round_gap(par, pull, wanted, h, x, out, limited);
+  }
+
+ private:
+  [[gnu::noinline]] static void show_round_gap(const Params& par, const Pull& pull, const Wrench& wanted,
+                                               Real h, State& x, Output& out, Limited& limited) noexcept {
+    if (pull.showing == Showing::still) return show(par, x.F_D, h, x, out, limited);
+    if (pull.showing == Showing::fading) return show(par, {}, h, x, out, limited);
+    if (pull.back) {
+      x.force_then = x.F_D.f.norm();
+      x.torque_then = x.F_D.tau.norm();
+    }
+    Params capped = par;
+    capped.max_force = std::min(par.max_force, x.force_then + pull.growth * par.max_force);
+    capped.max_torque = std::min(par.max_torque, x.torque_then + pull.growth * par.max_torque);
+    show(capped, wanted, h, x, out, limited);
   }
 };
 

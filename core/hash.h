@@ -55,11 +55,19 @@ class Hash {
     add(std::uint64_t{x.engaged});
   }
   void add(const DampedSpring::State& x) noexcept { add(x.phi_B); }
-  void add(const LimitedFeedback::State& x) noexcept { add(x.F_D); }
+  void add(const LimitedFeedback::State& x) noexcept {
+    add(x.F_D);
+    if (x.force_then == 0 && x.torque_then == 0) return;  // there was no gap
+    add(x.force_then);
+    add(x.torque_then);
+  }
   void add(const DeviceState& x) noexcept {
     add(x.last);
     add(x.ramp);
     add(x.held);
+    if (x.calm == 0) return;  // not after a gap
+    add(x.calm);
+    add(std::uint64_t{x.again});
   }
   void add(const HoldingState& x) noexcept {
     add(static_cast<const DeviceState&>(x));

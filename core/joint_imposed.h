@@ -38,11 +38,14 @@ inline JointCoordinates unwrapped(JointCoordinates q, const JointCoordinates& ne
 }
 
 /// Towards the device's coordinates while it is engaged; during its ramp by the share that ends on them with the
-/// ramp, so that engaging moves nothing at once. Without a sample, or let go, the joint rests.
+/// ramp, so that engaging moves nothing at once. Let go, or after the bridge over missing samples, the joint rests.
 inline Lead lead(const ImposedJoints::State& x, int turns, const JointMotionSample& in,
                  const RampState& before, const Pull& pull, Real h) noexcept {
   Lead l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
-  if (!pull.ramp.engaged || !pull.live) return l;
+  if (!pull.ramp.engaged || !pull.live) {
+    if (pull.ramp.engaged && pull.bridged) l.to = {.q = x.last.q + h * x.last.q_dot, .q_dot = x.last.q_dot};
+    return l;
+  }
   l.from.q = l.to.q = unwrapped(x.last.q, in.q, turns);  // the short way round
   const Real s_0 = pull.fresh ? 0 : before.s, s = pull.ramp.s;
   if (s_0 >= 1 || s >= 1) {

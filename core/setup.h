@@ -44,7 +44,9 @@ template <int slot>
 bool is_valid(const Absent<slot>&) noexcept {
   return true;
 }
-inline bool is_valid(const RampParams& par) noexcept { return is_gain(par.rise) && is_gain(par.lost); }
+inline bool is_valid(const RampParams& par) noexcept {
+  return is_gain(par.rise) && is_gain(par.lost) && is_gain(par.stale);
+}
 inline bool is_valid(const SpringParams& par) noexcept {
   return is_gain(par.k) && is_gain(par.g) && is_gain(par.k_r) && is_gain(par.g_r);
 }

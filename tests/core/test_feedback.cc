@@ -82,20 +82,26 @@ TEST(Feedback, GainsOfZeroShowNothing) {
   EXPECT_EQ(run.out.limited, Limited::none);
 }
 
+/// For three steps, or for how long the device says, what was shown stays.
 TEST(Feedback, FadesOutWhenTheSampleIsLost) {
-  Running<OneBody<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>> run;
-  run.par.gravity_W = Vec3(0, 0, -9.81);
-  run.constants().coupling = {.k = 100, .g = 20, .k_r = 1, .g_r = 1};
-  run.constants().feedback.gains.k = 50;
-  run.constants().device.rise = 0;
-  run.step(3000);
-  const Real f = run.out.bodies[0].feedback.F_D.f.z();
-  EXPECT_NEAR(f, -9.81 * 50 / 100, 1e-6);  // m g on the coupling, seen through the gain of the feedback
-  run.device().valid = false;
-  run.step();
-  EXPECT_NEAR(run.out.bodies[0].feedback.F_D.f.z(), f + 0.5, 1e-12);
-  run.step(20);
-  EXPECT_EQ(run.out.bodies[0].feedback.F_D.f.z(), 0);
+  for (const int still : {3, 30}) {
+    Running<OneBody<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>> run;
+    run.par.gravity_W = Vec3(0, 0, -9.81);
+    run.constants().coupling = {.k = 100, .g = 20, .k_r = 1, .g_r = 1};
+    run.constants().feedback.gains.k = 50;
+    run.constants().device.rise = 0;
+    run.constants().device.stale = 1e-3 * still;
+    run.step(3000);
+    const Real f = run.out.bodies[0].feedback.F_D.f.z();
+    EXPECT_NEAR(f, -9.81 * 50 / 100, 1e-6);  // m g on the coupling, seen through the gain of the feedback
+    run.device().valid = false;
+    run.step(still);
+    EXPECT_EQ(run.out.bodies[0].feedback.F_D.f.z(), f);
+    run.step();
+    EXPECT_NEAR(run.out.bodies[0].feedback.F_D.f.z(), f + 0.5, 1e-12);
+    run.step(20);
+    EXPECT_EQ(run.out.bodies[0].feedback.F_D.f.z(), 0);
+  }
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ TYPED_TEST(Holding, ALostSampleIsThatOfAPoseDevice) {
   if constexpr (std::is_same_v<TypeParam, TrBdf2>) other.x.bodies[0].memory = game.x.bodies[0].memory;
   const Pose X_DB = game.x.bodies[0].device.X_DB;
   for (int n = 0; n < 2000; ++n) {
-    const bool valid = n % 97 > n % 13;  // up to 12 lost in a row, of at most 20 that are bridged
+    const bool valid = n % 97 > n % 3;  // up to 3 lost in a row, which are bridged
     game.step(valid);
     const Target sample = game.hand.at(game.time());
     other.device().X_WD = composed(sample.X_WD, X_DB);
