@@ -33,7 +33,7 @@ void Encoder::update(std::uint32_t raw_counts, Nanoseconds t_ns) noexcept {
     vote(true);
   } else if (!has_reference_) {
     anchor(reading);
-  } else if (turn_is_lost(t_ns - reference_.t_ns)) {
+  } else if (far_from(t_ns - reference_.t_ns)) {
     ++counters_.resyncs;
     anchor(reading);
   } else if (plausible(reference_, reading)) {
@@ -76,7 +76,7 @@ bool Encoder::plausible(const Reading& from, const Reading& to) const noexcept {
   return std::abs(static_cast<double>(travel)) <= bound;
 }
 
-bool Encoder::turn_is_lost(Nanoseconds elapsed_ns) const noexcept {
+bool Encoder::far_from(Nanoseconds elapsed_ns) const noexcept {
   const double reach = max_speed_counts_per_ns_ * static_cast<double>(elapsed_ns);
   return elapsed_ns > stale_after_ns_ && 2 * reach >= static_cast<double>(modulus_counts_);
 }

@@ -56,6 +56,10 @@ class Encoder {
   bool has_sample() const noexcept { return has_reference_; }
   /// No good sample for longer than stale_after (or none ever).
   bool stale(Nanoseconds now) const noexcept;
+  /// Since the last good sample the joint could have travelled half the modulus: its turn will not be known.
+  bool turn_is_lost(Nanoseconds now) const noexcept {
+    return has_reference_ && far_from(now - reference_.t_ns);
+  }
   bool trusted() const noexcept;
   const EncoderCounters& counters() const noexcept { return counters_; }
 
@@ -68,7 +72,7 @@ class Encoder {
   double from_home() const noexcept;
   std::int64_t signed_difference(std::int64_t to, std::int64_t from) const noexcept;
   bool plausible(const Reading& from, const Reading& to) const noexcept;
-  bool turn_is_lost(Nanoseconds elapsed_ns) const noexcept;
+  bool far_from(Nanoseconds elapsed_ns) const noexcept;
   void anchor(const Reading& reading) noexcept;
   void accept(const Reading& reading) noexcept;
   void reject(const Reading& reading) noexcept;

@@ -44,9 +44,14 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
   }
   add_buttons();
   // an encoder on the joint goes before the drive's own position
-  for (DriveOnBus& drive : drives_) sensors_[static_cast<std::size_t>(drive.joint)] = &drive.drive.position();
+  for (DriveOnBus& drive : drives_) {
+    sensors_[static_cast<std::size_t>(drive.joint)] = &drive.drive.position();
+    measured_[static_cast<std::size_t>(drive.joint)].every_nth_sync = drive.every_nth_sync;
+  }
   for (std::size_t i = 0; i < encoders_.size(); ++i) {
-    sensors_[static_cast<std::size_t>(joint_named(params.encoders[i].joint))] = &encoders_[i].encoder;
+    const auto joint = static_cast<std::size_t>(joint_named(params.encoders[i].joint));
+    sensors_[joint] = &encoders_[i].encoder;
+    measured_[joint].every_nth_sync = 1;
   }
   configuration_ = tree_.at(JointVector::Zero(static_cast<Eigen::Index>(num_joints())));
 }
@@ -100,6 +105,8 @@ void Rig::clear_faults(Nanoseconds now) noexcept {
 }
 
 void Rig::quick_stop() noexcept { raise({.fault = RigFault::quick_stop}); }
+
+void Rig::deadlines_missed() noexcept { raise({.fault = RigFault::deadlines_missed}); }
 
 void Rig::stop() noexcept {
   if (state_ == RigState::off) return;
@@ -168,13 +175,15 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
   DeviceSample out;
   out.q.resize(n);
   out.q_dot.resize(n);
-  out.valid = true;
+  out.valid = std::ranges::none_of(drives_, [now](const DriveOnBus& d) { return d.drive.silent(now); });
+  out.fresh = true;
   out.t_ns = now;
   for (Eigen::Index i = 0; i < n; ++i) {
     const JointSample joint = sensors_[static_cast<std::size_t>(i)]->sample(now);
     out.q(i) = joint.q;
     out.q_dot(i) = joint.q_dot;
     out.valid = out.valid && joint.valid;
+    out.fresh = measured_anew(static_cast<std::size_t>(i), joint) && out.fresh;
     out.t_ns = std::min(out.t_ns, joint.t_ns);
   }
   configuration_ = tree_.at(out.q);
@@ -185,6 +194,13 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
   out.age = now - out.t_ns;
   out.faults = faults();
   return out;
+}
+
+bool Rig::measured_anew(std::size_t joint, const JointSample& sample) noexcept {
+  Measured& measured = measured_[joint];
+  measured.reads_ago = sample.t_ns > measured.t_ns ? 0 : measured.reads_ago + 1;
+  measured.t_ns = sample.t_ns;
+  return measured.reads_ago < measured.every_nth_sync;
 }
 
 CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept {

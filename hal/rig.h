@@ -50,7 +50,9 @@ struct DeviceSample {
   std::array<HandleSample, max_handles> handles{};  // the first num_handles() of them
   JointVector q, q_dot;                             // one number per joint
   DeviceButtons buttons;
-  bool valid = false;    // every joint's sample is good; otherwise the last good values are held
+  bool valid =
+      false;  // every joint's sample is good, and every drive was heard; else the last good values are held
+  bool fresh = false;    // every joint was measured anew since the read() before, as far as that was due
   Nanoseconds t_ns = 0;  // of the oldest joint sample
   Nanoseconds age = 0;   // of the oldest joint sample, at the time of read()
   RigFault faults = RigFault::none;
@@ -98,6 +100,8 @@ class Rig {
   /// any but off -> fault: the next command() has every drive stop by its own fastest means (CiA 402: quick
   /// stop, by option code 605Ah; ODrive: idle; moteus: stopped). clear_faults() is the way back.
   void quick_stop() noexcept;
+  /// any but off -> fault: the host was too late too often.
+  void deadlines_missed() noexcept;
   /// any -> off: drives disabled, nodes pre-operational.
   void stop() noexcept;
 
@@ -151,6 +155,7 @@ class Rig {
     Encoder encoder;
     std::size_t node;
     std::uint64_t answered_sync = 0;
+    Nanoseconds t_good_ns = 0;  // when its sample was last young enough
   };
   struct DriveOnBus {
     Drive drive;
@@ -161,6 +166,7 @@ class Rig {
     bool request_refused = false;  // in this cycle
     double apart = 0;              // the joint's encoder minus its position, as it was before ready; rad or m
     Nanoseconds t_agreed_ns = 0;   // when they were last as far apart as that
+    Nanoseconds t_good_ns = 0;     // when its status was last young enough
   };
   struct ButtonOnBus {
     ButtonParams params;
@@ -194,6 +200,8 @@ class Rig {
   void check_buses() noexcept;
   void check_nodes(Nanoseconds now) noexcept;
   void check_samples(Nanoseconds now) noexcept;
+  bool lost(const Encoder& encoder, Nanoseconds t_good, Nanoseconds now) const noexcept;
+  bool measured_anew(std::size_t joint, const JointSample& sample) noexcept;
   void check_slip(DriveOnBus& drive, Nanoseconds now) noexcept;
   void check_drives() noexcept;
   void boot(Nanoseconds now) noexcept;
@@ -218,7 +226,14 @@ class Rig {
   std::vector<EncoderOnBus> encoders_;
   std::vector<DriveOnBus> drives_;
   std::vector<ButtonOnBus> buttons_;
+  /// What measures a joint, and what the last read() had of it.
+  struct Measured {
+    std::uint64_t every_nth_sync = 1;
+    Nanoseconds t_ns = 0;         // of the sample
+    std::uint64_t reads_ago = 0;  // that it was new
+  };
   std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, else its drive's
+  std::array<Measured, max_joints> measured_{};
 
   RigState state_ = RigState::off;
   RigState before_fault_ = RigState::off;  // while in fault: the state in which the first one came up

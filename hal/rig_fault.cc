@@ -22,12 +22,12 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "check its supply voltage; then clear the faults and arm again"},
     {RigFault::emergency, "emergency", "a node sent an emergency message (EMCY)",
      "look the code up in the device's manual, remove the cause, clear the faults"},
-    {RigFault::sample_stale, "sample_stale", "a joint has had no good sample for longer than stale_after",
+    {RigFault::sample_stale, "sample_stale", "a joint has had no good sample for longer than lost_after",
      "check the encoder's cable and that its position PDO answers every SYNC; check the bus load"},
     {RigFault::sample_implausible, "sample_implausible",
      "a joint sensor jumped faster than its max_speed allows",
      "check shielding, counts_per_unit and modulus_counts; raise max_speed if the motion was real"},
-    {RigFault::drive_silent, "drive_silent", "a drive's status has not come for longer than stale_after",
+    {RigFault::drive_silent, "drive_silent", "a drive's status has not come for longer than lost_after",
      "check the drive's cable, its TPDO1 and status_every_nth_sync; check the bus load"},
     {RigFault::drive_not_enabled, "drive_not_enabled",
      "a drive left Operation Enabled (moteus: mode 10, ODrive: closed loop), or does not follow its command",
@@ -48,6 +48,9 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "stale_after",
      "see which of them stands still: encoder, its coupling, a belt or cable that slips; counts per unit of "
      "both"},
+    {RigFault::deadlines_missed, "deadlines_missed",
+     "the host missed 20 deadlines in a row: for so long no command was given",
+     "look at what else runs on this machine and at the real-time set-up; then clear the faults and arm again"},
 }};
 
 }  // namespace

@@ -132,7 +132,8 @@ struct RigParams {
   std::vector<DriveParams> drives;
   std::vector<ButtonParams> buttons{};
   double cycle_s = 1e-3;             // SYNC period
-  double stale_after_s = 3e-3;       // a sample older than this is not valid any more
+  double stale_after_s = 3e-3;       // a sample older than this is not valid any more: the pose is held
+  double lost_after_s = 0.1;         // (at least stale_after_s) without a valid one for so long: a fault
   double boot_timeout_s = 5;         // from start to every drive enabled
   double heartbeat_timeout_s = 0.5;  // of every node, once it has been heard
   double heartbeat_period_s = 0.1;   // of the host's own heartbeat

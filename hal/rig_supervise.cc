@@ -41,19 +41,29 @@ void Rig::check_nodes(Nanoseconds now) noexcept {
 }
 
 void Rig::check_samples(Nanoseconds now) noexcept {
-  for (const EncoderOnBus& encoder : encoders_) {
-    if (encoder.encoder.stale(now)) raise(RigFault::sample_stale, nodes_[encoder.node]);
+  for (EncoderOnBus& encoder : encoders_) {
+    if (!encoder.encoder.stale(now)) encoder.t_good_ns = now;
+    if (lost(encoder.encoder, encoder.t_good_ns, now)) raise(RigFault::sample_stale, nodes_[encoder.node]);
     if (!encoder.encoder.trusted()) raise(RigFault::sample_implausible, nodes_[encoder.node]);
   }
   for (DriveOnBus& drive : drives_) {
     check_slip(drive, now);
-    if (drive.drive.silent(now)) raise(RigFault::drive_silent, nodes_[drive.node]);
     const Encoder& position = drive.drive.position();
+    if (!drive.drive.silent(now) && !position.stale(now)) drive.t_good_ns = now;
+    if (drive.drive.silent(now) && lost(position, drive.t_good_ns, now))
+      raise(RigFault::drive_silent, nodes_[drive.node]);
     const bool is_sensor = sensors_[static_cast<std::size_t>(drive.joint)] == &position;
     if (!is_sensor) continue;
-    if (position.stale(now)) raise(RigFault::sample_stale, nodes_[drive.node]);
+    if (position.stale(now) && lost(position, drive.t_good_ns, now))
+      raise(RigFault::sample_stale, nodes_[drive.node]);
     if (!position.trusted()) raise(RigFault::sample_implausible, nodes_[drive.node]);
   }
+}
+
+// Until then the pose is held and the force fades; where the turn would not be known any more that is not waited for.
+bool Rig::lost(const Encoder& encoder, Nanoseconds t_good, Nanoseconds now) const noexcept {
+  return now - t_good > to_ns(std::max(params_.lost_after_s, params_.stale_after_s)) ||
+         encoder.turn_is_lost(now);
 }
 
 // A drive's zero may be where it was switched on: what counts is how the two have parted since it was enabled. Samples
@@ -93,6 +103,8 @@ void Rig::boot(Nanoseconds now) noexcept {
   if (std::ranges::all_of(nodes_, [&](const RigNode& node) { return booted(node, now); })) {
     state_ = RigState::enabling;
     settled_cycles_ = 0;
+    for (EncoderOnBus& encoder : encoders_) encoder.t_good_ns = now;
+    for (DriveOnBus& drive : drives_) drive.t_good_ns = now;
     return;
   }
   if (!boot_is_over(now)) return;

@@ -45,6 +45,7 @@ class Checker {
     require_positive(rig_.cycle_s, "", "step");
     require(rig_.stale_after_s >= rig_.cycle_s, "stale_after is ", rig_.stale_after_s,
             ", must be at least step (", rig_.cycle_s, ")");
+    require_positive(rig_.lost_after_s, "", "lost_after");
     require_positive(rig_.boot_timeout_s, "", "boot_timeout");
     require_positive(rig_.heartbeat_timeout_s, "", "heartbeat_timeout");
     require_positive(rig_.heartbeat_period_s, "", "heartbeat_period");

@@ -188,9 +188,16 @@ void visit_plant(V& v, PlantConfig& p) {
 
 template <class V>
 void visit_supervision(V& v, RigParams& rig) {
-  v.value(Key{"stale_after", "s", "a sample older than this is not valid any more; by default three steps",
+  v.value(Key{"stale_after", "s",
+              "a sample older than this is not valid: the pose is held and the force fades; by default three "
+              "steps",
               positive},
           rig.stale_after_s);
+  rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
+  v.value(Key{"lost_after", "s", "without a valid sample for so long: a fault; not less than stale_after",
+              positive},
+          rig.lost_after_s);
+  v.check(rig.lost_after_s >= rig.stale_after_s, "lost_after", "must be at least stale_after");
   v.value(Key{"boot_timeout", "s", "from start to every drive enabled", positive}, rig.boot_timeout_s);
   v.value(Key{"heartbeat_timeout", "s", "of every node, once it has been heard", positive},
           rig.heartbeat_timeout_s);

@@ -73,6 +73,8 @@ class Engine {
   virtual const Composition& composition() const noexcept = 0;
   /// One time step; `samples` has one entry per body. Real-time: no allocation, no lock, no system call.
   virtual StepReport step(std::span<const BodySample> samples) noexcept = 0;
+  /// So many s of the devices' time have passed without a step: a gap in their samples.
+  virtual void pass_time(double s) noexcept = 0;
   /// Body i after the last step.
   virtual BodyView view(std::size_t i) const noexcept = 0;
   virtual Wrench feedback(std::size_t i) const noexcept = 0;

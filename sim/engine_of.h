@@ -86,7 +86,10 @@ Params<S> params_of(const SceneConfig& scene) {
                                 .max_force_rate = limits.force_rate,
                                 .max_torque_rate = limits.torque_rate};
     }
-    if constexpr (uses<typename S::Device>) par.bodies[i].device.rise = ramp_of(scene, limits);
+    if constexpr (uses<typename S::Device>) {
+      par.bodies[i].device.rise = ramp_of(scene, limits);
+      if (scene.device && scene.device->rig) par.bodies[i].device.stale = scene.device->rig->stale_after_s;
+    }
   }
   if constexpr (uses<typename S::Joints>) {
     for (const JointConfig& joint : scene.joints)
@@ -142,6 +145,11 @@ class EngineOf final : public Engine {
     StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}};
     if constexpr (uses<ContactsOf<S>>) report.contacts = out_.contacts;
     return report;
+  }
+
+  void pass_time(double s) noexcept override {
+    if constexpr (uses<typename S::Device>)
+      for (std::size_t i = 0; i < par_.num_bodies; ++i) godobject::pass_time(x_.bodies[i].device, s, par_.h);
   }
 
   BodyView view(std::size_t i) const noexcept override {

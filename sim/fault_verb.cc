@@ -16,11 +16,12 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1,
      .min = 0,
      .max = 1,
-     .reaction =
-         "single frames: the last sample is held, the last command too. Three in a row of an encoder's: "
-         "`sample_stale`; of a drive's: `drive_silent`, and its own watchdog stops the motor. A tracker's "
-         "replies: asked for "
-         "again; with all of them gone its tools are `stale`, which is no fault"},
+     .reaction = "up to three in a row are bridged; more: the pose is held, the force fades (`held`). For "
+                 "`lost_after`, "
+                 "of an encoder's: `sample_stale`; of a drive's: `drive_silent`, and its own watchdog stops "
+                 "the motor. A "
+                 "tracker's replies: asked for "
+                 "again; with all of them gone its tools are `stale`, which is no fault"},
     {.verb = FaultVerb::duplicate,
      .name = "duplicate",
      .place = FaultPlace::bus_or_node,
@@ -38,8 +39,9 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 2e-3,
      .min = 0,
      .max = 1,
-     .reaction = "less than `stale_after`: none, the samples are as much older; more: `sample_stale`, or "
-                 "`drive_silent`. A tracker's poses: later; more than its `stale_after`: `stale`"},
+     .reaction = "less than `stale_after`: none, the samples are as much older; more: `held`, and after "
+                 "`lost_after` `sample_stale`, or `drive_silent`. A tracker's poses: later; more than its "
+                 "`stale_after`: `stale`"},
     {.verb = FaultVerb::corrupt,
      .name = "corrupt",
      .place = FaultPlace::anywhere,

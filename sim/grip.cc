@@ -39,10 +39,12 @@ std::optional<std::size_t> Grip::nearest(const Vec3& p_WD, const Engine& engine)
   return found;
 }
 
-Wrench Grip::feel(const Vec3& p_WD, const Engine& engine, Limited& limited) noexcept {
+Wrench Grip::feel(const BodySample& device, const Engine& engine, Limited& limited) noexcept {
   Wrench wanted;
-  if (body_)
-    wanted = moved_to_parent(engine.feedback(*body_), engine.view(*body_).target.X_WD.p, p_WD);  // (9)
+  if (body_) {
+    if (device.valid) lever_W_ = engine.view(*body_).target.X_WD.p - device.X_WD.p;
+    wanted = moved_to_parent(engine.feedback(*body_), lever_W_, Vec3::Zero());  // (9)
+  }
   LimitedFeedback::Output out;
   LimitedFeedback::show(limits_, wanted, step_, shown_, out, limited);
   return out.F_D;

@@ -31,7 +31,8 @@ class Grip {
   /// To be called once a step: the held body's feedback as a wrench on the hand, about the device's origin,
   /// world axes; zero while nothing is held. Within the scene's limits of size and rate, whatever is taken or
   /// let go.
-  Wrench feel(const Vec3& p_WD, const Engine& engine, Limited& limited) noexcept;
+  /// During a gap in the samples the lever is that of the last one.
+  Wrench feel(const BodySample& device, const Engine& engine, Limited& limited) noexcept;
 
  private:
   std::optional<std::size_t> nearest(const Vec3& p_WD, const Engine& engine) const noexcept;
@@ -41,6 +42,7 @@ class Grip {
   double step_ = 0;
   FeedbackParams limits_;
   LimitedFeedback::State shown_;
+  Vec3 lever_W_ = Vec3::Zero();  // from the device to where the feedback acts
   HoldWish wish_;
   bool button_ = false;
   std::optional<std::size_t> body_;

@@ -50,6 +50,7 @@ void Session::cycle(CycleRecord& record) noexcept {
   record.fault = report.fault;
   record.limited = report.limited;
   record.contacts = report.contacts;
+  record.on_hold = on_hold_ || deadlines_missed_;
   act(record);
 
   if (exact_engine_) static_cast<void>(exact_engine_->step(exact_samples_));
@@ -79,12 +80,25 @@ void Session::sense(double t) noexcept {
   for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples_[driven_[i]] = motion_sample(i, t);
   if (motion_.has_joints()) impose(motion_.joints(t), true, samples_);
   exact_samples_ = samples_;
+  const Nanoseconds t_before = t_bus_ns_;
   if (rig_) sense_through_rig();
   if (tracked_) sense_through_trackers();
   if (grip_) grip(t);
   for (const std::size_t body : driven_)
     if (let_go_) samples_[body].engaged = exact_samples_[body].engaged = false;
+  if (bus() == BusChoice::real) pass_missed_time(t_before);
   let_go_ = false;
+  if (!on_hold_ && !deadlines_missed_) return;
+  for (BodySample& sample : samples_) sample.valid = false;
+}
+
+/// Periods that the loop has left out are a gap in the samples. The motion of a simulated device has none: it goes on by
+/// the step.
+void Session::pass_missed_time(Nanoseconds t_before) noexcept {
+  if (let_go_ || cycle_ == 1) return;
+  const double periods = 1e-9 * static_cast<double>(t_bus_ns_ - t_before) / scene_.step;
+  const double missed = std::floor(periods - 0.5);
+  if (missed >= 1) engine_->pass_time(missed * scene_.step);
 }
 
 void Session::sense_through_rig() noexcept {
@@ -96,7 +110,7 @@ void Session::sense_through_rig() noexcept {
     BodySample& sample = samples_[held_[k]];
     sample.X_WD = device.handles[k].X_WH;
     sample.V_WD = device.handles[k].V_WH;
-    sample.valid = device.valid;
+    sample.valid = device.valid && device.fresh;
     const MotionSample handle =
         sim_ ? sim_->rig().handle(k) : MotionSample{.X_WD = sample.X_WD, .V_WD = sample.V_WD};
     exact_samples_[held_[k]].X_WD = handle.X_WD;
@@ -104,7 +118,7 @@ void Session::sense_through_rig() noexcept {
     if (has_clutch) sample.clutch = exact_samples_[held_[k]].clutch = buttons_.clutch;
   }
   const JointTarget joints{.q = device.q, .q_dot = device.q_dot};
-  impose(joints, device.valid, samples_);
+  impose(joints, device.valid && device.fresh, samples_);
   impose(sim_ ? sim_->rig().joints() : joints, true, exact_samples_);
 }
 
@@ -141,7 +155,7 @@ void Session::grip(double t) noexcept {
 }
 
 void Session::act(CycleRecord& record) noexcept {
-  if (grip_) record.hand_W = grip_->feel(samples_[driven_.front()].X_WD.p, *engine_, record.limited);
+  if (grip_) record.hand_W = grip_->feel(samples_[driven_.front()], *engine_, record.limited);
   if (!rig_) return;
   std::array<Wrench, max_handles> F_hand_W;
   for (std::size_t k = 0; k < held_.size(); ++k)

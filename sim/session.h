@@ -54,6 +54,7 @@ struct CycleRecord {
   Limited limited = Limited::none;
   ContactReport contacts;
   RigFault rig_faults = RigFault::none;
+  bool on_hold = false;  // too many deadlines were missed: see Session::hold()
   CommandReport drives;  // bounds on the motor commands
   // Where the device takes hold of bodies:
   std::optional<std::size_t> held;  // index of the held body
@@ -95,6 +96,13 @@ class Session {
   /// One period, whatever it is for; real-time, for a record that comes from at_start(). True: it was a step,
   /// and the record is of it.
   bool advance(CycleRecord& record) noexcept;
+  /// The loop keeps too few of its deadlines: from the next step on, until told otherwise, no sample counts; the pose is
+  /// held and the force fades.
+  void hold(bool on) noexcept { on_hold_ = on; }
+  /// It has missed so many in a row that the drives had no command: sticky, as any fault of the rig, or of the run
+  /// without one.
+  void deadlines_missed() noexcept;
+  bool missed_deadlines() const noexcept { return deadlines_missed_; }
   /// booting, running -> running_down; without a bus, or before start() -> ended.
   void stop() noexcept;
   RunPhase phase() const noexcept { return phase_; }
@@ -179,6 +187,7 @@ class Session {
   double motion_time(std::uint64_t cycle) const noexcept { return static_cast<double>(cycle) * scene_.step; }
   BodySample motion_sample(std::size_t driven, double t) const noexcept;
   void impose(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
+  void pass_missed_time(Nanoseconds t_before) noexcept;
   void sense(double t) noexcept;
   void sense_through_rig() noexcept;
   void sense_through_trackers() noexcept;
@@ -211,6 +220,7 @@ class Session {
   RunPhase phase_ = RunPhase::off;
   std::int64_t periods_left_ = 0;  // of this phase at most
   bool let_go_ = false;            // for the next step: what was held is engaged anew
+  bool on_hold_ = false, deadlines_missed_ = false;
   Nanoseconds (*step_clock_)() noexcept = []() noexcept { return Nanoseconds{0}; };
   Nanoseconds gather_ns_ = 0;
   Nanoseconds t_bus_ns_ = 0;  // bus time at the start of this cycle

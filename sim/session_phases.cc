@@ -51,9 +51,15 @@ void Session::give_up_running() noexcept {
   periods_left_ = std::llround(shut_down_limit_s / scene_.step);
 }
 
+void Session::deadlines_missed() noexcept {
+  deadlines_missed_ = true;
+  if (rig_) rig_->deadlines_missed();
+}
+
 void Session::restart() {
   if (phase_ != RunPhase::ended) return;
   phase_ = RunPhase::off;
+  on_hold_ = deadlines_missed_ = false;
   if (!rig_) return;
   earlier_rigs_ = rig_counters();
   rig_.emplace(*scene_.device->rig, link_->buses());

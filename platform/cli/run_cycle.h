@@ -5,6 +5,8 @@
 #include <cstdint>
 
 #include "platform/cli/run_statistics.h"
+#include "platform/cyclic.h"
+#include "platform/deadline_watch.h"
 #include "platform/ring.h"
 #include "sim/session.h"
 
@@ -23,7 +25,11 @@ struct RunPlan {
 class RunCycle {
  public:
   RunCycle(Session& session, const RunPlan& plan, const std::atomic<bool>& stop)
-      : session_(session), left_(plan.num_cycles), rearm_(plan.rearm), stop_(stop) {}
+      : session_(session),
+        left_(plan.num_cycles),
+        rearm_(plan.rearm),
+        stop_(stop),
+        deadlines_(session.scene().step) {}
 
   /// One period; real-time, for a record that comes from Session::at_start(). True: it was a step, and the
   /// record is of it.
@@ -38,6 +44,13 @@ class RunCycle {
     }
     if (--left_ == 0 || (t_fault_ns_ && rearm_ == Rearm::automatic)) session_.stop();
     return true;
+  }
+  /// Before each period that has a deadline. Those before the first step do not count: booting waits for nobody.
+  void watch(const Wake& wake) noexcept {
+    if (session_.phase() != RunPhase::running) return deadlines_.reset();
+    deadlines_.add(wake.late_before, wake.skipped);
+    session_.hold(deadlines_.holds());
+    if (deadlines_.lost()) session_.deadlines_missed();
   }
   bool ended() const noexcept { return session_.phase() == RunPhase::ended; }
 
@@ -54,6 +67,7 @@ class RunCycle {
   std::uint64_t left_;
   Rearm rearm_;
   const std::atomic<bool>& stop_;
+  DeadlineWatch deadlines_;
   RunStatistics statistics_;
   std::optional<Nanoseconds> t_first_step_ns_, t_fault_ns_;
 };
@@ -74,8 +88,9 @@ class RealtimeCycle {
       : cycle_(session, plan, stop), out_(out), entry_(entry_of(session)) {}
 
   /// False after the last cycle.
-  bool operator()(Nanoseconds wake_ns) noexcept {
-    entry_.wake_ns = wake_ns;
+  bool operator()(const Wake& wake) noexcept {
+    entry_.wake_ns = wake.latency;
+    cycle_.watch(wake);
     if (cycle_.run(entry_.record)) static_cast<void>(out_.try_push(entry_));  // counted there when full
     return !cycle_.ended();
   }

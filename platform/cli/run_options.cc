@@ -88,6 +88,7 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   rig.cycle_s = scene.step;
   // Samples come once a step: what was late at the scene's own step may be in time at a longer one.
   rig.stale_after_s = std::max(rig.stale_after_s, min_stale_steps * scene.step);
+  rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
 }
 
 std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {

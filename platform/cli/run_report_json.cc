@@ -109,10 +109,11 @@ Json to_array(const std::vector<T>& items) {
   return array;
 }
 
-Json timing(const CyclicStatistics& t, const Histogram& step_ns) {
+Json timing(const CyclicStatistics& t, const RunStatistics& run) {
   return {{"missed_deadlines", t.missed()},      {"late_cycles", t.late},
-          {"skipped_periods", t.skipped},        {"wake_us", to_json(t.wake_ns)},
-          {"compute_us", to_json(t.compute_ns)}, {"step_us", to_json(step_ns)}};
+          {"skipped_periods", t.skipped},        {"holds", run.holds},
+          {"hold_cycles", run.hold_cycles},      {"wake_us", to_json(t.wake_ns)},
+          {"compute_us", to_json(t.compute_ns)}, {"step_us", to_json(run.step_ns)}};
 }
 
 Json machine(const std::vector<RtStep>& setup) {
@@ -154,7 +155,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
             {"step_s", scene.step},
             {"cycles", statistics.cycles},
             {"motion_start_on_bus_s", 1e-9 * static_cast<double>(report.session.motion_start_ns())},
-            {"timing", timing(report.result.timing, statistics.step_ns)}};
+            {"timing", timing(report.result.timing, statistics)}};
   if (report.session.follows()) {
     json["truth"] = report.session.bus() == BusChoice::real
                         ? "none: errors are against what the core was told"

@@ -47,6 +47,8 @@ struct RunStatistics {
   std::array<std::uint64_t, limit_names.size()> limit_cycles{};       // cycles with that limit
   std::array<std::uint64_t, core_fault_texts.size()> fault_cycles{};  // in the order of core_fault_texts
   RigFault rig_faults = RigFault::none;
+  std::uint64_t holds = 0, hold_cycles = 0;  // since too many deadlines were missed
+  bool on_hold = false;
 
   void add(const CycleRecord& record) noexcept {
     ++cycles;
@@ -66,6 +68,9 @@ struct RunStatistics {
     for (std::size_t i = 0; i < core_fault_texts.size(); ++i)
       fault_cycles[i] += has(record.fault, core_fault_texts[i].fault) ? 1 : 0;
     rig_faults = rig_faults | record.rig_faults;
+    if (record.on_hold && !on_hold) ++holds;
+    if (record.on_hold) ++hold_cycles;
+    on_hold = record.on_hold;
   }
 };
 

@@ -121,6 +121,9 @@ void print_summary(std::FILE* out, const RunReport& report) {
   if (report.options.realtime)
     std::fprintf(out, "  %-26s %" PRIu64 " (%" PRIu64 " cycles late, %" PRIu64 " periods skipped)\n",
                  "missed deadlines", result.timing.missed(), result.timing.late, result.timing.skipped);
+  if (result.statistics.holds > 0)
+    std::fprintf(out, "  %-26s %" PRIu64 " times, %" PRIu64 " cycles in all: see missed deadlines\n",
+                 "held, force faded", result.statistics.holds, result.statistics.hold_cycles);
   print_timing(out, "wake-up", result.timing.wake_ns);
   print_timing(out, report.link_timing ? "cycle" : "compute (with simulation)", result.timing.compute_ns);
   print_timing(out, "  the step alone", result.statistics.step_ns);

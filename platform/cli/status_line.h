@@ -18,10 +18,12 @@ class StatusLine {
 
  private:
   void show(const CycleRecord& record);
+  void say(const CycleRecord& record);
 
   bool terminal_;
   double interval_s_;
   double due_s_ = 0;          // in the run's time
+  bool on_hold_ = false;      // said
   double worst_wake_us_ = 0;  // since the line was last shown
 };
 
