@@ -349,11 +349,33 @@ TEST_F(RigTest, QuickStopIsAskedForUntilTheFaultIsCleared) {
   EXPECT_EQ(last_command.controlword, cia402::enable_operation);
 }
 
+/// Three periods without a good sample: the pose is held. A hundred milliseconds: a fault.
+TEST_F(RigTest, AGapInTheSamplesIsNoFaultBeforeLostAfter) {
+  boot_and_arm();
+  for (const bool encoder : {true, false})
+    for (const int missing : {1, 3, 4, 50, 99}) {
+      for (int k = 0; k < missing; ++k) {
+        rig.sync(now);
+        if (!encoder) answer_encoder();
+        if (encoder) answer_drive();
+        if (now % (100 * ms) == 0) heartbeats();
+        finish_cycle();
+        EXPECT_FALSE(sample.fresh);
+        EXPECT_EQ(sample.valid, k < 3);
+      }
+      cycle();
+      EXPECT_TRUE(sample.valid && sample.fresh) << missing;
+      ASSERT_EQ(rig.faults(), RigFault::none) << missing << rig.fault_text();
+      cycles(10);
+    }
+}
+
 TEST_F(RigTest, SilentDriveThatIsAlsoTheJointsSensor) {
   boot_and_arm();
-  for (int k = 0; k < 5; ++k) {
+  for (int k = 0; k < 102; ++k) {
     rig.sync(now);
     answer_encoder();
+    if (now % (100 * ms) == 0) heartbeats();
     finish_cycle();
   }
   EXPECT_EQ(rig.faults(), RigFault::drive_silent | RigFault::sample_stale);

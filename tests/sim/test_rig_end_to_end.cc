@@ -157,6 +157,7 @@ TEST(RigEndToEnd, CommandsSaturateAndSlew) {
   EXPECT_DOUBLE_EQ(sim.drives[0]->applied_torque_Nm(), 0.15);
 }
 
+/// stale_after later the pose is held, lost_after later it is a fault.
 TEST(RigEndToEnd, UnpluggedEncoderIsStaleWithinTheLimitAndTorqueRunsDown) {
   SimulatedRig sim;
   ASSERT_TRUE(sim.boot());
@@ -169,8 +170,12 @@ TEST(RigEndToEnd, UnpluggedEncoderIsStaleWithinTheLimitAndTorqueRunsDown) {
 
   sim.encoder_ports[2]->set_connected(false);
   const Nanoseconds unplugged_ns = sim.now;
-  while (!any(sim.rig->faults()) && sim.now < unplugged_ns + 20'000'000) sim.cycle(F);
+  while (sim.sample.valid && sim.now < unplugged_ns + 20'000'000) sim.cycle(F);
   EXPECT_LE(sim.now - unplugged_ns, 3'000'000 + SimulatedRig::cycle_ns);
+  EXPECT_EQ(sim.rig->faults(), RigFault::none);
+  while (!any(sim.rig->faults()) && sim.now < unplugged_ns + 200'000'000) sim.cycle(F);
+  EXPECT_GE(sim.now - unplugged_ns, 100'000'000);
+  EXPECT_LE(sim.now - unplugged_ns, 103'000'000 + SimulatedRig::cycle_ns);
   EXPECT_EQ(sim.rig->faults(), RigFault::sample_stale);
   EXPECT_EQ(sim.rig->state(), RigState::fault);
   EXPECT_FALSE(sim.sample.valid);

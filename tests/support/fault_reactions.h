@@ -11,7 +11,7 @@ namespace godobject::test {
 
 /// From the fault of a drive that hears nothing any more to its own watchdog, with a cycle on either side.
 inline constexpr int cycles_of_watchdog = 22;
-/// stale_after is three cycles.
+/// What is seen at the third cycle.
 inline constexpr int cycles_of_silence = 5;
 /// In which a joint of FaultyRig moves by its max_slip, wherever its motion is.
 inline constexpr int cycles_of_travel = 500;

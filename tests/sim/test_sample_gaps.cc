@@ -1,0 +1,108 @@
+// Gaps in the samples of encoders, from the frame on the wire to the force that is shown.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "sim/scene_toml.h"
+#include "sim/session.h"
+
+namespace godobject::test_sample_gaps_on_buses {
+namespace {
+
+struct Felt {
+  double force = 0, torque = 0;  // largest shown at a body, N and N m, after the first second
+  double change = 0;             // of a force in a step, N
+  RigFault faults = RigFault::none;
+  int held = 0;  // cycles
+};
+
+SceneConfig scene_of(const char* name) {
+  LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + name);
+  EXPECT_TRUE(loaded.scene.has_value());
+  return *std::move(loaded.scene);
+}
+
+Felt feel(const SceneConfig& scene) {
+  Felt felt;
+  Session::Made made = Session::make(scene, Motion(scene), BusChoice::sim);
+  EXPECT_TRUE(made.session && made.session->boot(5));
+  if (!made.session) return felt;
+  CycleRecord before = made.session->at_start(), now = before;
+  for (double t = 0; t < 8; t += scene.step) {
+    made.session->cycle(now);
+    felt.faults = felt.faults | now.rig_faults;
+    if (has(now.limited, Limited::held)) ++felt.held;
+    for (std::size_t i = 0; i < now.bodies.size() && t > 1; ++i) {
+      const Wrench &F = now.bodies[i].feedback_D, &last = before.bodies[i].feedback_D;
+      felt.force = std::max(felt.force, F.f.norm());
+      felt.torque = std::max(felt.torque, F.tau.norm());
+      felt.change = std::max(felt.change, (F.f - last.f).norm());
+    }
+    before = now;
+  }
+  return felt;
+}
+
+/// An encoder's answers vanish or come late, now and then for up to `longest_s`.
+std::vector<FaultConfig> stalls(const SceneConfig& scene, unsigned seed, const char* verb, double longest_s) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const RigParams& rig = *scene.device->rig;
+  std::vector<FaultConfig> faults;
+  for (double t = 1.2; t < 7; t += uniform(0.2, 0.9)) {
+    const EncoderParams& encoder = rig.encoders[random() % rig.encoders.size()];
+    const double s = uniform(0.001, longest_s);
+    faults.push_back({.verb = verb,
+                      .bus = rig.buses[encoder.bus].name,
+                      .node_id = encoder.node_id,
+                      .at = t,
+                      .duration = s,
+                      .value = std::string(verb) == "drop" ? 1 : s});
+  }
+  return faults;
+}
+
+class SampleGapsOnBuses : public testing::TestWithParam<const char*> {};
+
+TEST_P(SampleGapsOnBuses, ShowNothingThatWasNotThere) {
+  SceneConfig scene = scene_of(GetParam());
+  const Felt undisturbed = feel(scene);
+  EXPECT_EQ(undisturbed.held, 0);
+  Felt worst;
+  for (const double stale_after_s : {0.003, 0.03})
+    for (const char* verb : {"drop", "delay"})
+      for (const double longest_s : {0.003, 0.01, 0.06})
+        for (const unsigned seed : {1u, 2u}) {
+          scene.device->rig->stale_after_s = stale_after_s;
+          scene.faults = stalls(scene, seed, verb, longest_s);
+          const Felt felt = feel(scene);
+          EXPECT_GT(felt.held, 0);
+          EXPECT_EQ(felt.faults, RigFault::none) << verb << " up to " << longest_s;
+          EXPECT_LE(felt.force, 1.03 * undisturbed.force)
+              << verb << " up to " << longest_s << ", " << stale_after_s;
+          EXPECT_LE(felt.torque, 1.03 * undisturbed.torque + 1e-6) << verb << " up to " << longest_s;
+          worst = {.force = std::max(worst.force, felt.force),
+                   .torque = std::max(worst.torque, felt.torque),
+                   .change = std::max(worst.change, felt.change)};
+        }
+  EXPECT_LE(worst.change, scene.step * scene.device->limits.force_rate * (1 + 1e-9));
+  std::printf("%s: %.3g N and %.3g N m, without gaps %.3g N and %.3g N m\n", GetParam(), worst.force,
+              worst.torque, undisturbed.force, undisturbed.torque);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, SampleGapsOnBuses, testing::Values("rigid.toml", "organ.toml"));
+
+/// Stalls end haptics only after lost_after.
+TEST(SampleGapsLength, LostAfterIsAFault) {
+  for (const auto& [duration, expected] : {std::pair{0.05, RigFault::none}, std::pair{0.09, RigFault::none},
+                                           std::pair{0.11, RigFault::sample_stale}}) {
+    SceneConfig scene = scene_of("rigid.toml");
+    scene.faults = {{.verb = "drop", .bus = "can0", .node_id = 1, .at = 2, .duration = duration, .value = 1}};
+    EXPECT_EQ(feel(scene).faults, expected) << duration;
+  }
+}
+
+}  // namespace
+}  // namespace godobject::test_sample_gaps_on_buses
