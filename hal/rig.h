@@ -125,6 +125,8 @@ class Rig {
   /// The set faults in words, one line for each place, in the order in which they came up: name, bus, node, meaning,
   /// remedy. Not for the loop: allocates.
   std::string fault_text() const;
+  /// Where: "can0 node 4, drive of elbow". Any thread: it is of the parameters alone. Allocates.
+  std::string place_text(const RigFaultPlace& place) const;
   const RigCounters& counters() const noexcept { return counters_; }
 
   std::size_t num_joints() const noexcept { return tree_.num_joints(); }
@@ -208,7 +210,6 @@ class Rig {
   bool drives_were_up() const noexcept { return reached() >= RigState::ready; }
 
   DriveGoal goal() const noexcept;
-  std::string place_text(const RigFaultPlace& place) const;
   DeviceButtons buttons() const noexcept;
 
   RigParams params_;

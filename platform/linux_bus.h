@@ -27,6 +27,9 @@ class LinuxBus : public CanBus {
   /// Where other programs find it: the interface, the path of a terminal (of `pty:` once it is open), of a
   /// log. Allocates.
   virtual std::string name() const { return {}; }
+  /// The bytes that hand a frame to descriptor() in one write, for when nothing else of the program works any more
+  /// (platform/last_resort.h). Empty: it carries no such frame. Allocates.
+  virtual std::string as_written(const CanFrame&) const { return {}; }
 };
 
 /// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).

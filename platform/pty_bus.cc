@@ -125,6 +125,8 @@ BusState PtyBus::state() const noexcept {
   return channel_ == Channel::closed ? BusState::down : BusState::error_active;
 }
 
+std::string PtyBus::as_written(const CanFrame& frame) const { return SlcanLine::after_anything(frame); }
+
 std::string PtyBus::trouble() const {
   if (!why_.empty()) return why_;
   if (line_.port().state() != SerialState::open) return line_.port().trouble();

@@ -30,6 +30,7 @@ class PtyBus final : public LinuxBus {
   std::string trouble() const override;
   /// Path of the terminal to be opened at the other end; empty while closed.
   std::string name() const override;
+  std::string as_written(const CanFrame& frame) const override;
 
  private:
   enum class Channel : std::uint8_t { closed, open, listening };

@@ -20,6 +20,8 @@
 #include <system_error>
 #include <utility>
 
+#include "platform/last_resort.h"
+
 namespace godobject {
 namespace {
 
@@ -166,6 +168,8 @@ std::size_t SerialPort::read(std::span<std::uint8_t> out) noexcept {
 
 std::size_t SerialPort::write(std::span<const std::uint8_t> bytes) noexcept {
   if (state_ != SerialState::open || bytes.empty()) return 0;
+  const BusWrite write;
+  if (!write.allowed()) return 0;
   const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
   if (n >= 0) return static_cast<std::size_t>(n);
   if (errno != EAGAIN && errno != EINTR) lost(errno);

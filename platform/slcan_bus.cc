@@ -191,6 +191,8 @@ BusState SlcanBus::state() const noexcept {
   return BusState::down;
 }
 
+std::string SlcanBus::as_written(const CanFrame& frame) const { return SlcanLine::after_anything(frame); }
+
 std::string SlcanBus::trouble() const {
   if (!why_.empty()) return path_ + ": " + why_;
   if (line_.port().state() != SerialState::open) return line_.port().trouble();

@@ -30,6 +30,7 @@ class SlcanBus final : public LinuxBus {
   int descriptor() const noexcept override { return line_.port().descriptor(); }
   std::string trouble() const override;
   std::string name() const override { return path_; }
+  std::string as_written(const CanFrame& frame) const override;
   const SerialPort& port() const noexcept { return line_.port(); }
 
   static constexpr Nanoseconds answer_timeout = 500'000'000;

@@ -23,6 +23,12 @@ void SlcanLine::flush() noexcept {
   out_size_ -= written;
 }
 
+std::string SlcanLine::after_anything(const CanFrame& frame) {
+  std::array<char, slcan::max_line> text{};
+  const std::size_t size = slcan::format_frame(frame, text);
+  return size == 0 ? std::string() : "\r" + std::string(text.data(), size);
+}
+
 bool SlcanLine::next(std::string_view& line) noexcept {
   constexpr int max_reads = 8;  // of in_.size() bytes: a bound on the time that one call takes
   for (int reads = 0; reads <= max_reads; ++reads) {

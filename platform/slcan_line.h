@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "hal/slcan.h"
@@ -23,6 +24,8 @@ class SlcanLine {
   [[nodiscard]] bool put(std::string_view text) noexcept;
   /// Writes what is queued, as much as the port takes.
   void flush() noexcept;
+  /// A frame for a line on which another write may have been cut off: the return in front of it ends that.
+  static std::string after_anything(const CanFrame& frame);
   /// The next complete line, valid until the next call. False: there is none now, or the call has read so
   /// much without finding one that the rest is left to the next.
   [[nodiscard]] bool next(std::string_view& line) noexcept;

@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "platform/last_resort.h"
+
 namespace godobject {
 
 static_assert(can_error::transmit_timeout == CAN_ERR_TX_TIMEOUT &&
@@ -141,6 +143,8 @@ SendResult SocketCanBus::send_now(const CanFrame& frame) noexcept {
   if (state_ == BusState::bus_off) return SendResult::off;
   KernelFrame out;
   const std::size_t size = to_kernel(frame, out);
+  const BusWrite write;
+  if (!write.allowed()) return SendResult::down;
   if (send(fd_, &out, size, MSG_DONTWAIT) < 0) return refused(errno);
   if (state_ == BusState::down) state_ = BusState::error_active;  // the interface is up again
   return SendResult::queued;
@@ -160,6 +164,13 @@ SendResult SocketCanBus::refused(int error) noexcept {
 
 void SocketCanBus::lose_interface(int error) noexcept {
   state_ = error == ENODEV || error == ENXIO ? BusState::gone : BusState::down;
+}
+
+std::string SocketCanBus::as_written(const CanFrame& frame) const {
+  if (!is_valid(frame) || (frame.fd && !carries_fd_)) return {};
+  KernelFrame out;
+  const std::size_t size = to_kernel(frame, out);
+  return {reinterpret_cast<const char*>(&out), size};
 }
 
 bool SocketCanBus::is_up() const noexcept {

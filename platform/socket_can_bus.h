@@ -40,6 +40,7 @@ class SocketCanBus final : public LinuxBus {
   int descriptor() const noexcept override { return fd_; }
   std::string trouble() const override;
   std::string name() const override { return interface_; }
+  std::string as_written(const CanFrame& frame) const override;
   [[nodiscard]] bool observe(const FrameObserver& observer) noexcept override {
     observer_ = observer;
     return true;

@@ -97,6 +97,9 @@ class Session {
   bool advance(CycleRecord& record) noexcept;
   /// booting, running -> running_down; without a bus, or before start() -> ended.
   void stop() noexcept;
+  /// stop() without running down: with the next period each drive gets rid of its torque by its own fastest means,
+  /// then it is disabled.
+  void quick_stop() noexcept;
   RunPhase phase() const noexcept { return phase_; }
   /// ended -> off, with a rig that knows nothing of what was: start() boots the nodes afresh. The engine stays
   /// as it is; what the device held is engaged anew, by the ramp. Allocates.

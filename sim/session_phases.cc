@@ -41,6 +41,11 @@ void Session::stop() noexcept {
   if (phase_ == RunPhase::booting || phase_ == RunPhase::running) give_up_running();
 }
 
+void Session::quick_stop() noexcept {
+  stop();
+  if (rig_ && phase_ == RunPhase::running_down) rig_->quick_stop();
+}
+
 void Session::give_up_running() noexcept {
   if (!rig_) {
     phase_ = RunPhase::ended;

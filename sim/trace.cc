@@ -2,6 +2,8 @@
 
 #include <array>
 #include <charconv>
+#include <fstream>
+#include <memory>
 
 #include "sim/contact_pairs.h"
 
@@ -57,8 +59,22 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
   return columns;
 }
 
+namespace {
+
+TraceWriter::Sink file_sink(const std::string& path) {
+  return [file = std::make_shared<std::ofstream>(path, std::ios::binary)](std::string_view text) {
+    file->write(text.data(), static_cast<std::streamsize>(text.size()));
+    return !file->flush().fail();
+  };
+}
+
+}  // namespace
+
 TraceWriter::TraceWriter(const std::string& path, const SceneConfig& scene)
-    : file_(path, std::ios::binary),
+    : TraceWriter(file_sink(path), scene) {}
+
+TraceWriter::TraceWriter(Sink sink, const SceneConfig& scene)
+    : sink_(std::move(sink)),
       touchable_(touchable_bodies(scene)),
       contacts_(has_contacts(scene)),
       grips_(takes_hold(scene)) {
@@ -98,8 +114,7 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
 
 bool TraceWriter::close() {
   flush();
-  file_.close();
-  return !file_.fail();
+  return all_taken_;
 }
 
 void TraceWriter::number(double x) {
@@ -125,7 +140,7 @@ void TraceWriter::wrench(const Wrench& F) {
 }
 
 void TraceWriter::flush() {
-  file_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  if (!buffer_.empty()) all_taken_ = sink_(buffer_) && all_taken_;
   buffer_.clear();
 }
 

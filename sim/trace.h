@@ -7,10 +7,11 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/contact.h"
@@ -46,7 +47,11 @@ struct TraceBits {
 /// Writes rows into a buffer and the buffer to the file when it is full. Not for the real-time thread.
 class TraceWriter {
  public:
+  /// Takes text; false: not all of it got where it is to go.
+  using Sink = std::function<bool(std::string_view)>;
+
   TraceWriter(const std::string& path, const SceneConfig& scene);
+  TraceWriter(Sink sink, const SceneConfig& scene);
 
   /// bodies, driven, joints: as many as the scene has bodies, driven bodies and joints, in their order.
   /// joints: what each does to its child, at its anchor there.
@@ -62,7 +67,8 @@ class TraceWriter {
   void wrench(const Wrench& F);
   void flush();
 
-  std::ofstream file_;
+  Sink sink_;
+  bool all_taken_ = true;
   std::string buffer_;
   std::vector<std::size_t> touchable_;  // bodies with contact columns
   bool contacts_ = false;               // the scene has some

@@ -11,8 +11,8 @@ constexpr std::size_t batch = 4096;  // frames: far more than come in a few peri
 
 }  // namespace
 
-CandumpLog::CandumpLog(const std::string& path, std::vector<std::string> buses)
-    : file_(path, std::ios::binary), buses_(std::move(buses)) {
+CandumpLog::CandumpLog(std::function<bool(std::string_view)> sink, std::vector<std::string> buses)
+    : sink_(std::move(sink)), buses_(std::move(buses)) {
   waiting_.reserve(2 * batch);
 }
 
@@ -23,8 +23,7 @@ void CandumpLog::add(const BusFrame& frame) {
 
 bool CandumpLog::close() {
   write_first(waiting_.size());
-  file_.close();
-  return all_written_ && !file_.fail();
+  return all_written_;
 }
 
 void CandumpLog::write_first(std::size_t count) {
@@ -37,7 +36,7 @@ void CandumpLog::write_first(std::size_t count) {
     all_written_ = all_written_ && result == CandumpResult::ok;
     buffer_.append(line.data(), length) += '\n';
   }
-  file_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  if (!buffer_.empty()) all_written_ = sink_(buffer_) && all_written_;
   waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
 }
 

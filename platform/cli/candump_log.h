@@ -1,8 +1,9 @@
 // A log of bus frames in candump's format.
 #pragma once
 
-#include <fstream>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/candump.h"
@@ -20,16 +21,17 @@ struct BusFrame {
 class CandumpLog {
  public:
   /// buses: interface names, at most 15 characters.
-  CandumpLog(const std::string& path, std::vector<std::string> buses);
+  /// sink: takes text; false: not all of it got where it is to go.
+  CandumpLog(std::function<bool(std::string_view)> sink, std::vector<std::string> buses);
 
   void add(const BusFrame& frame);
-  /// Writes what is left. False when anything did not reach the file.
+  /// Writes what is left. False when anything did not reach the sink.
   [[nodiscard]] bool close();
 
  private:
   void write_first(std::size_t count);
 
-  std::ofstream file_;
+  std::function<bool(std::string_view)> sink_;
   std::vector<std::string> buses_;
   std::vector<BusFrame> waiting_;
   std::string buffer_;

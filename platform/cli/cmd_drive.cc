@@ -167,7 +167,8 @@ bool confirmed(const DriveOptions& options) {
 
 ExitCode home(const DriveOptions& options) {
   if (!stands_still(options.home.method) && !confirmed(options)) return ExitCode::usage;
-  const StopSignals signals;
+  guard_process();
+  const StopSignals signals(Suspension::stops);
   DriveDialogue drive(options.node);
   if (const ExitCode code = drive.open(); code != ExitCode::ok) return code;
   return home_drive(drive, options.home, signals.requested());
@@ -209,7 +210,8 @@ bool take_value(DriveOptions& options) {
 
 ExitCode move(DriveOptions& options) {
   if (!take_value(options) || !confirmed(options)) return ExitCode::usage;
-  const StopSignals signals;
+  guard_process();
+  const StopSignals signals(Suspension::stops);
   DriveDialogue drive(options.node);
   if (const ExitCode code = drive.open(); code != ExitCode::ok) return code;
   return move_drive(drive, options.move, signals.requested());

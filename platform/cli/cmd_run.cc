@@ -1,14 +1,19 @@
 // godobject run: a scene, its device and its motion, for a while.
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdio>
-#include <fstream>
+#include <cstdlib>
 #include <map>
 #include <memory>
+#include <new>
 
+#include "platform/background_file.h"
 #include "platform/cli/option_checks.h"
 #include "platform/cli/run_loop.h"
 #include "platform/cli/run_options.h"
 #include "platform/cli/run_report.h"
+#include "platform/cli/stop_signals.h"
 #include "platform/cli/verbs.h"
 #include "platform/clock.h"
 
@@ -19,11 +24,30 @@ void print_lines(std::FILE* out, const char* before, const std::vector<std::stri
   for (const std::string& line : lines) std::fprintf(out, "%s%s\n", before, line.c_str());
 }
 
-bool write_report(const std::string& path, const RunReport& report) {
-  std::ofstream file(path);
-  file << to_json(report).dump(2) << '\n';
-  file.close();
-  return !file.fail();
+/// All at once, to a file or a terminal that is waited for 2 s at most. Empty, or why not.
+template <class File>
+std::string write_whole(const File& to, const std::string& text) {
+  constexpr std::chrono::seconds patience{2};
+  BackgroundFile file(to, text.size());
+  static_cast<void>(file.write(text));
+  return file.close(BackgroundFile::Clock::now() + patience).why;
+}
+
+std::string write_report(const std::string& path, const RunReport& report) {
+  return write_whole(path,
+                     to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+std::string summary_of(const RunReport& report) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* const out = open_memstream(&text, &size);
+  if (!out) throw std::bad_alloc();
+  print_summary(out, report);
+  std::fclose(out);
+  std::string summary(text, size);
+  std::free(text);
+  return summary;
 }
 
 /// On real buses the stamps of frames are those of the monotonic clock; logs have the time of day.
@@ -33,6 +57,7 @@ Nanoseconds log_origin_ns() {
 }
 
 ExitCode run(RunOptions options) {
+  guard_process();
   PreparedRun prepared = prepare(options);
   print_lines(stderr, "note: ", prepared.notes);
   print_lines(stderr, "", prepared.errors);
@@ -55,11 +80,15 @@ ExitCode run(RunOptions options) {
     std::fputs("--realtime: this machine lets the program start no thread\n", stderr);
     return ExitCode::not_available;
   }
+  const StopSignals closing(
+      Suspension::stops);  // the motors are off: files and summary are completed all the same
   RunReport report = make_report(options, prepared, *result, files.close());
-  if (!options.report.empty() && !write_report(options.report, report))
-    report.faults.push_back({.name = "file_incomplete", .text = options.report + " could not be written"});
-  print_summary(stdout, report);
-  return report.faults.empty() ? ExitCode::ok : ExitCode::fault;
+  if (!options.report.empty())
+    if (const std::string why = write_report(options.report, report); !why.empty())
+      report.faults.push_back(
+          {.name = "file_incomplete", .text = options.report + " could not be written: " + why});
+  const bool is_shown = write_whole(STDOUT_FILENO, summary_of(report)).empty();
+  return is_shown && report.faults.empty() ? ExitCode::ok : ExitCode::fault;
 }
 
 void add_options(CLI::App& verb, RunOptions& options) {

@@ -66,6 +66,7 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
 }
 
 ExitCode simulate(const SimulateOptions& options) {
+  guard_process();
   PreparedSimulation prepared = prepare(options);
   for (const std::string& note : prepared.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   for (const std::string& error : prepared.errors) std::fprintf(stderr, "%s\n", error.c_str());
@@ -73,7 +74,8 @@ ExitCode simulate(const SimulateOptions& options) {
   play(options, prepared);
   if (options.report.empty()) return ExitCode::ok;
   std::ofstream file(options.report);
-  file << prepared.simulation->to_json().dump(2) << '\n';
+  file << prepared.simulation->to_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
+       << '\n';
   file.close();
   if (!file.fail()) return ExitCode::ok;
   std::fprintf(stderr, "--report: %s could not be written\n", options.report.c_str());

@@ -1,5 +1,7 @@
 // godobject: the command line.
 #include <cstdio>
+#include <exception>
+#include <new>
 
 #include "platform/cli/verbs.h"
 
@@ -20,6 +22,12 @@ int main(int argc, char** argv) {
     }
   } catch (const CLI::ParseError& error) {
     code = app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+  } catch (const std::bad_alloc&) {
+    std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
+    code = ExitCode::not_available;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "a defect of the program: %s\n", error.what());
+    code = ExitCode::not_available;
   }
   return static_cast<int>(code);
 }

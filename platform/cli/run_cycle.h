@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "platform/cli/run_events.h"
 #include "platform/cli/run_statistics.h"
 #include "platform/ring.h"
 #include "sim/session.h"
@@ -29,7 +30,10 @@ class RunCycle {
   /// record is of it.
   bool run(CycleRecord& record) noexcept {
     if (stop_.load(std::memory_order_relaxed)) session_.stop();
-    if (!session_.advance(record)) return false;
+    if (insisted_ && insisted_->load(std::memory_order_relaxed)) session_.quick_stop();
+    const bool stepped = session_.advance(record);
+    if (events_) events_->look(session_, record, stepped);
+    if (!stepped) return false;
     statistics_.add(record);
     if (!any(record.rig_faults)) {
       if (!t_first_step_ns_) t_first_step_ns_ = session_.bus_time_ns();
@@ -40,6 +44,10 @@ class RunCycle {
     return true;
   }
   bool ended() const noexcept { return session_.phase() == RunPhase::ended; }
+  /// Once this is set the motors are stopped at once, without running down. Not while it runs.
+  void quick_stop_on(const std::atomic<bool>& insisted) noexcept { insisted_ = &insisted; }
+  /// What happens is marked there. Not while it runs.
+  void tell(EventWatch& events) noexcept { events_ = &events; }
 
   std::uint64_t left() const noexcept { return left_; }
   const RunStatistics& statistics() const noexcept { return statistics_; }
@@ -47,13 +55,18 @@ class RunCycle {
   std::optional<Nanoseconds> t_first_step_ns() const noexcept { return t_first_step_ns_; }
   std::optional<Nanoseconds> t_fault_ns() const noexcept { return t_fault_ns_; }
   /// Not while it runs.
-  void restart() noexcept { t_first_step_ns_ = t_fault_ns_ = std::nullopt; }
+  void restart() noexcept {
+    t_first_step_ns_ = t_fault_ns_ = std::nullopt;
+    if (events_) events_->restart();
+  }
 
  private:
   Session& session_;
   std::uint64_t left_;
   Rearm rearm_;
   const std::atomic<bool>& stop_;
+  const std::atomic<bool>* insisted_ = nullptr;
+  EventWatch* events_ = nullptr;
   RunStatistics statistics_;
   std::optional<Nanoseconds> t_first_step_ns_, t_fault_ns_;
 };

@@ -3,6 +3,9 @@
 namespace godobject {
 namespace {
 
+constexpr std::chrono::milliseconds close_patience{2000};
+constexpr std::size_t waiting_bytes = 16u << 20;
+
 std::vector<std::string> bus_names(const SceneConfig& scene) {
   std::vector<std::string> names;
   if (scene.device && scene.device->rig)
@@ -19,8 +22,12 @@ RunFiles::RunFiles(const std::string& trace, const std::string& record, const Sc
   bodies_.resize(scene.bodies.size());
   pulls_.resize(driven_.size());
   joints_.resize(children_.size());
-  if (!trace.empty()) trace_.emplace(trace, scene);
-  if (!record.empty()) record_.emplace(record, bus_names(scene));
+  const auto into = [this](std::optional<BackgroundFile>& file, const std::string& path) {
+    file.emplace(path, waiting_bytes);
+    return [this, &file](std::string_view text) { return file->write(text, patience_); };
+  };
+  if (!trace.empty()) trace_.emplace(into(trace_file_, trace), scene);
+  if (!record.empty()) record_.emplace(into(record_file_, record), bus_names(scene));
 }
 
 void RunFiles::add(const CycleRecord& record) {
@@ -40,11 +47,20 @@ void RunFiles::add(const CycleRecord& record) {
                .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});
 }
 
-std::vector<std::string> RunFiles::close() {
-  std::vector<std::string> incomplete;
-  if (trace_ && !trace_->close()) incomplete.push_back(trace_path_);
-  if (record_ && !record_->close()) incomplete.push_back(record_path_);
-  return incomplete;
+std::vector<FileLoss> RunFiles::close() {
+  if (trace_) static_cast<void>(trace_->close());  // what is lost the file says
+  if (record_) static_cast<void>(record_->close());
+  const auto until = BackgroundFile::Clock::now() + close_patience;
+  std::vector<FileLoss> losses;
+  const auto close_one = [&](std::optional<BackgroundFile>& file, const std::string& path) {
+    if (!file) return;
+    BackgroundFile::Result result = file->close(until);
+    if (!result.why.empty() || result.lost_lines > 0)
+      losses.push_back({.path = path, .why = std::move(result.why), .lost_lines = result.lost_lines});
+  };
+  close_one(trace_file_, trace_path_);
+  close_one(record_file_, record_path_);
+  return losses;
 }
 
 }  // namespace godobject

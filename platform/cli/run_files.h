@@ -5,11 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "platform/background_file.h"
 #include "platform/cli/candump_log.h"
 #include "sim/session.h"
 #include "sim/trace.h"
 
 namespace godobject {
+
+/// A file that lacks something.
+struct FileLoss {
+  std::string path;
+  std::string why;               // empty: the writer of a real-time run was too slow
+  std::uint64_t lost_lines = 0;  // as far as known
+};
 
 class RunFiles {
  public:
@@ -26,8 +34,11 @@ class RunFiles {
     logged.received.t_ns += log_origin_ns_;
     record_->add(logged);
   }
-  /// Names of the files that are not complete.
-  std::vector<std::string> close();
+  /// How long add() waits for a file that takes nothing before it gives it up; 0: it waits for none, and leaves out what
+  /// finds no room. At first 2 s.
+  void set_patience(std::chrono::milliseconds patience) noexcept { patience_ = patience; }
+  /// Waits for what is left, 2 s at most, and names the files that are not complete.
+  std::vector<FileLoss> close();
 
  private:
   std::string trace_path_, record_path_;
@@ -36,6 +47,8 @@ class RunFiles {
   std::vector<TraceBody> bodies_;               // the row being written
   std::vector<TraceDriven> pulls_;
   std::vector<Wrench> joints_;
+  std::chrono::milliseconds patience_{2000};
+  std::optional<BackgroundFile> trace_file_, record_file_;
   std::optional<TraceWriter> trace_;
   std::optional<CandumpLog> record_;
 };

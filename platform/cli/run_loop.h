@@ -15,11 +15,13 @@ namespace godobject {
 struct RunResult {
   bool ready = false;                   // the device came up; otherwise no cycle was run
   std::vector<std::string> not_set_up;  // why nodes could not be set up: no cycle was run either
-  std::string_view stopped_by;          // "SIGINT" or "SIGTERM"; empty: all cycles were run
+  std::string_view stopped_by;          // "SIGINT", ...; empty: all cycles were run
   RunStatistics statistics;
   CyclicStatistics timing;    // wake-up, late, skipped: --realtime only
   std::vector<RtStep> setup;  // --realtime only
   std::vector<Recovery> recoveries;
+  std::vector<RunEvent> events;  // in the order in which they were told
+  std::uint64_t lost_events = 0, lost_console_lines = 0;
   std::uint64_t lost_cycles = 0, lost_frames = 0;  // of the files: their writer was too slow
 };
 

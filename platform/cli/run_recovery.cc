@@ -78,12 +78,22 @@ bool Recoveries::again() {
   const bool lost = !list_.empty() && !list_.back().recovered_after_s;
   if (!lost || plan_.rearm == Rearm::never || cycle_.left() == 0 || stop_) return false;
   Recovery& recovery = list_.back();
+  if (recovery.boots == 0)
+    tell(RunEventKind::lost, "the device is lost: torque is gone, its nodes are pre-operational",
+         "--rearm auto: it is ARMED again as soon as it is back");
   for (bool up = false; !up; ++recovery.boots) {
     if (!real_ && recovery.boots == max_simulated_boots) return false;
-    if (!real_) up = true;
-    else if (!pause(pause_after(recovery.boots), stop_) || !reopen()) return false;
-    else up = commission(*real_, stop_).empty();
+    if (!real_) {
+      up = true;
+    } else if (!pause(pause_after(recovery.boots), stop_) || !reopen()) {
+      return false;
+    } else {
+      const std::vector<std::string> not_set_up = commission(*real_, stop_);
+      up = not_set_up.empty();
+      for (const std::string& node : not_set_up) tell(RunEventKind::trying, node, "tried again");
+    }
   }
+  tell(RunEventKind::trying, "boot " + std::to_string(recovery.boots) + " of the nodes begins", "");
   cycle_.restart();
   session_.restart();
   return true;
@@ -105,6 +115,12 @@ void Recoveries::note() {
   list_.push_back(std::move(recovery));
 }
 
+void Recoveries::tell(RunEventKind kind, std::string cause, std::string remedy) {
+  const Nanoseconds now = real_ ? MonotonicClock{}.now() : session_.bus_time_ns();
+  events_.tell(kind, 1e-9 * static_cast<double>(now - session_.motion_start_ns()), std::move(cause),
+               std::move(remedy));
+}
+
 bool Recoveries::reopen() {
   LinuxLink& link = real_->link;
   for (int tries = 0; !stop_; ++tries) {
@@ -120,6 +136,9 @@ bool Recoveries::reopen() {
       all_back = all_back && !is_cut_off(bus.state());
     }
     if (all_back) return true;
+    if (tries == 0)
+      for (const std::string& trouble : bus_troubles(link, real_->plan, real_->rig))
+        tell(RunEventKind::trying, trouble, "tried again until it is back");
     if (!pause(pause_after(tries), stop_)) return false;
   }
   return false;

@@ -40,8 +40,8 @@ class Recoveries {
  public:
   /// real: null for simulated buses, whose time stands still meanwhile.
   Recoveries(Session& session, RunCycle& cycle, const RunPlan& plan, const RunLink* real,
-             const std::atomic<bool>& stop)
-      : session_(session), cycle_(cycle), plan_(plan), real_(real), stop_(stop) {}
+             const std::atomic<bool>& stop, RunEvents& events)
+      : session_(session), cycle_(cycle), plan_(plan), real_(real), stop_(stop), events_(events) {}
 
   /// The session has ended. True: it has been restarted and is to be run again.
   bool again();
@@ -50,12 +50,14 @@ class Recoveries {
  private:
   void note();
   bool reopen();
+  void tell(RunEventKind kind, std::string cause, std::string remedy);
 
   Session& session_;
   RunCycle& cycle_;
   RunPlan plan_;
   const RunLink* real_;
   const std::atomic<bool>& stop_;
+  RunEvents& events_;
   std::vector<Recovery> list_;
 };
 

@@ -63,19 +63,26 @@ void add_not_ready(const RunReport& report, std::vector<FaultReport>& faults) {
   if (faults.empty() && report.result.stopped_by.empty()) add_run_fault(RunFault::not_ready, faults);
 }
 
-void add_file_faults(const RunReport& report, const std::vector<std::string>& incomplete_files,
+void add_file_faults(const RunReport& report, const std::vector<FileLoss>& losses,
                      std::vector<FaultReport>& faults) {
-  for (const std::string& file : incomplete_files)
+  std::uint64_t lost_rows = report.result.lost_cycles, lost_frames = report.result.lost_frames;
+  for (const FileLoss& loss : losses) {
+    if (loss.why.empty()) {
+      (loss.path == report.options.trace ? lost_rows : lost_frames) += loss.lost_lines;
+      continue;
+    }
     faults.push_back({.name = std::string(text_of(RunFault::file_incomplete).name),
-                      .text = file + " could not be written in full: is the disk full?"});
+                      .text = loss.path + " could not be written in full: " + loss.why + "; it lacks " +
+                              std::to_string(loss.lost_lines) + " lines and whatever was cut off"});
+  }
   const auto lost = [&](const std::string& file, std::uint64_t count) {
     if (!file.empty() && count > 0)
       faults.push_back(
           {.name = std::string(text_of(RunFault::records_lost).name),
            .text = file + " lacks " + std::to_string(count) + " records: the disk could not keep up"});
   };
-  lost(report.options.trace, report.result.lost_cycles);
-  lost(report.options.record, report.result.lost_frames);
+  lost(report.options.trace, lost_rows);
+  lost(report.options.record, lost_frames);
 }
 
 std::vector<TrackerReportLine> tracker_reports(const Session& session) {
@@ -117,7 +124,7 @@ std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig)
 }  // namespace
 
 RunReport make_report(const RunOptions& options, const PreparedRun& run, const RunResult& result,
-                      const std::vector<std::string>& incomplete_files) {
+                      const std::vector<FileLoss>& losses) {
   const Session& session = *run.session;
   RunReport report{.options = options,
                    .session = session,
@@ -140,7 +147,7 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
   }
   if (!session.reachable()) add_run_fault(RunFault::unreachable, report.faults);
   add_core_faults(result.statistics, report.faults);
-  add_file_faults(report, incomplete_files, report.faults);
+  add_file_faults(report, losses, report.faults);
   return report;
 }
 

@@ -44,9 +44,9 @@ struct RunReport {
   std::vector<FaultReport> faults;
 };
 
-/// incomplete_files: outputs that could not be written in full.
+/// losses: outputs that lack something.
 RunReport make_report(const RunOptions& options, const PreparedRun& run, const RunResult& result,
-                      const std::vector<std::string>& incomplete_files);
+                      const std::vector<FileLoss>& losses);
 
 std::string hash_text(std::uint64_t hash);
 /// "sim", "direct" or "real".

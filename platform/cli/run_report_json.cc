@@ -91,6 +91,17 @@ Json to_json(const Recovery& recovery) {
           {"recovered_after_s", or_null(recovery.recovered_after_s)}};
 }
 
+Json to_json(const RunEvent& event) {
+  return {{"t_s", event.t_s},
+          {"event", name_of(event.kind)},
+          {"name", text_or_null(event.name)},
+          {"bus", text_or_null(event.bus)},
+          {"node", event.node != 0 ? Json(event.node) : Json(nullptr)},
+          {"place", text_or_null(event.place)},
+          {"cause", event.cause},
+          {"remedy", text_or_null(event.remedy)}};
+}
+
 Json to_json(const RtStep& step) {
   return {{"step", step.name},
           {"result", name_of(step.result)},
@@ -173,10 +184,14 @@ nlohmann::ordered_json to_json(const RunReport& report) {
     json["sync_jitter_us"] = to_json(report.link_timing->sync_jitter_ns);
   }
   if (report.session.rig()) json["answers"] = answers(report.session.rig_counters());
+  json["events"] = to_array(report.result.events);
   json["recoveries"] = to_array(report.result.recoveries);
   json["limits"] = limits(statistics);
   json["faults"] = to_array(report.faults);
-  json["lost"] = {{"cycles", report.result.lost_cycles}, {"frames", report.result.lost_frames}};
+  json["lost"] = {{"cycles", report.result.lost_cycles},
+                  {"frames", report.result.lost_frames},
+                  {"events", report.result.lost_events},
+                  {"console_lines", report.result.lost_console_lines}};
   json["machine"] = machine(report.result.setup);
   json["state_hash"] = hash_text(report.session.engine().state_hash());
   json["files"] = {{"trace", options.trace}, {"record", options.record}, {"report", options.report}};

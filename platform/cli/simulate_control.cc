@@ -42,7 +42,7 @@ std::string answer(std::string_view command, Simulation& simulation, bool& quit)
                   "clear, status or "
                   "quit");
   }
-  return reply.dump();
+  return reply.dump(-1, ' ', false, json::error_handler_t::replace);  // of bytes that are no UTF-8 too
 }
 
 LineInput::LineInput(int descriptor) noexcept

@@ -1,0 +1,317 @@
+"""Every way out of `godobject run`, from the wire: the last frames and the time to zero torque that the table "Ways out"
+of docs/faults.md promises. Each row of the table has its test here, or names the one that it has elsewhere."""
+import os
+import pty
+import re
+import resource
+import signal
+import subprocess
+import termios
+import time
+from pathlib import Path
+
+import pytest
+
+import godobject_hil as hil
+from conftest import ATTEMPTS, became_enabled
+
+SOURCE = Path(__file__).parents[2]
+STEP_S = 0.01  # of rig.toml
+RATED_NM = 0.1
+RATE_NM_PER_S = 0.005  # far below that of rig.toml: running down takes 0.2 s and more, and can be told from a stop
+DEADLINE_S = 0.1  # of patient-402.toml: the drives' watchdog
+SLACK_S = 0.08  # for the programs between the host and this one, on a machine with other work
+NODES = (1, 2, 11, 12)
+DRIVES = (11, 12)
+
+RUN_DOWN = ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGALRM", "SIGVTALRM", "SIGPROF", "SIGUSR1", "SIGUSR2",
+            "SIGIO", "SIGPWR", "SIGSTKFLT", "SIGXCPU", "SIGRTMIN"]
+IGNORED = ["SIGPIPE", "SIGXFSZ", "SIGTTOU", "SIGTTIN"]
+DEADLY = ["SIGABRT", "SIGSEGV", "SIGBUS", "SIGFPE", "SIGILL", "SIGSYS", "SIGTRAP"]
+UNNOTICED = ["SIGKILL", "SIGSTOP"]
+OUTPUTS = ["pipe closed", "terminal gone", "terminal stopped", "reader gone", "nobody reads", "file size limit"]
+OTHERS = ["last cycle", "second signal", "fault of the rig"]
+ELSEWHERE = {"terminate": "LastResort.TerminateWritesTheLastFrames",
+             "exception": "LastResort.AnExceptionThatEscapesWritesTheLastFrames",
+             "stack overflow": "LastResort.AStackOverflowWritesTheLastFrames",
+             "power loss": ""}  # nothing of the host acts: what SIGKILL shows
+
+
+def table():
+    """name: (last frames, time to zero torque), for each name in the table's first column."""
+    text = (SOURCE / "docs/faults.md").read_text().split("<!-- ways out: begin -->")[1]
+    rows = text.split("<!-- ways out: end -->")[0].strip().splitlines()[2:]
+    ways = {}
+    for row in rows:
+        way, _, last, zero = [cell.strip() for cell in re.split(r"(?<!\\)\|", row.strip("|"))]
+        ways.update({name: (last, zero) for name in re.findall(r"`([^`]+)`", way) if "run ..." not in name})
+    return ways
+
+
+def number(name):
+    return {"SIGSTKFLT": 16}.get(name) or getattr(signal, name)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    here = Path(__file__).parent
+    text = (here / "rig.toml").read_text()
+    changed = text.replace("torque_rate_Nm_per_s = 20.0", f"torque_rate_Nm_per_s = {RATE_NM_PER_S}").replace(
+        "mass = 0.1", "mass = 0.5")
+    assert changed.count(str(RATE_NM_PER_S)) == 2 and "mass = 0.5" in changed
+    (tmp_path / "patient-402.toml").write_text((here / "patient-402.toml").read_text())
+    (tmp_path / "rig.toml").write_text(changed)
+    return str(tmp_path / "rig.toml")
+
+
+class Run:
+    """A run that commands torque, and what came of it on the bus."""
+
+    def __init__(self, outsider, host, mark):
+        self.outsider, self.host, self.mark = outsider, host, mark
+
+    def commands(self, mark):
+        return [f for f in self.outsider.since(mark, kind=hil.RPDO1) if len(f.data) == 4]
+
+    def wait_for_torque(self, per_mille=10):
+        mark = self.outsider.mark()
+        self.outsider.wait_for(lambda f: f.kind == hil.RPDO1 and abs(f.target_per_mille) >= per_mille, 5,
+                               f"{per_mille} per mille of torque", mark)
+
+    def now(self):
+        """The place and time of an event, and how long its torque takes to run down."""
+        last = {f.node: f for f in self.commands(self.mark)}
+        torque_Nm = max(abs(f.target_per_mille) for f in last.values()) * 1e-3 * RATED_NM
+        # What is on its way or comes in the cycle at hand may be more.
+        return self.outsider.mark(), time.time(), torque_Nm / RATE_NM_PER_S + 2 * STEP_S
+
+    def expect_zero(self, way, event):
+        mark, t_event, ramp_s = event
+        promised = table()[way][1]
+        cycles = re.search(r"(\d+) cycles", promised)
+        within_s = ("ramp" in promised) * ramp_s + int(cycles.group(1)) * STEP_S
+        late = [f for f in self.commands(mark)
+                if f.target_per_mille != 0 and f.time - t_event > within_s + SLACK_S]
+        assert not late, f"{late[-1].target_per_mille} per mille {late[-1].time - t_event:.3f} s after it, " \
+                         f"promised: {promised} = {within_s:.3f} s"
+
+    def expect_last_frames(self, mark):
+        """Disable voltage with no torque to every drive, pre-operational to every node, nothing after."""
+        time.sleep(0.1)
+        of_host = [f for f in self.outsider.since(mark)
+                   if f.kind in (hil.SYNC, hil.NMT, hil.RPDO1) or f.kind == hil.HEARTBEAT and f.node not in NODES]
+        last = [(f.kind, f.node, f.controlword if f.kind == hil.RPDO1 else f.nmt_command,
+                 f.target_per_mille if f.kind == hil.RPDO1 else 0) for f in of_host[-6:]]
+        assert last == [(hil.RPDO1, node, 0, 0) for node in DRIVES] + \
+            [(hil.NMT, node, "pre-operational", 0) for node in NODES]
+
+    def end(self, timeout_s=8):
+        """Ends it, and says how."""
+        self.host.popen.send_signal(signal.SIGTERM)
+        return self.host.popen.wait(timeout_s)
+
+
+@pytest.fixture
+def start(rig, program, scene, tmp_path):
+    """Starts `godobject run` and waits for torque."""
+    hosts = []
+
+    def begin(*arguments, **popen):
+        for _ in range(ATTEMPTS):
+            mark = rig.outsider.mark()
+            host = hil.Host(program, scene, [rig.address], tmp_path, arguments) if not popen else \
+                PlainHost(program, scene, rig.address, tmp_path, arguments, popen)
+            hosts.append(host)
+            if became_enabled(rig.outsider, host, mark):
+                run = Run(rig.outsider, host, mark)
+                try:
+                    run.wait_for_torque()
+                    return run
+                except hil.TimedOut:  # in fault: the machine left it without its processor
+                    run.end()
+        pytest.fail(f"godobject run commanded no torque {ATTEMPTS} times")
+
+    yield begin
+    for host in hosts:
+        if host.running():
+            host.popen.kill()
+            host.popen.wait()
+
+
+class PlainHost:
+    """`godobject run` with outputs of the test's own."""
+
+    def __init__(self, program, scene, address, folder, arguments, popen):
+        self.report_path = Path(folder) / "report.json"
+        self.popen = subprocess.Popen([program, "run", scene, "--bus", address, "--report", str(self.report_path),
+                                       *arguments], **popen)
+
+    def running(self):
+        return self.popen.poll() is None
+
+
+def test_every_row_has_its_test():
+    covered = RUN_DOWN + IGNORED + DEADLY + UNNOTICED + OUTPUTS + OTHERS + list(ELSEWHERE)
+    assert sorted(table()) == sorted(covered)
+    tests = (SOURCE / "tests/platform/test_last_resort.cc").read_text()
+    for test in filter(None, ELSEWHERE.values()):
+        assert "TEST({}, {})".format(*test.split(".")) in tests
+
+
+def test_last_cycle(start):
+    run = start("--duration", "3")
+    run.host.popen.wait(15)
+    run.expect_last_frames(run.mark)
+
+
+@pytest.mark.parametrize("name", RUN_DOWN)
+def test_a_signal_runs_down(start, name):
+    run = start()
+    event = run.now()
+    run.host.popen.send_signal(number(name))
+    assert run.host.popen.wait(8) in (0, 1), run.host.error_text()
+    run.expect_zero(name, event)
+    run.expect_last_frames(event[0])
+    assert run.host.report()["stopped_by"] == name
+    assert f"{name}: the torque runs down" in run.host.error_text()
+
+
+def test_a_second_signal_is_a_quick_stop(start):
+    run = start()
+    run.wait_for_torque(15)
+    run.host.popen.send_signal(signal.SIGINT)
+    time.sleep(0.05)
+    event = run.now()
+    run.host.popen.send_signal(signal.SIGINT)
+    assert run.host.popen.wait(8) == 1
+    run.expect_zero("second signal", event)
+    run.expect_last_frames(event[0])
+    assert {f.node for f in run.commands(event[0]) if f.controlword == 0x0002} == set(DRIVES)
+    assert "QUICK STOP" in run.host.error_text()
+    assert "quick_stop" in run.host.faults()
+
+
+@pytest.mark.parametrize("name", DEADLY)
+def test_a_defect_leaves_time_for_the_last_frames(start, name):
+    run = start()
+    event = run.now()
+    run.host.popen.send_signal(number(name))
+    assert run.host.popen.wait(8) == -number(name)
+    run.expect_zero(name, event)
+    run.expect_last_frames(event[0])
+    assert f"ended by {name}; the drives were told" in run.host.error_text()
+
+
+@pytest.mark.parametrize("name", IGNORED)
+def test_a_signal_that_ends_nothing(start, name):
+    run = start()
+    mark = run.outsider.mark()
+    run.host.popen.send_signal(number(name))
+    time.sleep(0.3)
+    run.wait_for_torque()
+    assert not run.outsider.since(mark, kind=hil.NMT)
+    assert run.end() in (0, 1)
+    run.expect_last_frames(mark)
+
+
+@pytest.mark.parametrize("name", UNNOTICED)
+def test_what_the_host_does_not_notice_is_the_drives(start, rig, name):
+    if rig.simulator is None:
+        pytest.skip("asks the simulator for the torque")
+    run = start()
+    mark, t_event = run.outsider.mark(), time.time()
+    run.host.popen.send_signal(number(name))
+    frame = run.outsider.wait_for(lambda f: f.kind == hil.EMCY and f.node in DRIVES, 5, "a drive's emergency", mark)
+    assert frame.time - t_event < DEADLINE_S + SLACK_S
+    hil.wait_for(lambda: rig.simulator.torque_Nm() == 0, 1, "no torque")
+    run.host.popen.kill()
+
+
+def ends_nothing(run, event, seconds=0.5):
+    """The run goes on and commands torque, then ends in time as any other."""
+    time.sleep(seconds)
+    run.wait_for_torque()
+    assert not run.outsider.since(event, kind=hil.NMT)
+    mark, t_begin = run.outsider.mark(), time.time()
+    code = run.end()
+    assert time.time() - t_begin < 6
+    run.expect_last_frames(mark)
+    return code
+
+
+def test_pipe_closed(start):
+    reading, writing = os.pipe()
+    run = start(stdout=writing, stderr=writing)
+    os.close(writing)
+    os.read(reading, 20)
+    event = run.outsider.mark()
+    os.close(reading)
+    assert ends_nothing(run, event, 2.5) in (0, 1)
+
+
+def test_terminal_gone(start):
+    master, slave = pty.openpty()
+    run = start(stdout=slave, stderr=slave)
+    os.close(slave)
+    event = run.outsider.mark()
+    os.close(master)
+    assert ends_nothing(run, event, 2) in (0, 1)
+
+
+def test_terminal_stopped(start):
+    master, slave = pty.openpty()
+    run = start(stdout=slave, stderr=slave)
+    event = run.outsider.mark()
+    termios.tcflow(slave, termios.TCOOFF)
+    assert ends_nothing(run, event, 2) in (0, 1)
+    os.close(slave)
+    os.close(master)
+
+
+def lost(run, path):
+    return [f["text"] for f in run.host.report()["faults"]
+            if f["name"] in ("file_incomplete", "records_lost") and path in f["text"]]
+
+
+def test_reader_gone(start, tmp_path):
+    fifo = str(tmp_path / "trace.fifo")
+    os.mkfifo(fifo)
+    reading = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+    run = start("--trace", fifo)
+    event = run.outsider.mark()
+    os.close(reading)
+    assert ends_nothing(run, event, 2) == 1
+    assert lost(run, fifo)
+
+
+def test_nobody_reads(start, tmp_path):
+    fifo = str(tmp_path / "trace.fifo")
+    os.mkfifo(fifo)
+    run = start("--trace", fifo)
+    assert ends_nothing(run, run.outsider.mark()) == 1
+    assert re.search(r"lacks \d+ lines", lost(run, fifo)[0])
+
+
+def test_file_size_limit(start, tmp_path):
+    trace = str(tmp_path / "trace.csv")
+    run = start("--trace", trace, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000)))
+    assert ends_nothing(run, run.outsider.mark(), 3) == 1
+    assert "File too large" in (run.host.report_path.read_text())
+
+
+def test_fault_of_the_rig(start, rig):
+    if rig.simulator is None:
+        pytest.skip("plays a fault")
+    run = start()
+    event = run.now()
+    rig.simulator.fault("emcy bus=can0 node=1 value=0x5000")
+    time.sleep(1)
+    run.expect_zero("fault of the rig", event)
+    assert run.end() == 1
+    run.expect_last_frames(event[0])
+    text = run.host.error_text()
+    assert re.search(r"at \d+\.\d+ s: FAULT emergency \(can0 node 1, encoder of turret, code 0x5000\)", text)
+    fault = next(e for e in run.host.report()["events"] if e["event"] == "fault")
+    assert (fault["name"], fault["bus"], fault["node"]) == ("emergency", "can0", 1)
+    assert fault["cause"] and fault["remedy"] and fault["t_s"] > 0
