@@ -87,8 +87,10 @@ ExitCode run(RunOptions options) {
     if (const std::string why = write_report(options.report, report); !why.empty())
       report.faults.push_back(
           {.name = "file_incomplete", .text = options.report + " could not be written: " + why});
-  const bool is_shown = write_whole(STDOUT_FILENO, summary_of(report)).empty();
-  return is_shown && report.faults.empty() ? ExitCode::ok : ExitCode::fault;
+  const std::string not_shown = write_whole(STDOUT_FILENO, summary_of(report));
+  if (!not_shown.empty())
+    static_cast<void>(write_whole(STDERR_FILENO, "the summary could not be written: " + not_shown + "\n"));
+  return not_shown.empty() && report.faults.empty() ? ExitCode::ok : ExitCode::fault;
 }
 
 void add_options(CLI::App& verb, RunOptions& options) {

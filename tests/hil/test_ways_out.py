@@ -24,6 +24,9 @@ SLACK_S = 0.08  # for the programs between the host and this one, on a machine w
 NODES = (1, 2, 11, 12)
 DRIVES = (11, 12)
 
+# Programs are made to die of SIGSEGV here: no core files.
+resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+
 RUN_DOWN = ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGALRM", "SIGVTALRM", "SIGPROF", "SIGUSR1", "SIGUSR2",
             "SIGIO", "SIGPWR", "SIGSTKFLT", "SIGXCPU", "SIGRTMIN"]
 IGNORED = ["SIGPIPE", "SIGXFSZ", "SIGTTOU", "SIGTTIN"]
