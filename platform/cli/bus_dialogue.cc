@@ -51,6 +51,12 @@ void BusDialogue::run(const std::function<bool()>& busy, const std::function<voi
   poll(MonotonicClock().now(), *bus_);  // an abort may have yet to be sent
 }
 
+LastWords BusDialogue::last_words(std::span<const CanFrame> frames) const {
+  LastWords words{.descriptor = bus_->descriptor(), .writes = {}};
+  for (const CanFrame& frame : frames) words.writes.push_back(bus_->as_written(frame));
+  return words;
+}
+
 std::string BusDialogue::trouble() const {
   const std::string text = bus_->trouble();
   return text.empty() ? "" : "; " + text;

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "platform/cli/verbs.h"
+#include "platform/last_resort.h"
 #include "platform/linux_bus.h"
 
 namespace godobject {
@@ -37,6 +38,9 @@ class BusDialogue {
   /// Until busy() is false: on_frame for each frame, then poll, at least each millisecond.
   void run(const std::function<bool()>& busy, const std::function<void(const CanFrame&)>& on_frame,
            const std::function<void(Nanoseconds, CanBus&)>& poll);
+
+  /// The frames as the open bus takes them.
+  LastWords last_words(std::span<const CanFrame> frames) const;
 
   /// What is wrong with the bus, after "; "; empty where nothing is.
   std::string trouble() const;

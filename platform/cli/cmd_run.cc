@@ -1,9 +1,13 @@
 // godobject run: a scene, its device and its motion, for a while.
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <new>
 
+#include "platform/background_file.h"
 #include "platform/cli/option_checks.h"
 #include "platform/cli/run_loop.h"
 #include "platform/cli/run_options.h"
@@ -61,6 +65,8 @@ ExitCode run(RunOptions options) {
     std::fputs("--realtime: this machine lets the program start no thread\n", stderr);
     return ExitCode::not_available;
   }
+  const StopSignals closing(
+      Suspension::stops);  // the motors are off: files and summary are completed all the same
   RunReport report = make_report(options, prepared, *result, files.close());
   if (!options.report.empty() && !write_report(options.report, report))
     report.faults.push_back({.name = "file_incomplete", .text = options.report + " could not be written"});

@@ -88,6 +88,8 @@ ExitCode PoweredDrive::check(OperationMode mode) {
 ExitCode PoweredDrive::prepare(OperationMode mode) {
   if (const ExitCode code = check(mode); code != ExitCode::ok) return code;
   prepared_ = true;
+  last_resort_.emplace(
+      std::vector{drive_.node().last_words(drive_object::controlword, cia402::disable_voltage)});
   drive_.node().command(canopen::NmtCommand::enter_pre_operational);
   watch_this_program();
   return set_mode(mode);
@@ -155,6 +157,7 @@ ExitCode PoweredDrive::off() {
   const bool confirmed = confirm_off();
   if (confirmed) restore();
   drive_.node().send_heartbeats(false);
+  last_resort_.reset();
   if (confirmed) return ExitCode::ok;
   std::fprintf(stderr, "node %d: NOT CONFIRMED that the motor is off (%s): cut its power\n",
                drive_.node().node(), drive_.node().failure().c_str());

@@ -3,6 +3,7 @@
 
 #include "hal/cia402_modes.h"
 #include "platform/cli/node_dialogue.h"
+#include "platform/last_resort.h"
 
 namespace godobject {
 
@@ -45,7 +46,8 @@ class DriveDialogue {
 /// A drive that is given power, and in every case loses it again: at the latest in the destructor.
 ///
 /// It is held in NMT pre-operational, so that no PDO moves it. Where it can (1016h, 6007h) it is told to switch
-/// itself off when it has not heard this program for half a second: killed, or the cable off.
+/// itself off when it has not heard this program for half a second: killed, or the cable off. A program that dies of a
+/// defect still sends it disable voltage.
 class PoweredDrive {
  public:
   explicit PoweredDrive(DriveDialogue& drive) : drive_(drive) {}
@@ -71,6 +73,7 @@ class PoweredDrive {
 
   DriveDialogue& drive_;
   bool prepared_ = false;
+  std::optional<LastResort> last_resort_;
   std::optional<std::int64_t> former_mode_, former_consumer_, former_abort_connection_;
 };
 

@@ -1,8 +1,13 @@
 #include "platform/cli/drive_move.h"
 
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 
+#include "platform/background_file.h"
 #include "platform/cli/canopen_texts.h"
 #include "platform/clock.h"
 
@@ -26,8 +31,9 @@ const TypedObject& target_of(CommandKind kind) noexcept {
 
 class Move {
  public:
-  Move(DriveDialogue& drive, const MoveOptions& options)
-      : drive_(drive), node_(drive.node()), options_(options), ramp_(options.duration) {}
+  /// out: a terminal that takes nothing does not keep the motor moving.
+  Move(DriveDialogue& drive, const MoveOptions& options, BackgroundFile& out)
+      : drive_(drive), node_(drive.node()), options_(options), out_(out), ramp_(options.duration) {}
 
   ExitCode set_at_rest() {
     const std::optional<std::int64_t> position = node_.read(drive_object::position);
@@ -37,7 +43,7 @@ class Move {
   }
 
   ExitCode run(const std::atomic<bool>& stop) {
-    std::printf("%6s %12s %12s %12s %12s\n", "s", "target", "counts", "counts/s", "per mille");
+    print("%6s %12s %12s %12s %12s\n", "s", "target", "counts", "counts/s", "per mille");
     const MonotonicClock clock;
     const Nanoseconds t_begin_ns = clock.now();
     Nanoseconds t_line_ns = t_begin_ns;
@@ -56,6 +62,9 @@ class Move {
     node_.wait(settling_ns);
     return print_line(options_.duration);
   }
+
+  /// When, where it was.
+  std::optional<double> interrupted_s() const { return interrupted_s_; }
 
  private:
   std::int64_t target(double t) const noexcept {
@@ -76,6 +85,13 @@ class Move {
     return ExitCode::fault;
   }
 
+  template <class... Values>
+  void print(const char* format, Values... values) {
+    std::array<char, 120> line{};
+    std::snprintf(line.data(), line.size(), format, values...);
+    static_cast<void>(out_.write(line.data()));
+  }
+
   ExitCode print_line(double t) {
     const std::optional<std::int64_t> position = node_.read(drive_object::position);
     if (!position) return node_.report();
@@ -83,36 +99,43 @@ class Move {
     if (!velocity) return node_.report();
     const std::optional<std::int64_t> torque = node_.read(drive_object::torque);
     if (!torque) return node_.report();
-    std::printf("%6.2f %12lld %12lld %12lld %12lld\n", t, static_cast<long long>(target(t)),
-                static_cast<long long>(*position), static_cast<long long>(*velocity),
-                static_cast<long long>(*torque));
-    std::fflush(stdout);
+    print("%6.2f %12lld %12lld %12lld %12lld\n", t, static_cast<long long>(target(t)),
+          static_cast<long long>(*position), static_cast<long long>(*velocity),
+          static_cast<long long>(*torque));
     return ExitCode::ok;
   }
 
-  ExitCode interrupted(double t) const {
-    std::fprintf(stderr, "node %d: interrupted after %.2f s\n", node_.node(), t);
+  ExitCode interrupted(double t) {
+    interrupted_s_ = t;
     return ExitCode::fault;
   }
 
   DriveDialogue& drive_;
   NodeDialogue& node_;
   const MoveOptions& options_;
+  BackgroundFile& out_;
   MoveRamp ramp_;
   std::int64_t start_ = 0;  // counts
+  std::optional<double> interrupted_s_;
 };
 
 }  // namespace
 
 ExitCode move_drive(DriveDialogue& drive, const MoveOptions& options, const std::atomic<bool>& stop) {
+  constexpr std::size_t out_bytes = 1 << 16;
+  constexpr std::chrono::seconds out_patience{2};
+  BackgroundFile out(STDOUT_FILENO, out_bytes);
   PoweredDrive power(drive);
-  Move move(drive, options);
+  Move move(drive, options, out);
   ExitCode code = power.prepare(cia402::mode_of(options.kind));
   if (code == ExitCode::ok) code = move.set_at_rest();
   if (code == ExitCode::ok) code = power.enable();
   if (code == ExitCode::ok) code = move.run(stop);
   const ExitCode off = power.off();
-  if (off == ExitCode::ok) std::printf("off\n");
+  if (off == ExitCode::ok) static_cast<void>(out.write("off\n"));
+  static_cast<void>(out.close(BackgroundFile::Clock::now() + out_patience));
+  if (const std::optional<double> t = move.interrupted_s())  // the motor goes before what is said about it
+    std::fprintf(stderr, "node %d: interrupted after %.2f s\n", drive.node().node(), *t);
   return code == ExitCode::ok ? off : code;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "hal/sdo_sequence.h"
+#include "platform/cli/last_frames.h"
 #include "platform/clock.h"
 
 namespace godobject {
@@ -51,6 +52,16 @@ bool NodeDialogue::write(const TypedObject& object, std::int64_t value) {
   const auto used = std::span(bytes).first(canopen::size_of(object.type));
   canopen::encode_number(value, used);
   return client_.write(object.address, used) && transfer(object.address, " <- " + std::to_string(value));
+}
+
+LastWords NodeDialogue::last_words(const TypedObject& object, std::int64_t value) const {
+  std::array<std::uint8_t, 4> bytes{};
+  const auto used = std::span(bytes).first(canopen::size_of(object.type));
+  canopen::encode_number(value, used);
+  sdo::Client client = options_.make_client();
+  FrameNotebook notes;
+  if (client.write(object.address, used)) client.poll(0, notes);
+  return bus_.last_words(notes.frames());
 }
 
 bool NodeDialogue::was_absent() const {

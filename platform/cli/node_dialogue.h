@@ -6,6 +6,7 @@
 
 #include "hal/sdo_client.h"
 #include "platform/cli/bus_dialogue.h"
+#include "platform/last_resort.h"
 
 namespace godobject {
 
@@ -41,6 +42,8 @@ class NodeDialogue {
   std::optional<std::int64_t> read(const TypedObject& object);
   std::optional<std::string> read_text(canopen::ObjectAddress address);
   bool write(const TypedObject& object, std::int64_t value);
+  /// The request to write it, for LastResort. The bus is open.
+  LastWords last_words(const TypedObject& object, std::int64_t value) const;
   /// Of the last transfer: the node does not have the object.
   bool was_absent() const;
   /// Of the last transfer: object, what happened, what to check; empty: it went well.

@@ -154,18 +154,29 @@ test::ProgramResult signalled_move(DriveOnPty& rig, int signal) {
   const std::string pid_file = testing::TempDir() + "godobject-move-" + std::to_string(getpid());
   rig.call_once_when(is_enabled, [=](SimDrive&) { kill(std::stoi(test::read_file(pid_file)), signal); });
   test::ProgramResult result =
-      rig.drive(long_move, "sh -c 'echo $$ > \"" + pid_file + "\"; exec \"$0\" \"$@\"' ");
+      rig.drive(long_move, "sh -c 'ulimit -c 0; echo $$ > \"" + pid_file + "\"; exec \"$0\" \"$@\"' ");
   std::filesystem::remove(pid_file);
   return result;
 }
 
 TEST(CliDrive, AnInterruptSwitchesOff) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGUSR1}) {
     DriveOnPty rig;
     const test::ProgramResult result = signalled_move(rig, signal);
     EXPECT_EQ(result.exit_code, 1);
     EXPECT_THAT(result.output, HasSubstr("interrupted after"));
     EXPECT_THAT(result.output, HasSubstr("off\n"));
+    EXPECT_TRUE(rig.call(is_off));
+  }
+}
+
+// With its last words, long before the drive misses its heartbeat.
+TEST(CliDrive, ADefectSwitchesOff) {
+  for (const int signal : {SIGABRT, SIGSEGV}) {
+    DriveOnPty rig;
+    const test::ProgramResult result = signalled_move(rig, signal);
+    EXPECT_THAT(result.output, HasSubstr("the drives were told to switch their motors off"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_TRUE(rig.call(is_off));
   }
 }

@@ -1,0 +1,147 @@
+// Files, pipes and names that a program must not stumble over.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+
+#include <nlohmann/json.hpp>
+
+#include "platform/background_file.h"
+#include "tests/support/background_program.h"
+#include "tests/support/program.h"
+
+namespace godobject::test::test_outputs {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using Clock = BackgroundFile::Clock;
+
+constexpr std::size_t room = 1 << 16;
+
+class BackgroundFiles : public ProgramTest {
+ protected:
+  std::string fifo() const {
+    const std::string name = path("fifo");
+    EXPECT_EQ(mkfifo(name.c_str(), 0600), 0);
+    return name;
+  }
+};
+
+TEST_F(BackgroundFiles, HasAllThatWasWritten) {
+  std::string expected;
+  BackgroundFile file(path("file"), room);
+  for (int i = 0; i < 20'000; ++i) {
+    const std::string line = "line " + std::to_string(i) + "\n";
+    ASSERT_TRUE(file.write(line, milliseconds(60'000))) << "it waits for room";
+    expected += line;
+  }
+  const BackgroundFile::Result result = file.close(Clock::now() + milliseconds(60'000));
+  EXPECT_THAT(result.why, IsEmpty());
+  EXPECT_EQ(result.lost_lines, 0u);
+  EXPECT_EQ(read_file(path("file")), expected);
+}
+
+TEST_F(BackgroundFiles, NobodyWhoReadsKeepsNobody) {
+  BackgroundFile file(fifo(), room);
+  const Clock::time_point begin = Clock::now();
+  for (int i = 0; i < 10; ++i) file.write("a line\n");
+  EXPECT_FALSE(file.write(std::string(2 * room, '\n'))) << "no room: all of it is left out";
+  const BackgroundFile::Result result = file.close(Clock::now() + milliseconds(100));
+  EXPECT_LT(Clock::now() - begin, milliseconds(1500));
+  EXPECT_THAT(result.why, HasSubstr("took no more"));
+  EXPECT_EQ(result.lost_lines, 10 + 2 * room);
+}
+
+TEST_F(BackgroundFiles, AFileThatTakesNothingIsGivenUp) {
+  BackgroundFile file(fifo(), room);
+  EXPECT_TRUE(file.write("a line\n", milliseconds(50)));
+  EXPECT_FALSE(file.write(std::string(room, '\n'), milliseconds(50)));
+  EXPECT_FALSE(file.write("a line\n", milliseconds(60'000))) << "and not waited for again";
+  EXPECT_THAT(file.close(Clock::now()).why, HasSubstr("took nothing for 50 ms"));
+}
+
+TEST_F(BackgroundFiles, SaysWhyNot) {
+  BackgroundFile nowhere(path("no/such/folder"), room);
+  EXPECT_THAT(nowhere.close(Clock::now() + milliseconds(10'000)).why, HasSubstr("No such file"));
+  BackgroundFile full("/dev/full", room);
+  full.write("one\ntwo\n");
+  const BackgroundFile::Result result = full.close(Clock::now() + milliseconds(10'000));
+  EXPECT_THAT(result.why, HasSubstr("No space left"));
+  EXPECT_EQ(result.lost_lines, 2u);
+}
+
+class Outputs : public ProgramTest {};
+
+constexpr const char* short_run = "run sim/scenes/rigid.toml --duration 0.05";
+
+/// Nobody opens its other end.
+TEST_F(Outputs, ATraceThatNobodyReadsDoesNotKeepTheProgram) {
+  const std::string name = path("fifo");
+  ASSERT_EQ(mkfifo(name.c_str(), 0600), 0);
+  const ProgramResult result = run_program(std::string(short_run) + " --trace '" + name + "'", "timeout 20 ");
+  EXPECT_EQ(result.exit_code, 1) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("file_incomplete: " + name + " could not be written in full"));
+  EXPECT_THAT(result.output, HasSubstr("it lacks 52 lines")) << "header, start and 50 cycles";
+}
+
+TEST_F(Outputs, AReportThatNobodyReadsDoesNotKeepTheProgram) {
+  const std::string name = path("fifo");
+  ASSERT_EQ(mkfifo(name.c_str(), 0600), 0);
+  const ProgramResult result =
+      run_program(std::string(short_run) + " --report '" + name + "'", "timeout 20 ");
+  EXPECT_EQ(result.exit_code, 1) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("file_incomplete: " + name));
+}
+
+TEST_F(Outputs, APathNeedNotBeUtf8) {
+  const std::string trace = path("\xff.csv"), report = path("report.json");
+  const ProgramResult result =
+      run_program(std::string(short_run) + " --trace '" + trace + "' --report '" + report + "'");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  const auto json = nlohmann::json::parse(read_file(report));
+  EXPECT_THAT(json["files"]["trace"].get<std::string>(), HasSubstr("\xEF\xBF\xBD.csv"))
+      << "U+FFFD in its place";
+  EXPECT_FALSE(read_file(trace).empty());
+}
+
+TEST_F(Outputs, ACommandNeedNotBeUtf8) {
+  BackgroundProgram simulate(
+      {"simulate", "sim/scenes/rigid.toml", "--bus", "can0=pty", "--bus", "can1=pty", "--control", "-"});
+  for (std::string line = simulate.line(); line != "ready"; line = simulate.line())
+    ASSERT_FALSE(line.empty());
+  for (const char* command : {"\xff", "fault \xff", "fault drop bus=\xff"}) {
+    const auto reply = nlohmann::json::parse(simulate.say(command), nullptr, false);
+    ASSERT_FALSE(reply.is_discarded()) << command;
+    EXPECT_EQ(reply["ok"], false);
+    EXPECT_FALSE(reply["error"].get<std::string>().empty());
+  }
+  EXPECT_EQ(nlohmann::json::parse(simulate.say("quit"))["ok"], true);
+}
+
+/// From too little to start at all to enough.
+TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer takes terabytes of addresses";
+#endif
+  bool was_said = false;
+  for (int kib = 20'000; kib <= 44'000; kib += 1'000) {
+    const ProgramResult result = run_program(std::string(short_run) + " --realtime",
+                                             "ulimit -v " + std::to_string(kib) + " && timeout 20 ");
+    EXPECT_THAT(result.exit_code, AnyOf(0, 1, 2, 3, 127)) << kib << " KiB: " << result.output;
+    EXPECT_THAT(result.output, Not(HasSubstr("terminate called"))) << kib << " KiB";
+    was_said = was_said || (result.exit_code == 3 && result.output.starts_with("out of memory"));
+  }
+  EXPECT_TRUE(was_said);
+}
+
+}  // namespace
+}  // namespace godobject::test::test_outputs
