@@ -101,6 +101,12 @@ void Rig::clear_faults(Nanoseconds now) noexcept {
 
 void Rig::quick_stop() noexcept { raise({.fault = RigFault::quick_stop}); }
 
+void Rig::force_oscillates(std::optional<std::size_t> drive) noexcept {
+  if (state_ != RigState::armed) return;
+  if (drive) raise(RigFault::force_oscillates, nodes_[drives_[*drive].node]);
+  else raise({.fault = RigFault::force_oscillates});
+}
+
 void Rig::stop() noexcept {
   if (state_ == RigState::off) return;
   for (DriveOnBus& drive : drives_) {

@@ -98,6 +98,9 @@ class Rig {
   /// any but off -> fault: the next command() has every drive stop by its own fastest means (CiA 402: quick
   /// stop, by option code 605Ah; ODrive: idle; moteus: stopped). clear_faults() is the way back.
   void quick_stop() noexcept;
+  /// armed -> fault: what command() is told swings between its bounds; in the command of this drive, if it is
+  /// known.
+  void force_oscillates(std::optional<std::size_t> drive) noexcept;
   /// any -> off: drives disabled, nodes pre-operational.
   void stop() noexcept;
 

@@ -48,6 +48,10 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "stale_after",
      "see which of them stands still: encoder, its coupling, a belt or cable that slips; counts per unit of "
      "both"},
+    {RigFault::force_oscillates, "force_oscillates",
+     "the force shown to the hand, or a motor's command, swung between its bounds for 0.5 s",
+     "the feedback is unstable on this device: godobject check prints the margin of each axis and what to "
+     "lower"},
 }};
 
 }  // namespace

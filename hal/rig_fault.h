@@ -28,8 +28,9 @@ enum class RigFault : std::uint32_t {
   drive_error = 1u << 11,
   quick_stop = 1u << 12,
   sensors_disagree = 1u << 13,
+  force_oscillates = 1u << 14,
 };
-inline constexpr std::size_t num_rig_faults = 14;
+inline constexpr std::size_t num_rig_faults = 15;
 
 constexpr RigFault operator|(RigFault a, RigFault b) noexcept {
   return static_cast<RigFault>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));

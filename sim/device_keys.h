@@ -175,15 +175,36 @@ void visit_button(V& v, const RigNames& names, ButtonParams& b) {
   v.value(Key{"active_low", "", "pressed is 0"}, b.active_low);
 }
 
+/// What a slider moves by default: 0.1 kg with 1 N s/m, which are a hinge's 1e-3 kg m^2 and 1e-2 N m s/rad on a
+/// lever of 0.1 m, held by an arm of some 500 N/m.
+inline constexpr PlantConfig plant_of_sliders{
+    .inertia = 0.1, .damping = 1, .friction = 0.01, .hand_stiffness = 500, .hand_damping = 10};
+
+inline bool all_sliders(const std::vector<DeviceJoint>& joints) {
+  return !joints.empty() && std::ranges::all_of(joints, [](const DeviceJoint& joint) {
+    return joint.kind == DeviceJointKind::slider;
+  });
+}
+
 template <class V>
 void visit_plant(V& v, PlantConfig& p) {
-  v.value(Key{"inertia", "kg m^2 or kg", "per joint, seen at the joint", positive}, p.inertia);
-  v.value(Key{"damping", "N m s/rad or N s/m", "viscous, per joint", not_negative}, p.damping);
-  v.value(Key{"friction", "N m or N", "Coulomb, per joint", not_negative}, p.friction);
-  v.value(Key{"hand_stiffness", "N m/rad or N/m", "of the user's arm, per joint", not_negative},
-          p.hand_stiffness);
-  v.value(Key{"hand_damping", "N m s/rad or N s/m", "of the user's arm, per joint", not_negative},
-          p.hand_damping);
+  const auto value = [&](std::string_view name, std::string_view unit, std::string_view meaning, Range range,
+                         std::string_view otherwise, double& x) {
+    v.value(Key{.name = name, .unit = unit, .meaning = meaning, .range = range, .otherwise = otherwise}, x);
+  };
+  value("inertia", "kg m^2 or kg", "per joint, seen at the joint", positive,
+        "0.001; where all joints are sliders 0.1", p.inertia);
+  value("damping", "N m s/rad or N s/m",
+        "viscous, per joint, without the hand; the margins that `godobject check` prints rest on it: state "
+        "it of "
+        "a device that exists, too",
+        not_negative, "0.01; where all joints are sliders 1.0", p.damping);
+  value("friction", "N m or N", "Coulomb, per joint", not_negative,
+        "0.001; where all joints are sliders 0.01", p.friction);
+  value("hand_stiffness", "N m/rad or N/m", "of the user's arm, per joint", not_negative,
+        "20.0; where all joints are sliders 500.0", p.hand_stiffness);
+  value("hand_damping", "N m s/rad or N s/m", "of the user's arm, per joint", not_negative,
+        "0.5; where all joints are sliders 10.0", p.hand_damping);
 }
 
 template <class V>
@@ -389,8 +410,10 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   RigParams rig = d.rig.value_or(RigParams{.buses = buses, .tree = {}, .encoders = {}, .drives = {}});
   rig.buses = buses;
   rig.cycle_s = scene.step;
-  if (!d.rig) rig.stale_after_s = default_stale_steps * scene.step;
+  const bool is_new = !d.rig;
+  if (is_new) rig.stale_after_s = default_stale_steps * scene.step;
   if (visit_rig(v, d.rig.has_value(), scene, holdable_bodies(scene, d), rig)) d.rig = rig;
+  if (is_new && d.rig && all_sliders(d.rig->tree.joints)) d.plant = plant_of_sliders;
   plain_table(v, TableKey{"plant", "The simulated mechanics of the device and the hand that holds it."},
               [&](auto& t) { visit_plant(t, d.plant); });
   visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);

@@ -70,11 +70,16 @@ void visit_coupling(V& v, const Massiveness& body, CouplingConfig& c) {
 template <class V>
 void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& coupling, FeedbackConfig& f) {
   double scale = 0;
-  v.shorthand(Key{"scale", "", "every gain not given here is this times the coupling's", {0, 1e3}}, scale);
-  if (scale > 0) {
-    f = {scale * coupling.stiffness, scale * coupling.damping, scale * coupling.rotational_stiffness,
-         scale * coupling.rotational_damping};
-  }
+  v.shorthand(
+      Key{"scale",
+          "",
+          "a stiffness not given here is this times the coupling's; damping is not taken over: sampled, it "
+          "needs as much damping in the device",
+          {0, 1e3}},
+      scale);
+  if (scale > 0)
+    f = {.stiffness = scale * coupling.stiffness,
+         .rotational_stiffness = scale * coupling.rotational_stiffness};
   visit_gains(v, body, std::nullopt, f);
 }
 

@@ -142,12 +142,31 @@ void Session::grip(double t) noexcept {
 
 void Session::act(CycleRecord& record) noexcept {
   if (grip_) record.hand_W = grip_->feel(samples_[driven_.front()].X_WD.p, *engine_, record.limited);
-  if (!rig_) return;
+  if (!rig_) {
+    watch_force(record);
+    return;
+  }
   std::array<Wrench, max_handles> F_hand_W;
   for (std::size_t k = 0; k < held_.size(); ++k)
     F_hand_W[k] = grip_ ? record.hand_W : engine_->feedback(held_[k]);
   record.drives = command(std::span(F_hand_W).first(held_.size()));
+  watch_force(record);
   record.rig_faults = rig_->faults();
+}
+
+/// Each wrench that is shown, and the motors' commands.
+void Session::watch_force(CycleRecord& record) noexcept {
+  bool swings = false;
+  if (grip_) {
+    swings = swings_->shows(0, record.hand_W);
+  } else {
+    for (std::size_t i = 0; i < driven_.size(); ++i)
+      swings = swings_->shows(i, engine_->feedback(driven_[i])) || swings;
+  }
+  const std::optional<std::size_t> drive =
+      rig_ ? swings_->commands(*rig_, record.drives) : std::optional<std::size_t>{};
+  record.force_oscillates = swings || drive;
+  if (record.force_oscillates && rig_) rig_->force_oscillates(drive);
 }
 
 BodySample Session::motion_sample(std::size_t driven, double t) const noexcept {

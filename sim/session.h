@@ -11,6 +11,7 @@
 
 #include "hal/rig.h"
 #include "sim/engine.h"
+#include "sim/force_swings.h"
 #include "sim/grip.h"
 #include "sim/motion.h"
 #include "sim/sim_link.h"
@@ -55,6 +56,8 @@ struct CycleRecord {
   ContactReport contacts;
   RigFault rig_faults = RigFault::none;
   CommandReport drives;  // bounds on the motor commands
+  bool force_oscillates =
+      false;  // what is shown has begun to swing between its bounds: of a rig also a fault
   // Where the device takes hold of bodies:
   std::optional<std::size_t> held;  // index of the held body
   Wrench hand_W;                    // shown to the hand, about the device's origin, world axes
@@ -184,6 +187,7 @@ class Session {
   void sense_through_trackers() noexcept;
   void grip(double t) noexcept;
   void act(CycleRecord& record) noexcept;
+  void watch_force(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
   void measure(CycleRecord& record) const noexcept;
 
@@ -207,6 +211,7 @@ class Session {
   std::optional<SimTrackers> sim_trackers_;    // their far ends, where those are simulated
   Nanoseconds (*clock_)() noexcept = nullptr;  // of real trackers
   std::optional<Rig> rig_;
+  std::optional<ForceSwings> swings_;
   RigCounters earlier_rigs_;
   RunPhase phase_ = RunPhase::off;
   std::int64_t periods_left_ = 0;  // of this phase at most

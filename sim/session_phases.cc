@@ -57,6 +57,7 @@ void Session::restart() {
   if (!rig_) return;
   earlier_rigs_ = rig_counters();
   rig_.emplace(*scene_.device->rig, link_->buses());
+  swings_->reset();
   let_go_ = true;
 }
 

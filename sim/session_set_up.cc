@@ -53,6 +53,7 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, BusChoice b
   }
   if (s->bus() == BusChoice::sim) s->exact_engine_ = make_engine(scene, s->samples_, why_not);
   s->exact_samples_ = s->samples_;
+  s->swings_.emplace(scene, s->grip_ ? 1 : s->driven_.size());
   made.session = std::move(s);
   return made;
 }

@@ -57,13 +57,25 @@ void print_top_speed(const std::string& path, const SceneConfig& scene) {
                  path.c_str(), bound->top(), bound->what.c_str(), advised_top_speed);
 }
 
-ExitCode check(const std::string& path) {
+/// Warnings are among the errors where they are refused.
+void print_passivity(const std::string& path, const Passivity& passivity, bool strict) {
+  const std::vector<std::string> table = passivity_table(passivity);
+  if (!table.empty()) std::printf("\n");
+  for (const std::string& line : table) std::printf("%s\n", line.c_str());
+  if (strict) return;
+  for (const std::string& warning : passivity_warnings(passivity))
+    std::fprintf(stderr, "%s: warning: %s\n", path.c_str(), warning.c_str());
+}
+
+ExitCode check(const std::string& path, bool strict) {
   RunOptions options;
   options.scene = path;
+  options.strict = strict;
   const PreparedRun prepared = prepare(options);
   for (const std::string& note : prepared.notes) std::fprintf(stderr, "%s\n", note.c_str());
   for (const std::string& error : prepared.errors) std::fprintf(stderr, "%s\n", error.c_str());
   if (!prepared.session) {
+    print_passivity(path, prepared.passivity, strict);
     for (const BusLoad& load : prepared.bus_loads) print_bus_load(stdout, load);
     return ExitCode::usage;
   }
@@ -78,6 +90,7 @@ ExitCode check(const std::string& path) {
     for (const std::string& line : time_to_zero_lines(*scene.device->rig, prepared.profiles))
       std::puts(line.c_str());
   }
+  print_passivity(path, prepared.passivity, strict);
   for (const BusLoad& load : prepared.bus_loads) {
     print_bus_load(stdout, load);
     if (const std::string advice = load_advice(load); !advice.empty())
@@ -94,7 +107,9 @@ void add_check(CLI::App& app, ExitCode& code) {
       "Validate a scene file; print what is in effect, the parts it uses with their memory, the bus load.");
   const auto scene = std::make_shared<std::string>();
   verb->add_option("SCENE", *scene, "scene file (TOML), see docs/scenes.md")->required();
-  verb->callback([scene, &code] { code = check(*scene); });
+  const auto strict = std::make_shared<bool>(false);
+  verb->add_flag("--strict", *strict, "refuse a scene with a driven axis that is not passive");
+  verb->callback([scene, strict, &code] { code = check(*scene, *strict); });
 }
 
 }  // namespace godobject

@@ -69,6 +69,8 @@ void add_options(CLI::App& verb, RunOptions& options) {
   verb.add_flag("--fast", options.fast,
                 "simulated clock, as fast as the machine allows, bit-identical each time (default)")
       ->excludes(realtime);
+  verb.add_flag("--strict", options.strict,
+                "refuse a scene with a driven axis that is not passive; see godobject check");
   verb.add_option("--duration", options.duration,
                   "s; default: the motion file's end, else the scene's duration")
       ->check(number_above(0, 1e6));

@@ -46,10 +46,11 @@ enum class RunFault : std::size_t {
   unreachable,
   file_incomplete,
   records_lost,
+  force_oscillates,
 };
 
 /// In the order of RunFault.
-inline constexpr std::array<FaultText, 7> run_fault_texts{{
+inline constexpr std::array<FaultText, 8> run_fault_texts{{
     {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
      "check power, cables and bit rates; see boot_timeout"},
     {"not_set_up", "a node could not be commissioned; no cycle was run",
@@ -63,6 +64,9 @@ inline constexpr std::array<FaultText, 7> run_fault_texts{{
     {"file_incomplete", "a trace, record or report could not be written in full", "is the disk full?"},
     {"records_lost", "a real-time run made trace rows or frames faster than the disk took them",
      "a faster disk, a memory file system, or no --record; the run itself was not disturbed"},
+    {"force_oscillates",
+     "of a scene without a rig: the force shown to the hand swung between its bounds for 0.5 s",
+     "lower the feedback's damping and stiffness, or raise the limit that it meets"},
 }};
 
 constexpr const FaultText& text_of(RunFault fault) noexcept {

@@ -167,6 +167,17 @@ void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigP
   }
 }
 
+/// At the start of the motion, of a rig that is valid.
+void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
+                     PreparedRun& run) {
+  const bool on_buses = run.buses.choice != BusChoice::direct && has_rig(scene);
+  if (!on_buses || !validate(*scene.device->rig).empty()) return;
+  run.passivity = passivity(scene, joints_at_start(scene, motion));
+  if (!options.strict) return;
+  for (const std::string& warning : passivity_warnings(run.passivity))
+    run.errors.push_back(options.scene + ": --strict: " + warning);
+}
+
 }  // namespace
 
 PreparedRun prepare(const RunOptions& options) {
@@ -191,6 +202,7 @@ PreparedRun prepare(const RunOptions& options) {
   const double duration = options.duration.value_or(motion->end().value_or(scene.duration));
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm};
+  check_passivity(options, scene, *motion, run);
   Session::Made made = make_session(options, scene, *std::move(motion), run);
   const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
                               validate(*scene_of_file.device->rig).empty();

@@ -12,6 +12,7 @@
 #include "platform/cli/run_buses.h"
 #include "platform/cli/run_cycle.h"
 #include "platform/cli/run_trackers.h"
+#include "sim/passivity.h"
 
 namespace godobject {
 
@@ -22,6 +23,7 @@ struct RunOptions {
   std::vector<std::string> buses;     // see plan_buses()
   std::vector<std::string> trackers;  // see plan_trackers()
   Rearm rearm = Rearm::never;
+  bool strict = false;             // an axis without passivity margin is an error
   std::optional<double> duration;  // s
   std::optional<double> step;      // s
   std::string integrator;          // empty: the scene's; the same goes for the paths below
@@ -36,6 +38,7 @@ struct PreparedRun {
   LinuxLink* link = nullptr;        // the session's, where its buses are real; they are closed
   RigProfiles profiles;             // of the scene's nodes
   std::vector<BusLoad> bus_loads;   // what the scene's buses carry at worst; empty with --bus direct
+  Passivity passivity;              // of the driven axes; empty with --bus direct
   std::vector<std::string> errors;  // "file:line:column: what", "file: what" or "--option: what"
   std::vector<std::string> notes;
 };

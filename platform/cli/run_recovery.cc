@@ -77,6 +77,8 @@ bool Recoveries::again() {
   note();
   const bool lost = !list_.empty() && !list_.back().recovered_after_s;
   if (!lost || plan_.rearm == Rearm::never || cycle_.left() == 0 || stop_) return false;
+  // armed again it would swing again
+  if (any(session_.rig()->faults() & RigFault::force_oscillates)) return false;
   Recovery& recovery = list_.back();
   for (bool up = false; !up; ++recovery.boots) {
     if (!real_ && recovery.boots == max_simulated_boots) return false;

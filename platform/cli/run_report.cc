@@ -139,6 +139,8 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
     add_not_ready(report, report.faults);
   }
   if (!session.reachable()) add_run_fault(RunFault::unreachable, report.faults);
+  if (result.statistics.force_oscillates && !session.rig())
+    add_run_fault(RunFault::force_oscillates, report.faults);
   add_core_faults(result.statistics, report.faults);
   add_file_faults(report, incomplete_files, report.faults);
   return report;

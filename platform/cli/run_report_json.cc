@@ -1,4 +1,5 @@
 // report.json: the facts of a run for other programs. Keys carry their units.
+#include "platform/cli/limit_texts.h"
 #include "platform/cli/run_report.h"
 #include "platform/machine.h"
 
@@ -133,6 +134,13 @@ Json limits(const RunStatistics& statistics) {
   return hit;
 }
 
+Json limits_percent(const RunStatistics& statistics) {
+  Json hit = Json::object();
+  for (std::size_t i = 0; i < limit_names.size(); ++i)
+    if (statistics.limit_cycles[i] > 0) hit[std::string(limit_names[i])] = limit_percent(statistics, i);
+  return hit;
+}
+
 }  // namespace
 
 std::string_view name_of(BusChoice bus) noexcept {
@@ -175,6 +183,8 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   if (report.session.rig()) json["answers"] = answers(report.session.rig_counters());
   json["recoveries"] = to_array(report.result.recoveries);
   json["limits"] = limits(statistics);
+  json["limits_percent"] = limits_percent(statistics);
+  json["warnings"] = limit_warnings(statistics);
   json["faults"] = to_array(report.faults);
   json["lost"] = {{"cycles", report.result.lost_cycles}, {"frames", report.result.lost_frames}};
   json["machine"] = machine(report.result.setup);

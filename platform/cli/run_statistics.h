@@ -47,6 +47,7 @@ struct RunStatistics {
   std::array<std::uint64_t, limit_names.size()> limit_cycles{};       // cycles with that limit
   std::array<std::uint64_t, core_fault_texts.size()> fault_cycles{};  // in the order of core_fault_texts
   RigFault rig_faults = RigFault::none;
+  bool force_oscillates = false;
 
   void add(const CycleRecord& record) noexcept {
     ++cycles;
@@ -66,6 +67,7 @@ struct RunStatistics {
     for (std::size_t i = 0; i < core_fault_texts.size(); ++i)
       fault_cycles[i] += has(record.fault, core_fault_texts[i].fault) ? 1 : 0;
     rig_faults = rig_faults | record.rig_faults;
+    force_oscillates = force_oscillates || record.force_oscillates;
   }
 };
 

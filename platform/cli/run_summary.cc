@@ -3,6 +3,8 @@
 
 #include <cinttypes>
 
+#include "platform/cli/limit_texts.h"
+
 namespace godobject {
 namespace {
 
@@ -40,11 +42,14 @@ void print_limits(std::FILE* out, const RunStatistics& statistics) {
   bool any_hit = false;
   for (std::size_t i = 0; i < limit_names.size(); ++i) {
     if (statistics.limit_cycles[i] == 0) continue;
-    std::fprintf(out, "%s %s %" PRIu64 " cycles", any_hit ? "," : "", std::string(limit_names[i]).c_str(),
-                 statistics.limit_cycles[i]);
+    std::fprintf(out, "%s %s %" PRIu64 " cycles (%.1f %%)", any_hit ? "," : "",
+                 std::string(limit_names[i]).c_str(), statistics.limit_cycles[i],
+                 limit_percent(statistics, i));
     any_hit = true;
   }
   std::fprintf(out, "%s\n", any_hit ? "" : " none");
+  for (const std::string& warning : limit_warnings(statistics))
+    std::fprintf(out, "  %-26s %s\n", "WARNING", warning.c_str());
 }
 
 void print_faults(std::FILE* out, const std::vector<FaultReport>& faults) {

@@ -1,0 +1,82 @@
+// Notices a force that swings between its bounds: what a feedback loop does that is unstable.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace godobject {
+
+/// Watches one component of a shown wrench, or one motor's command.
+///
+/// It swings when within 0.5 s it has turned round at least 25 times, each time after a way of at least half of
+/// what its bounds allow in one period, and was at a bound (of size or of rate) in at least 80 % of the cycles.
+/// 25 turns are 25 Hz up and down: a hand does not make them (10 Hz), and what is below its bounds, as a
+/// texture, never counts. Counted in tenths of the window, so that it is noticed at most 0.05 s later.
+class SwingWatch {
+ public:
+  static constexpr double window_s = 0.5;
+  static constexpr std::uint32_t least_turns = 25;
+  static constexpr double least_bounded_share = 0.8;
+
+  /// bound: of the size; rate: the fastest change per second.
+  SwingWatch(double bound, double rate, double period_s) noexcept
+      : least_way_(0.5 * std::min(bound, rate * period_s)),
+        cycles_per_part_(
+            static_cast<std::uint32_t>(std::max(1L, std::lround(window_s / num_parts / period_s)))) {}
+
+  void reset() noexcept { *this = SwingWatch(least_way_, cycles_per_part_); }
+
+  /// One cycle. bounded: the value would be another without its bounds. True: it swings.
+  bool update(double value, bool bounded) noexcept {
+    Part& part = parts_[newest_];
+    ++part.cycles;
+    part.bounded += bounded ? 1 : 0;
+    part.turns += turned(value) ? 1 : 0;
+    if (part.cycles < cycles_per_part_) return false;
+    const bool swings = all_parts_swing();
+    newest_ = (newest_ + 1) % num_parts;
+    parts_[newest_] = {};
+    return swings;
+  }
+
+ private:
+  static constexpr std::size_t num_parts = 10;
+  struct Part {
+    std::uint32_t cycles = 0, bounded = 0, turns = 0;
+  };
+
+  SwingWatch(double least_way, std::uint32_t cycles_per_part) noexcept
+      : least_way_(least_way), cycles_per_part_(cycles_per_part) {}
+
+  /// Back from the last extreme by more than the least way.
+  bool turned(double value) noexcept {
+    const bool further = rising_ ? value >= extreme_ : value <= extreme_;
+    if (further) extreme_ = value;
+    if (further || std::abs(value - extreme_) < least_way_) return false;
+    rising_ = !rising_;
+    extreme_ = value;
+    return true;
+  }
+
+  bool all_parts_swing() const noexcept {
+    Part sum;
+    for (const Part& part : parts_) {
+      sum.cycles += part.cycles;
+      sum.bounded += part.bounded;
+      sum.turns += part.turns;
+    }
+    return sum.turns >= least_turns && sum.bounded >= least_bounded_share * sum.cycles &&
+           sum.cycles == num_parts * cycles_per_part_;
+  }
+
+  double least_way_;
+  std::uint32_t cycles_per_part_;
+  std::array<Part, num_parts> parts_{};
+  std::size_t newest_ = 0;
+  double extreme_ = 0;
+  bool rising_ = true;
+};
+
+}  // namespace godobject

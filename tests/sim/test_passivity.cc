@@ -1,0 +1,134 @@
+// The margins of scenes: gains brought to the joints, the delay of the buses, the defaults, and the shipped scenes.
+#include "sim/passivity.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/scene_toml.h"
+#include "tests/support/desk_scene.h"
+
+namespace godobject::test_passivity {
+namespace {
+
+using testing::Each;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+Passivity of_scene(const SceneConfig& scene) {
+  return passivity(scene, joints_at_start(scene, Motion(scene)));
+}
+
+SceneConfig parsed(const std::string& text) {
+  const LoadResult loaded = parse_scene(text, "mine.toml");
+  EXPECT_THAT(loaded.errors, IsEmpty());
+  return *loaded.scene;
+}
+
+SceneConfig shipped(const std::string& name) {
+  return *load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/" + name + ".toml").scene;
+}
+
+TEST(Passivity, ADeviceOfDefaultsIsPassiveWithTheDefaultFeedback) {
+  const SceneConfig scene = parsed(test::desk_scene("scale = 0.25\n"));
+  const Passivity result = of_scene(scene);
+  ASSERT_THAT(result.joints, SizeIs(3));
+  for (const JointMargin& joint : result.joints) {
+    EXPECT_DOUBLE_EQ(joint.axis.K, 125);
+    EXPECT_EQ(joint.axis.B, 0);
+    EXPECT_EQ(joint.axis.delay, 1);
+    EXPECT_DOUBLE_EQ(joint.axis.needed(), 125 * 1.5e-3);
+    EXPECT_GT(joint.axis.margin(), 0.8);
+    EXPECT_TRUE(joint.stable_alone && joint.stable_held);
+  }
+  EXPECT_TRUE(result.passive());
+  EXPECT_THAT(passivity_warnings(result), IsEmpty());
+}
+
+TEST(Passivity, ALightDeviceWithDampingInSoftwareIsNamedWithWhatToLower) {
+  const Passivity result = of_scene(parsed(test::desk_scene(test::heavy_feedback, test::light_plant)));
+  ASSERT_THAT(result.joints, SizeIs(3));
+  EXPECT_NEAR(result.joints[0].axis.needed(), 2.5 + 125 * 1.5e-3, 1e-9);
+  EXPECT_FALSE(result.joints[0].stable_alone);
+  const std::vector<std::string> warnings = passivity_warnings(result);
+  ASSERT_THAT(warnings, SizeIs(3));
+  EXPECT_THAT(warnings, Each(HasSubstr("needs 2.69 N s/m of its own damping and has 0.01")));
+  EXPECT_THAT(warnings, Each(HasSubstr("lower its stiffness to 5.3 % of what it is")));
+  EXPECT_THAT(warnings, Each(HasSubstr("feedback damping alone: from 0.828 N s/m on")));
+}
+
+TEST(Passivity, WhatTheWarningSaysIsEnough) {
+  const std::string plant = "damping = 0.5\n";
+  for (const auto& [feedback, mended] :
+       {std::pair<std::string, std::string>{"stiffness = 125\ndamping = 2.5\n",
+                                            "stiffness = 125\ndamping = 0.31\n"},
+        {"stiffness = 1000\ndamping = 1\n", "stiffness = 333\ndamping = 0\n"}}) {
+    EXPECT_THAT(passivity_warnings(of_scene(parsed(test::desk_scene(feedback, plant)))), SizeIs(3));
+    EXPECT_THAT(passivity_warnings(of_scene(parsed(test::desk_scene(mended, plant)))), IsEmpty());
+  }
+  EXPECT_THAT(
+      passivity_warnings(of_scene(parsed(test::desk_scene("stiffness = 125\ndamping = 2.5\n", plant)))),
+      Each(HasSubstr("lower the feedback's damping to 12.5 %")));
+  EXPECT_THAT(
+      passivity_warnings(of_scene(parsed(test::desk_scene("stiffness = 1000\ndamping = 1\n", plant)))),
+      Each(HasSubstr("lower its stiffness to 33.3 %")));
+}
+
+TEST(Passivity, OnAHingeGainsCountByTheLever) {
+  const SceneConfig scene = shipped("rigid");
+  const Passivity result = of_scene(scene);
+  ASSERT_THAT(result.joints, SizeIs(3));
+  const KinematicTree tree(scene.device->rig->tree);
+  const TreeConfiguration at = tree.at(joints_at_start(scene, Motion(scene)));
+  for (std::size_t i = 0; i < 3; ++i) {  // force alone: K = k |dp/dq|^2
+    const double lever_sq = at.jacobian(0).col(static_cast<Eigen::Index>(i)).tail<3>().squaredNorm();
+    EXPECT_NEAR(result.joints[i].axis.K, 200 * lever_sq, 1e-9);
+    EXPECT_NEAR(result.joints[i].axis.B, scene.bodies[0].feedback->damping * lever_sq, 1e-9);
+  }
+}
+
+TEST(Passivity, ADriveThatIsTheSensorAndAnswersEveryThirdSyncIsLater) {
+  SceneConfig scene = parsed(test::desk_scene("scale = 0.25\n"));
+  RigParams& rig = *scene.device->rig;
+  rig.drives[1].status_every_nth_sync = 3;
+  EXPECT_EQ(of_scene(scene).joints[1].axis.delay, 1);  // its joint has an encoder
+  rig.encoders.erase(rig.encoders.begin() + 1);
+  const Passivity result = of_scene(scene);
+  EXPECT_EQ(result.joints[1].axis.delay, 3);
+  EXPECT_DOUBLE_EQ(result.joints[1].axis.needed(), 125 * 3.5e-3);
+}
+
+TEST(Passivity, TheWorstDirectionOfJointsThatMoveTogether) {
+  // two slides along the same line: one carries the other's spring as well
+  SceneConfig scene = parsed(test::desk_scene("stiffness = 400\n"));
+  std::vector<DeviceJoint>& joints = scene.device->rig->tree.joints;
+  joints[1].axis_J = joints[0].axis_J;
+  const Passivity result = of_scene(scene);
+  for (const JointMargin& joint : result.joints) EXPECT_TRUE(joint.axis.passive());
+  EXPECT_NEAR(result.worst_direction, 2 * 400 * 1.5e-3, 1e-9);
+  EXPECT_THAT(passivity_warnings(result), testing::ElementsAre(HasSubstr("not together")));
+}
+
+TEST(Passivity, ScenesWithoutFeedbackOrDrivesHaveNone) {
+  for (const char* name : {"non-haptic", "relative", "lego", "pendulum"})
+    EXPECT_THAT(of_scene(shipped(name)).joints, IsEmpty()) << name;
+  EXPECT_THAT(passivity_table(Passivity{}), IsEmpty());
+}
+
+/// What is not passive by itself is stable all the same, and its file says so.
+TEST(Passivity, ShippedScenesAreStableAndSayWhatTheirMarginIs) {
+  for (const char* name : {"rigid", "grasper", "grasp", "organ", "scissors-imposed"}) {
+    const SceneConfig scene = shipped(name);
+    const Passivity result = of_scene(scene);
+    EXPECT_FALSE(result.joints.empty()) << name;
+    for (const JointMargin& joint : result.joints) {
+      EXPECT_TRUE(joint.stable_alone) << name << " " << joint.joint;
+      EXPECT_TRUE(joint.stable_held) << name << " " << joint.joint;
+      const double held = joint.axis.margin() + scene.device->plant.hand_damping;
+      EXPECT_GT(held, 0) << name << " " << joint.joint;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace godobject::test_passivity
