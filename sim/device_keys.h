@@ -264,6 +264,12 @@ void visit_handles(V& v, const RigNames& names, const ShortHandle& handle,
     handles.push_back({.body = names.bodies.front(), .joint = names.joints.back(), .X_LH = handle.X_LH});
 }
 
+/// A node whose place could not be read takes no other node's.
+template <class V>
+bool understands_node(const V& v) {
+  return v.understood("bus") && v.understood("node_id");
+}
+
 /// Buttons may be bits of one node. nodes: those of other devices, by bus and id.
 template <class V>
 void visit_buttons(V& v, const RigNames& names, const std::set<std::pair<std::size_t, int>>& nodes,
@@ -272,6 +278,7 @@ void visit_buttons(V& v, const RigNames& names, const std::set<std::pair<std::si
   v.tables(TableKey{"button", "A button: a digital input of a CiA 401 node."}, rig.buttons,
            [&](auto& t, ButtonParams& b) {
              visit_button(t, names, b);
+             if (!understands_node(t)) return;
              t.check(b.node_id != rig.host_node_id && !nodes.contains({b.bus, b.node_id}), "node_id",
                      "is taken by the host or by another device of this bus");
              t.check(bits.insert({b.bus, b.node_id, b.bit}).second, "bit", "is that of an earlier button");
@@ -282,6 +289,7 @@ template <class V>
 void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
   std::set<std::pair<std::size_t, int>> nodes;
   const auto check_node = [&](auto& t, std::size_t bus, int node_id) {
+    if (!understands_node(t)) return;
     t.check(node_id != rig.host_node_id, "node_id",
             "is the host's own: see host_node_id in [device.supervision]");
     t.check(nodes.emplace(bus, node_id).second, "node_id", "is taken by another node of this bus");

@@ -14,6 +14,11 @@ std::optional<std::string> read_text(const std::string& path) {
   return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
+bool Diagnostics::has_error(TextPosition at) const {
+  return std::ranges::any_of(
+      errors_, [&](const Entry& e) { return e.at.line == at.line && e.at.column == at.column; });
+}
+
 std::vector<std::string> Diagnostics::format(std::vector<Entry> entries) const {
   std::ranges::stable_sort(entries, {}, [](const Entry& e) { return std::tuple(e.at.line, e.at.column); });
   std::vector<std::string> lines;

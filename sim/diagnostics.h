@@ -34,6 +34,8 @@ class Diagnostics {
   void error(TextPosition at, std::string what) { errors_.push_back({at, std::move(what)}); }
   void warning(TextPosition at, std::string what) { warnings_.push_back({at, std::move(what)}); }
 
+  bool has_error(TextPosition at) const;
+
   const std::string& file() const { return file_; }
   bool ok() const { return errors_.empty(); }
   /// Formatted, in the order of the file.

@@ -3,16 +3,17 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <set>
 
 #include "sim/hold_keys.h"
 #include "sim/motion.h"
+#include "sim/toml_reader.h"
 
 namespace godobject {
 
 inline constexpr double recorded_unit_tolerance = 1e-3;  // recorded quaternions are rounded to few digits
 inline constexpr std::size_t max_reported = 20;
-inline constexpr double max_position_m = 1e6;  // beyond it a double resolves no more than 0.1 nm
+inline constexpr std::size_t max_misspelling = 3;  // letters
+inline constexpr double max_position_m = 1e6;      // beyond it a double resolves no more than 0.1 nm
 inline constexpr const char* hold_column = "hold";
 inline constexpr const char* button_column = "button";
 inline constexpr const char* hold_nothing = "-";
@@ -31,7 +32,7 @@ class MotionReader {
     check_holds();
     if (log_.ok()) check_finite(used);
     if (log_.ok()) fill(content);
-    if (!log_.ok()) return {std::nullopt, log_.errors(), {}};
+    if (!log_.ok()) return {std::nullopt, log_.errors(), log_.warnings()};
     return {std::move(motion_), {}, log_.warnings()};
   }
 
@@ -94,7 +95,8 @@ class MotionReader {
     const std::vector<std::string> wanted = columns_of(by_device), joints = joint_columns();
     if (has_any(columns_besides()) && !has_any(wanted) && !has_any(joints)) return Content::nothing;
     if (by_device == Content::wrenches || joints.empty()) return by_device;
-    return !missing(wanted).empty() && missing(joints).empty() ? Content::joints : Content::poses;
+    const bool of_joints = missing(joints).empty() || (has_any(joints) && !has_any(wanted));
+    return !missing(wanted).empty() && of_joints ? Content::joints : Content::poses;
   }
 
   std::vector<std::string> missing(const std::vector<std::string>& columns) const {
@@ -122,16 +124,24 @@ class MotionReader {
   }
 
   void check_columns(const std::vector<std::string>& used, const std::vector<std::string>& alternative) {
+    std::vector<std::string> known = used;
+    append(known, columns_besides());
+    std::vector<std::string> unused;
+    std::ranges::copy_if(table_.columns().begin() + 1, table_.columns().end(), std::back_inserter(unused),
+                         [&](const std::string& c) { return std::ranges::find(known, c) == known.end(); });
     for (const std::string& column : missing(used)) {
-      const std::string other =
+      std::string other =
           alternative.empty() ? "" : "; joint columns '" + alternative.front() + "', ... would do as well";
+      if (const std::string similar = nearest(column, unused, max_misspelling); !similar.empty())
+        other = ": is '" + similar + "' misspelt?";
       log_.error({1, 1}, "column '" + column + "' is missing" + other);
     }
-    std::set<std::string> needed(used.begin(), used.end());
-    for (std::string& column : columns_besides()) needed.insert(std::move(column));
-    for (std::size_t c = 1; c < table_.columns().size(); ++c) {
-      if (!needed.contains(table_.columns()[c]))
-        log_.warning({1, 1}, "column '" + table_.columns()[c] + "' is not used");
+    append(known, alternative);
+    const std::vector<std::string> absent = missing(known);
+    for (const std::string& column : unused) {
+      const std::string meant = nearest(column, absent, max_misspelling);
+      log_.warning({1, 1}, "column '" + column + "' is not used" +
+                               (meant.empty() ? "" : "; the nearest known column is '" + meant + "'"));
     }
   }
 

@@ -68,10 +68,10 @@ std::string listed(const Vec3& moments) {
 
 }  // namespace
 
-std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates, std::size_t most) {
   const auto distance = [&](const std::string& candidate) { return edit_distance(word, candidate); };
   const auto best = std::ranges::min_element(candidates, {}, distance);
-  return best == candidates.end() ? "" : *best;
+  return best == candidates.end() || distance(*best) > most ? "" : *best;
 }
 
 TomlReader::TomlReader(const toml::table& table, std::string path, std::string title, Diagnostics& log)
@@ -104,7 +104,8 @@ std::optional<double> TomlReader::number(const Key& key, const toml::node& node)
     return std::nullopt;
   }
   if (!key.range.contains(x)) {
-    error(node, said(key.name, "is " + shortest(x) + ", out of range: admissible is " + to_string(key.range) +
+    const std::string written = node.is_integer() ? std::to_string(node.as_integer()->get()) : shortest(x);
+    error(node, said(key.name, "is " + written + ", out of range: admissible is " + to_string(key.range) +
                                    with_unit(key)));
     return std::nullopt;
   }
@@ -334,6 +335,10 @@ std::vector<const toml::table*> TomlReader::subtables(const TableKey& key) {
   }
   for (const toml::node& element : *array) tables.push_back(element.as_table());
   return tables;
+}
+
+bool TomlReader::understood(std::string_view name) const {
+  return has(name) && !log_.has_error(place_of(name));
 }
 
 void TomlReader::check(bool ok, std::string_view name, const std::string& what) {

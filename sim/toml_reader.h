@@ -69,6 +69,8 @@ class TomlReader {
   }
 
   bool has(std::string_view name) const { return table_.contains(name); }
+  /// The key is there, and nothing is wrong with it so far: its member has its value.
+  bool understood(std::string_view name) const;
   /// Of the key's value, or of the table where there is none.
   unsigned line_of(std::string_view name) const { return static_cast<unsigned>(place_of(name).line); }
   /// A rule that spans keys: `what` completes a sentence about the key, or stands alone for name "".
@@ -100,7 +102,9 @@ class TomlReader {
   std::vector<std::string> known_;
 };
 
-/// The candidate with the least edit distance (insert, delete, replace, swap neighbours); empty for none.
-std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
+/// The candidate with the least edit distance (insert, delete, replace, swap neighbours), at most `most`; empty for
+/// none.
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates,
+                    std::size_t most = std::string::npos);
 
 }  // namespace godobject

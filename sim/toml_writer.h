@@ -58,6 +58,7 @@ class TomlWriter {
   }
 
   bool has(std::string_view) const { return false; }
+  bool understood(std::string_view) const { return true; }
   void check(bool, std::string_view, const std::string&) {}
   void advise(bool, std::string_view, const std::string&) {}
 
