@@ -95,6 +95,11 @@ std::string decode_sdo(const CanFrame& frame, bool is_request) {
   return "segment";
 }
 
+/// Counts of a sensor that wraps begin at zero; others go below it, in two's complement.
+long long shown_counts(std::uint32_t counts, const Calibration& calibration) {
+  return calibration.modulus_counts == 0 ? static_cast<std::int32_t>(counts) : static_cast<long long>(counts);
+}
+
 }  // namespace
 
 MessageDecoder::MessageDecoder(const RigParams& rig, std::size_t bus)
@@ -117,14 +122,17 @@ std::string MessageDecoder::node_name(std::uint8_t id) const {
   return id == host_ ? "host" : "node " + std::to_string(id);
 }
 
-/// q = home + sign (counts - offset) / counts_per_unit, the difference within half a modulus.
+/// q = home + sign (counts - offset) / counts_per_unit, the difference within half a modulus, as Encoder has it:
+/// counts that do not wrap are of 32 bits.
 std::string MessageDecoder::coordinate(std::int64_t counts, const Calibration& calibration,
                                        const std::string& joint) const {
   std::int64_t difference = counts - calibration.offset_counts;
-  if (const auto modulus = static_cast<std::int64_t>(calibration.modulus_counts); modulus > 0) {
-    difference = (difference % modulus + modulus) % modulus;
-    if (difference > modulus / 2) difference -= modulus;
-  }
+  constexpr std::int64_t counts_of_32_bits = std::int64_t{1} << 32;
+  const std::int64_t modulus = calibration.modulus_counts == 0
+                                   ? counts_of_32_bits
+                                   : static_cast<std::int64_t>(calibration.modulus_counts);
+  difference = (difference % modulus + modulus) % modulus;
+  if (difference >= modulus - modulus / 2) difference -= modulus;
   const double q =
       calibration.home + calibration.sign * static_cast<double>(difference) / calibration.counts_per_unit;
   const char* unit = "rad";
@@ -151,7 +159,7 @@ std::string MessageDecoder::decode_tpdo(const CanFrame& frame, int number, std::
   const Node& node = nodes_[id];
   std::uint32_t counts = 0;
   if (node.encoder && number == 1 && cia406::parse_position(frame, id, counts) == ParseResult::ok)
-    return format("%u counts, %s", counts,
+    return format("%lld counts, %s", shown_counts(counts, node.encoder->calibration),
                   coordinate(counts, node.encoder->calibration, node.encoder->joint).c_str());
   if (node.drive) return decode_drive(frame, number, *node.drive);
   if (node.button && number == 1 && frame.size >= 1)

@@ -170,6 +170,22 @@ TEST_F(CliMonitor, DecodesCanopenWithoutAScene) {
   EXPECT_THAT(result.output, HasSubstr("of 500 kbit/s"));
 }
 
+/// A multi-turn encoder without a modulus counts below zero in two's complement, as the rig takes it.
+TEST_F(CliMonitor, CountsBelowZeroAreNegative) {
+  std::string scene = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
+  for (const std::string& line :
+       {std::string("offset_counts = 131072\n"), std::string("modulus_counts = 262144\n")}) {
+    const std::size_t first = scene.find("[[device.encoder]]");
+    scene.erase(scene.find(line, first), line.size());
+  }
+  const std::string log = write("a.log", "(1.000000) can0 181#FEFFFFFF\n(1.001000) can0 182#FEFFFFFF\n");
+  const ProgramResult result =
+      run_program("monitor --plain --scene " + write("s.toml", scene) + " --bus can0=replay:" + log);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, ContainsRegex("TPDO1 of turret encoder .* -2 counts, -0.00005 rad"));
+  EXPECT_THAT(result.output, ContainsRegex("TPDO1 of shoulder encoder .* 4294967294 counts, "));
+}
+
 TEST_F(CliMonitor, DecodesTheBusesOfOtherDrives) {
   const auto scene_with = [&](const std::string& drive, const std::string& bus) {
     std::string scene = two_joints_toml;
