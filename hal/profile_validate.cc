@@ -16,35 +16,59 @@ struct Layout {
   std::vector<std::uint8_t> bits;
 };
 
-const std::vector<Layout>& encoder_layout() {
-  static const std::vector<Layout> layout{{PdoDirection::transmit, 1, {32}}};
-  return layout;
+/// What a profile is for.
+struct Kind {
+  const char* name;
+  std::int64_t device_profile;  // 1000h, low word
+  std::vector<Layout> layouts;
+};
+
+const Kind& encoder_kind() {
+  static const Kind kind{"encoder", 406, {{PdoDirection::transmit, 1, {32}}}};
+  return kind;
 }
-const std::vector<Layout>& drive_layout() {
-  static const std::vector<Layout> layout{{PdoDirection::receive, 1, {16, 16}},
-                                          {PdoDirection::transmit, 1, {16, 32, 16}},
-                                          {PdoDirection::transmit, 2, {32, 8, 16}}};
-  return layout;
+const Kind& drive_kind() {
+  static const Kind kind{"drive",
+                         402,
+                         {{PdoDirection::receive, 1, {16, 16}},
+                          {PdoDirection::transmit, 1, {16, 32, 16}},
+                          {PdoDirection::transmit, 2, {32, 8, 16}}}};
+  return kind;
 }
 
 class Validation {
  public:
   explicit Validation(const RigParams& rig) : rig_(rig) {}
 
-  void check(const NodeProfile& profile, const std::vector<Layout>& layouts) {
+  void check(const NodeProfile& profile, const Kind& kind, const std::string& joint) {
+    if (!is_of_kind(profile, kind, joint)) return;
     check_heartbeats(profile);
     check_deadlines(profile);
     if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(rig_.cycle_s))
       error(profile, profile.interpolation_time->line,
             "60C2h cannot carry the scene's step: it takes 1 to 255 times a power of ten, from 1 us");
     for (const PdoProfile& pdo : profile.pdos)
-      for (const Layout& layout : layouts)
+      for (const Layout& layout : kind.layouts)
         if (pdo.direction == layout.direction && pdo.number == layout.number) check_map(profile, pdo, layout);
   }
 
   std::vector<std::string> take() { return std::move(errors_); }
 
  private:
+  /// An encoder's profile on a drive makes no sense beyond that.
+  bool is_of_kind(const NodeProfile& profile, const Kind& kind, const std::string& joint) {
+    for (const ProfileObject& object : profile.identity) {
+      if (object.address != canopen::ObjectAddress{0x1000, 0} || object.value == kind.device_profile)
+        continue;
+      error(profile, object.line,
+            "device_profile is " + std::to_string(object.value) + ", but the " + kind.name + " of joint '" +
+                joint + "' is a node of CiA " + std::to_string(kind.device_profile) +
+                ": give it a profile of that");
+      return false;
+    }
+    return true;
+  }
+
   void check_heartbeats(const NodeProfile& profile) {
     const auto& period_ms = profile.heartbeat_ms;
     if (period_ms && (period_ms->value == 0 || 2e-3 * period_ms->value > rig_.heartbeat_timeout_s))
@@ -98,10 +122,10 @@ class Validation {
 
 std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles) {
   Validation validation(rig);
-  for (const std::optional<NodeProfile>& profile : profiles.encoders)
-    if (profile) validation.check(*profile, encoder_layout());
-  for (const std::optional<NodeProfile>& profile : profiles.drives)
-    if (profile) validation.check(*profile, drive_layout());
+  for (std::size_t i = 0; i < profiles.encoders.size(); ++i)
+    if (profiles.encoders[i]) validation.check(*profiles.encoders[i], encoder_kind(), rig.encoders[i].joint);
+  for (std::size_t i = 0; i < profiles.drives.size(); ++i)
+    if (profiles.drives[i]) validation.check(*profiles.drives[i], drive_kind(), rig.drives[i].joint);
   return validation.take();
 }
 

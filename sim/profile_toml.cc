@@ -5,6 +5,7 @@
 #include <set>
 
 #include "hal/profile_validate.h"
+#include "shipped_profiles.h"
 #include "sim/key_reference.h"
 #include "sim/profile_keys.h"
 
@@ -20,14 +21,14 @@ bool is_path(const std::string& name) {
   return name.find('/') != std::string::npos || name.ends_with(extension);
 }
 
-/// The file a name or path means; empty where there is none.
-fs::path find_profile(const std::string& name, const fs::path& scene_folder) {
-  std::vector<fs::path> places;
-  if (is_path(name)) places = {scene_folder / name};
-  else places = {scene_folder / (name + extension), fs::path(GODOBJECT_PROFILE_FOLDER) / (name + extension)};
-  for (const fs::path& place : places)
-    if (fs::is_regular_file(place)) return place;
-  return {};
+/// The profile a name or path means, from the scene's folder or the shipped ones; none where there is none.
+std::optional<ProfileResult> find_profile(const std::string& name, const fs::path& scene_folder) {
+  const fs::path file = scene_folder / (is_path(name) ? name : name + extension);
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored)) return load_profile(file.string());
+  const auto shipped = std::ranges::find(shipped_profile_files, name, &ShippedProfile::name);
+  if (is_path(name) || shipped == shipped_profile_files.end()) return std::nullopt;
+  return parse_profile(shipped->toml, "hal/profiles/" + name + extension);
 }
 
 std::string not_found(const std::string& name, const std::string& scene_folder) {
@@ -76,16 +77,15 @@ RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_f
   std::set<std::string> told;  // nodes that share a profile share its errors
   const auto load = [&](const char* kind, const auto& device) -> std::optional<NodeProfile> {
     if (device.profile.empty()) return std::nullopt;
-    const fs::path path = find_profile(device.profile, scene_folder);
-    if (path.empty()) {
+    std::optional<ProfileResult> read = find_profile(device.profile, scene_folder);
+    if (!read) {
       out.errors.push_back(std::string(kind) + " of joint '" + device.joint +
                            "': " + not_found(device.profile, scene_folder));
       return std::nullopt;
     }
-    ProfileResult read = load_profile(path.string());
-    for (std::string& error : read.errors)
+    for (std::string& error : read->errors)
       if (told.insert(error).second) out.errors.push_back(std::move(error));
-    return std::move(read.profile);
+    return std::move(read->profile);
   };
   for (const EncoderParams& encoder : rig.encoders) out.profiles.encoders.push_back(load("encoder", encoder));
   for (const DriveParams& drive : rig.drives) out.profiles.drives.push_back(load("drive", drive));
@@ -96,10 +96,7 @@ RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_f
 
 std::vector<std::string> shipped_profiles() {
   std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(GODOBJECT_PROFILE_FOLDER, error))
-    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
-  std::ranges::sort(names);
+  for (const ShippedProfile& profile : shipped_profile_files) names.emplace_back(profile.name);
   return names;
 }
 
