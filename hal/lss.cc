@@ -47,6 +47,13 @@ bool Master::store() noexcept {
   return begin({&message, 1}, Command::store);
 }
 
+bool Master::inquire(Command command) noexcept {
+  const Message message = make_message(command);
+  if (!begin({&message, 1}, command)) return false;
+  inquires_ = true;
+  return true;
+}
+
 bool Master::activate_bit_timing(std::uint16_t delay_ms) noexcept {
   const Message message = make_activate(delay_ms);
   return begin({&message, 1}, std::nullopt);
@@ -60,6 +67,8 @@ bool Master::begin(std::span<const Message> messages, std::optional<Command> ans
   answer_ = answer;
   outcome_ = Outcome::busy;
   error_code_ = vendor_error_ = 0;
+  num_answers_ = 0;
+  inquires_ = false;
   timing_ = false;
   return true;
 }
@@ -72,7 +81,9 @@ void Master::poll(Nanoseconds now, CanBus& bus) noexcept {
     ++sent_;
   const bool all_sent = sent_ == count_;
   if (all_sent && !answer_) outcome_ = Outcome::done;
-  else if (now >= deadline_ns_) outcome_ = all_sent ? Outcome::no_answer : Outcome::not_sent;
+  else if (now < deadline_ns_) return;
+  else if (num_answers_ > 0) outcome_ = Outcome::done;
+  else outcome_ = all_sent ? Outcome::no_answer : Outcome::not_sent;
 }
 
 bool Master::on_frame(const CanFrame& frame) noexcept {
@@ -80,6 +91,13 @@ bool Master::on_frame(const CanFrame& frame) noexcept {
   if (outcome_ != Outcome::busy || sent_ != count_ || !answer_) return false;
   if (parse_frame(frame, response_cob_id, message) != ParseResult::ok) return false;
   if (message[0] != static_cast<std::uint8_t>(*answer_)) return false;
+  if (inquires_) {
+    std::uint32_t value = 0;
+    ByteReader(std::span(message).subspan(1)).get(value);
+    if (answer_ == Command::inquire_node_id) value &= 0xFF;  // one byte, the rest is reserved
+    if (num_answers_ < answers_.size()) answers_[num_answers_++] = value;
+    return true;
+  }
   const bool has_error_code = *answer_ != Command::selected;
   error_code_ = has_error_code ? message[1] : std::uint8_t{0};
   vendor_error_ = has_error_code ? message[2] : std::uint8_t{0};

@@ -1,5 +1,5 @@
-// Layer setting services (CiA 305): node-ID and bit rate of a node over the bus itself. Fast scan and the
-// inquiry services are not spoken.
+// Layer setting services (CiA 305): node-ID and bit rate of a node over the bus itself, and who
+// listens. Fast scan is not spoken.
 #pragma once
 
 #include <optional>
@@ -23,6 +23,11 @@ enum class Command : std::uint8_t {
   select_revision = 0x42,
   select_serial = 0x43,
   selected = 0x44,  // the slave's answer to the four
+  inquire_vendor = 0x5A,
+  inquire_product = 0x5B,
+  inquire_revision = 0x5C,
+  inquire_serial = 0x5D,
+  inquire_node_id = 0x5E,
 };
 
 enum class Mode : std::uint8_t { waiting = 0, configuration = 1 };
@@ -85,6 +90,9 @@ class Master {
   [[nodiscard]] bool set_node_id(std::uint8_t node_id) noexcept;
   [[nodiscard]] bool set_bit_timing(std::uint8_t index) noexcept;
   [[nodiscard]] bool store() noexcept;
+  /// An inquire_... of all nodes that are in configuration mode. Busy until the timeout, then done, with their
+  /// answers(), or no_answer.
+  [[nodiscard]] bool inquire(Command command) noexcept;
   /// Done as soon as it is sent: it has no answer.
   [[nodiscard]] bool activate_bit_timing(std::uint16_t delay_ms) noexcept;
 
@@ -94,6 +102,8 @@ class Master {
   Outcome outcome() const noexcept { return outcome_; }
   std::uint8_t error_code() const noexcept { return error_code_; }
   std::uint8_t vendor_error() const noexcept { return vendor_error_; }  // where error_code() is 255
+  /// To inquire(), one of each node, as they came; the first 127.
+  std::span<const std::uint32_t> answers() const noexcept { return std::span(answers_).first(num_answers_); }
 
  private:
   bool begin(std::span<const Message> messages, std::optional<Command> answer) noexcept;
@@ -104,6 +114,9 @@ class Master {
   std::optional<Command> answer_;
   Outcome outcome_ = Outcome::idle;
   std::uint8_t error_code_ = 0, vendor_error_ = 0;
+  std::array<std::uint32_t, canopen::max_node_id> answers_{};
+  std::size_t num_answers_ = 0;
+  bool inquires_ = false;
   bool timing_ = false;
   Nanoseconds deadline_ns_ = 0;
 };

@@ -42,6 +42,11 @@ std::optional<Message> SimLss::answer(const Message& request, const lss::Identit
       return lss::make_message(command, valid ? done : out_of_range);
     }
     case Command::activate_bit_timing: active_bit_timing_ = pending_.bit_timing; return std::nullopt;
+    case Command::inquire_vendor: return lss::make_select(command, own.vendor);
+    case Command::inquire_product: return lss::make_select(command, own.product);
+    case Command::inquire_revision: return lss::make_select(command, own.revision);
+    case Command::inquire_serial: return lss::make_select(command, own.serial);
+    case Command::inquire_node_id: return lss::make_message(command, pending_.node_id);
     case Command::store: stored_ = pending_; return lss::make_message(command, done);
     default: return std::nullopt;
   }

@@ -1,4 +1,5 @@
 // godobject lss: node-ID and bit rate of a CANopen node that cannot be reached by its node-ID yet.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -15,6 +16,7 @@ struct LssOptions {
   int node_id = 1;
   double new_bit_rate = 0;
   std::optional<int> activate_ms;
+  bool alone = false;  // no node but this one is on the bus: it is not asked
 };
 
 /// The services of one call, in their order; the first that fails ends it.
@@ -42,6 +44,12 @@ class LssCall {
     return run(master_.set_bit_timing(index), lss::Command::set_bit_timing);
   }
   bool store() { return run(master_.store(), lss::Command::store); }
+  /// One answer of each node in configuration mode; none where nobody knows the inquiry.
+  std::vector<std::uint32_t> inquire(lss::Command command) {
+    if (!master_.inquire(command)) return {};
+    run_bus();
+    return {master_.answers().begin(), master_.answers().end()};
+  }
   bool activate(int delay_ms) {
     return run(master_.activate_bit_timing(static_cast<std::uint16_t>(delay_ms)),
                lss::Command::activate_bit_timing);
@@ -50,12 +58,16 @@ class LssCall {
  private:
   bool run(bool begun, lss::Command command) {
     if (!begun) return false;
-    bus_.run([&] { return master_.outcome() == lss::Outcome::busy; },
-             [&](const CanFrame& frame) { master_.on_frame(frame); },
-             [&](Nanoseconds now, CanBus& to) { master_.poll(now, to); });
+    run_bus();
     if (master_.outcome() == lss::Outcome::done) return true;
     std::fprintf(stderr, "lss: %s%s\n", failure_text(command).c_str(), bus_.trouble().c_str());
     return false;
+  }
+
+  void run_bus() {
+    bus_.run([&] { return master_.outcome() == lss::Outcome::busy; },
+             [&](const CanFrame& frame) { master_.on_frame(frame); },
+             [&](Nanoseconds now, CanBus& to) { master_.poll(now, to); });
   }
 
   std::string failure_text(lss::Command command) const {
@@ -85,10 +97,49 @@ ExitCode say(bool ok, const char* what) {
   return ok ? ExitCode::ok : ExitCode::fault;
 }
 
+std::string listed(const char* what, const std::vector<std::uint32_t>& answers) {
+  std::string text;
+  for (const std::uint32_t answer : answers)
+    text += (text.empty() ? std::string(what) + " " : ", ") + std::to_string(answer);
+  return text;
+}
+
+/// Whether exactly one node is in configuration mode. Nodes that share a node-ID may say it in one voice, so their
+/// serial numbers are asked for, too.
+bool is_only_one(LssCall& call, const LssOptions& options) {
+  if (options.alone) return true;
+  const std::vector<std::uint32_t> ids = call.inquire(lss::Command::inquire_node_id);
+  const std::vector<std::uint32_t> serials = call.inquire(lss::Command::inquire_serial);
+  const std::size_t num_nodes = std::max(ids.size(), serials.size());
+  if (num_nodes == 1 || (num_nodes == 0 && !options.identity.empty())) return true;
+  if (num_nodes == 0) {
+    std::fputs(
+        "lss: no answer to the question which nodes listen: is one powered, has the bus this bit rate, does "
+        "the "
+        "node know LSS and its inquiry services? --select addresses a node by its identity; --alone does not "
+        "ask: "
+        "only with no other node on the bus\n",
+        stderr);
+    return false;
+  }
+  std::fprintf(
+      stderr,
+      "lss: %zu nodes listen, and each would get the ID %d: %s; %s. Address one by its identity: --select "
+      "VENDOR PRODUCT REVISION SERIAL (godobject sdo --node ID read 1018:01 to :04), or take the others "
+      "off the bus. Nothing was changed.\n",
+      num_nodes, options.node_id, listed("node-IDs", ids).c_str(), listed("serial numbers", serials).c_str());
+  return false;
+}
+
 ExitCode set_node_id(const LssOptions& options) {
   LssCall call(options);
   if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
-  const bool ok = call.select() && call.set_node_id(options.node_id) && call.leave();
+  if (!call.select()) return ExitCode::fault;
+  if (!is_only_one(call, options)) {
+    static_cast<void>(call.leave());
+    return ExitCode::fault;
+  }
+  const bool ok = call.set_node_id(options.node_id) && call.leave();
   return say(
       ok, "set; in effect when the node's communication is reset; lost without power: godobject lss store");
 }
@@ -122,8 +173,9 @@ ExitCode store(const LssOptions& options) {
 }  // namespace
 
 void add_lss(CLI::App& app, ExitCode& code) {
-  CLI::App* verb = app.add_subcommand(
-      "lss", "Set the node-ID or the bit rate of a CANopen node. It must be alone on the bus, or selected.");
+  CLI::App* verb = app.add_subcommand("lss",
+                                      "Set the node-ID or the bit rate of a CANopen node that is alone on "
+                                      "the bus, or selected by its identity.");
   const auto options = std::make_shared<LssOptions>();
   add_dialogue_options(*verb, options->dialogue);
   verb->add_option("--select", options->identity,
@@ -134,6 +186,9 @@ void add_lss(CLI::App& app, ExitCode& code) {
 
   CLI::App* node_id = verb->add_subcommand("node-id", "Give the node an ID.");
   node_id->add_option("ID", options->node_id, "1 to 127")->required()->check(CLI::Range(1, 127));
+  node_id->add_flag(
+      "--alone", options->alone,
+      "do not ask which nodes listen: for a node without inquiry services, and no other on the bus");
   node_id->callback([options, &code] { code = set_node_id(*options); });
 
   CLI::App* bit_rate = verb->add_subcommand("bit-rate", "Give the node a bit rate.");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/sim_encoder.h"
+#include "tests/support/background_program.h"
 #include "tests/support/node_on_pty.h"
 
 namespace godobject::test_cli_sdo {
@@ -52,6 +53,24 @@ TEST(CliSdo, SaysWhyNot) {
               HasSubstr("a log gives no answers"));
 }
 
+/// All would get the ID; nothing is changed, and none is left in configuration mode.
+TEST(CliLss, RefusesToRenumberSeveralNodes) {
+  test::BackgroundProgram rig({"simulate", "sim/scenes/rigid.toml", "--bus", "pty"});
+  const std::string first = rig.line();
+  ASSERT_THAT(first, testing::StartsWith("bus can0: "));
+  while (rig.line() != "ready") continue;
+  const auto lss = [&](const std::string& rest) {
+    return test::run_program("lss --bus slcan:" + first.substr(std::string("bus can0: ").size()) +
+                             " --timeout 0.3 " + rest);
+  };
+  const test::ProgramResult several = lss("node-id 9");
+  EXPECT_EQ(several.exit_code, 1) << several.output;
+  EXPECT_THAT(several.output, HasSubstr("6 nodes listen, and each would get the ID 9: node-IDs "));
+  EXPECT_THAT(several.output, HasSubstr("--select VENDOR PRODUCT REVISION SERIAL"));
+  EXPECT_THAT(several.output, testing::Not(HasSubstr("in effect")));
+  EXPECT_THAT(lss("node-id 9").output, HasSubstr("6 nodes listen"));
+}
+
 TEST(CliLss, GivesANodeItsIdAndBitRate) {
   const EncoderOnPty encoder;
   EXPECT_EQ(encoder.run("lss", "node-id 9").exit_code, 0);
@@ -60,6 +79,8 @@ TEST(CliLss, GivesANodeItsIdAndBitRate) {
   const test::ProgramResult other = encoder.run("lss", "--timeout 0.1 --select 1 2 3 4 node-id 9");
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_THAT(other.output, HasSubstr("has a node this identity"));
+  EXPECT_EQ(encoder.run("lss", "--select 0xDEB 0x406 0x10000 1 node-id 9").exit_code, 0);
+  EXPECT_EQ(encoder.run("lss", "node-id 9 --alone").exit_code, 0);
   EXPECT_EQ(encoder.run("lss", "bit-rate 100000").exit_code, 2);
   EXPECT_EQ(encoder.run("lss", "node-id 128").exit_code, 2);
 }
