@@ -41,6 +41,21 @@ bool Session::follows() const noexcept {
          !(scene_.device && scene_.device->kind == DeviceKind::admittance);
 }
 
+std::optional<PoseError> Session::offset_at_start(std::size_t body) const noexcept {
+  const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
+  if (!follows() || relative || grip_ || bus_ == BusChoice::real) return std::nullopt;
+  if (scene_.coupling != CouplingMode::god_object || !scene_.bodies[body].coupling) return std::nullopt;
+  const std::size_t driven = static_cast<std::size_t>(std::ranges::find(driven_, body) - driven_.begin());
+  const BodySample sample = motion_sample(std::min(driven, motion_.num_bodies() - 1), 0);
+  if (!sample.engaged) return std::nullopt;
+  return difference(scene_.bodies[body].X_WB, sample.X_WD);
+}
+
+std::optional<JointTarget> Session::joints_at_start() const noexcept {
+  if (!motion_.has_joints() || bus_ == BusChoice::real) return std::nullopt;
+  return motion_.joints(0);
+}
+
 void Session::cycle(CycleRecord& record) noexcept {
   ++cycle_;
   sense(motion_time(cycle_));

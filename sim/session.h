@@ -117,6 +117,11 @@ class Session {
   const Engine& engine() const noexcept { return *engine_; }
   /// Whether there is a body that follows a pose, and so a following error.
   bool follows() const noexcept;
+  /// Of a body to the target that pulls it as soon as the run begins. None: nothing pulls it then, or on real buses
+  /// nobody knows yet.
+  std::optional<PoseError> offset_at_start(std::size_t body) const noexcept;
+  /// Where the motion is one of the device's joints.
+  std::optional<JointTarget> joints_at_start() const noexcept;
   BusChoice bus() const noexcept { return rig_ || tracked_ ? bus_ : BusChoice::direct; }
   /// Null without a bus.
   const Rig* rig() const noexcept { return rig_ ? &*rig_ : nullptr; }

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "platform/cli/bus_load_text.h"
+#include "platform/cli/check_text.h"
 #include "platform/cli/run_options.h"
 #include "platform/cli/time_to_zero.h"
 #include "platform/cli/verbs.h"
@@ -41,7 +42,7 @@ void print_capacities(const SceneConfig& scene, const Composition& c) {
               c.max_contacts);
 }
 
-void print_top_speed(const std::string& path, const SceneConfig& scene) {
+void print_top_speed(const SceneConfig& scene) {
   const std::optional<SpeedBound> bound = top_speed(scene);
   if (!bound) return;
   std::printf("\n# top speed at which nothing passes anything: %.3g m/s, %s\n", bound->top(),
@@ -49,52 +50,72 @@ void print_top_speed(const std::string& path, const SceneConfig& scene) {
   std::printf(
       "#   travel in a step: %.3g m/s; energy of the tool: %.3g m/s; hand %.3g m beyond the surface\n",
       bound->travel, bound->energy, bound->hand);
-  if (bound->top() < advised_top_speed)
+}
+
+void warn_of_top_speed(const std::string& path, const SceneConfig& scene) {
+  const std::optional<SpeedBound> bound = top_speed(scene);
+  if (bound && bound->top() < advised_top_speed)
     std::fprintf(stderr,
-                 "%s: warning: above %.3g m/s %s may pass each other, and a hand reaches %g m/s: make the "
-                 "solid thicker "
-                 "or the contact stiffer, or the step shorter\n",
+                 "warning: %s: above %.3g m/s %s may pass each other, and a hand reaches %g m/s: make the "
+                 "solid thicker or the contact stiffer, or the step shorter\n",
                  path.c_str(), bound->top(), bound->what.c_str(), advised_top_speed);
 }
 
-ExitCode check(const std::string& path) {
-  RunOptions options;
-  options.scene = path;
-  const PreparedRun prepared = prepare(options);
-  for (const std::string& note : prepared.notes) std::fprintf(stderr, "%s\n", note.c_str());
-  for (const std::string& error : prepared.errors) std::fprintf(stderr, "%s\n", error.c_str());
-  if (!prepared.session) {
-    for (const BusLoad& load : prepared.bus_loads) print_bus_load(stdout, load);
-    return ExitCode::usage;
-  }
-
+void print_all(const PreparedRun& prepared) {
   const SceneConfig& scene = prepared.session->scene();
   std::printf("# effective configuration\n%s", effective_config_toml(scene).c_str());
   print_composition(prepared.session->engine().composition());
   print_capacities(scene, prepared.session->engine().composition());
-  print_top_speed(path, scene);
+  print_top_speed(scene);
   if (scene.device && scene.device->rig) {
     std::puts("");
     for (const std::string& line : time_to_zero_lines(*scene.device->rig, prepared.profiles))
       std::puts(line.c_str());
   }
-  for (const BusLoad& load : prepared.bus_loads) {
-    print_bus_load(stdout, load);
+  for (const BusLoad& load : prepared.bus_loads) print_bus_load(stdout, load);
+}
+
+ExitCode check(RunOptions options, bool full) {
+  options.only_check = true;
+  const std::string& path = options.scene;
+  const PreparedRun prepared = prepare(options);
+  if (!options.quiet)
+    for (const std::string& note : prepared.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  for (const std::string& warning : prepared.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  for (const std::string& error : prepared.errors) std::fprintf(stderr, "%s\n", error.c_str());
+  if (!prepared.session) {
+    if (!options.quiet)
+      for (const BusLoad& load : prepared.bus_loads) print_bus_load(stdout, load);
+    return ExitCode::usage;
+  }
+  if (full) {
+    print_all(prepared);
+  } else if (!options.quiet) {
+    for (const std::string& line : check_lines(options, prepared)) std::printf("%s\n", line.c_str());
+    std::printf("all of it: godobject check --full\n");
+  }
+  warn_of_top_speed(path, prepared.session->scene());
+  for (const BusLoad& load : prepared.bus_loads)
     if (const std::string advice = load_advice(load); !advice.empty())
       std::fprintf(stderr, "%s: %s\n", path.c_str(), advice.c_str());
-  }
   return ExitCode::ok;
 }
 
 }  // namespace
 
 void add_check(CLI::App& app, ExitCode& code) {
-  CLI::App* verb = app.add_subcommand(
-      "check",
-      "Validate a scene file; print what is in effect, the parts it uses with their memory, the bus load.");
-  const auto scene = std::make_shared<std::string>();
-  verb->add_option("SCENE", *scene, "scene file (TOML), see docs/scenes.md")->required();
-  verb->callback([scene, &code] { code = check(*scene); });
+  CLI::App* verb = app.add_subcommand("check",
+                                      "Say what `run` with the same options would do, and what is wrong with "
+                                      "it, before anything moves: nothing is "
+                                      "opened, nothing is written.");
+  const auto options = std::make_shared<RunOptions>();
+  add_run_options(*verb, *options);
+  const auto full = std::make_shared<bool>(false);
+  verb->add_flag(
+      "--full", *full,
+      "print everything: each value in effect, as a scene file, the parts of the composition with their "
+      "memory, every message of every bus");
+  verb->callback([options, full, &code] { code = check(*options, *full); });
 }
 
 }  // namespace godobject

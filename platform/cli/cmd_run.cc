@@ -2,7 +2,6 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <map>
 #include <memory>
 
 #include "platform/cli/option_checks.h"
@@ -34,10 +33,15 @@ Nanoseconds log_origin_ns() {
 
 ExitCode run(RunOptions options) {
   PreparedRun prepared = prepare(options);
-  print_lines(stderr, "note: ", prepared.notes);
+  if (!options.quiet) print_lines(stderr, "note: ", prepared.notes);
+  print_lines(stderr, "warning: ", prepared.warnings);
   print_lines(stderr, "", prepared.errors);
   if (!prepared.session) return ExitCode::usage;
 
+  if (const std::string why_not = make_folders(options); !why_not.empty()) {
+    print_lines(stderr, "", {why_not});
+    return ExitCode::usage;
+  }
   Session& session = *prepared.session;
   std::optional<RunLink> real;
   if (session.bus() == BusChoice::real) options.realtime = true;
@@ -58,60 +62,75 @@ ExitCode run(RunOptions options) {
   RunReport report = make_report(options, prepared, *result, files.close());
   if (!options.report.empty() && !write_report(options.report, report))
     report.faults.push_back({.name = "file_incomplete", .text = options.report + " could not be written"});
-  print_summary(stdout, report);
+  if (options.quiet) print_faults(stderr, report.faults);
+  else print_summary(stdout, report);
   return report.faults.empty() ? ExitCode::ok : ExitCode::fault;
 }
 
-void add_options(CLI::App& verb, RunOptions& options) {
+}  // namespace
+
+void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("SCENE", options.scene, "scene file (TOML), see docs/scenes.md")->required();
   auto* realtime = verb.add_flag("--realtime", options.realtime,
-                                 "one cycle a period on a real-time thread, with a live status line");
-  verb.add_flag("--fast", options.fast,
-                "simulated clock, as fast as the machine allows, bit-identical each time (default)")
+                                 "in wall time: one cycle a period, on a real-time thread, with a live "
+                                 "status line; real buses imply it");
+  verb.add_flag(
+          "--fast", options.fast,
+          "on a simulated clock, as fast as the machine allows, bit-identical each time; not with --realtime "
+          "(default)")
       ->excludes(realtime);
   verb.add_option("--duration", options.duration,
                   "s; default: the motion file's end, else the scene's duration")
       ->check(number_above(0, 1e6));
   verb.add_option(
           "--bus", options.buses,
-          "sim: through simulated encoders, wires, drives and trackers (default); direct: the motion as it "
-          "is; an "
-          "address (socketcan:can0, slcan:/dev/ttyACM0, board:/dev/ttyACM1, pty, replay:FILE) or, for each "
-          "bus of the scene, "
-          "NAME=ADDRESS: a real device, see docs/running.md")
+          "what the device is: sim, simulated encoders, wires, drives and trackers (default); direct, none, "
+          "the "
+          "motion as it is; ADDRESS, a real one on the scene's only bus; NAME=ADDRESS, once for each bus of "
+          "the "
+          "scene. ADDRESS is socketcan:can0, slcan:/dev/ttyACM0, board:/dev/ttyACM1, replay:FILE, or pty: a "
+          "pseudo-terminal is made and waited for, for every bus where no NAME is given. See docs/running.md")
       ->type_name("BUS")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   verb.add_option("--tracker", options.trackers,
-                  "NAME=PORT, for each tracker of the scene: a real one on this serial line, see "
-                  "docs/trackers.md; scene: on the scene's own ports; without: simulated ones")
+                  "where the trackers are: NAME=PORT, once for each tracker of the scene, a real one on this "
+                  "serial line; scene, on the scene's own ports; without this option they are simulated. See "
+                  "docs/trackers.md")
       ->type_name("TRACKER")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb.add_option_function<std::string>(
+          "--rearm",
+          [&options](const std::string& when) {
+            options.rearm = when == "auto" ? Rearm::automatic : Rearm::never;
+          },
+          "after a fault of the device: never, no torque any more (default); auto, once its buses are back "
+          "its "
+          "nodes are set up and booted, and the motors are ARMED again")
+      ->check(CLI::IsMember({"never", "auto"}));
   verb.add_option(
-          "--rearm", options.rearm,
-          "after a fault of the device. never: no torque any more (default); auto: once its buses are back "
-          "its nodes are set up, booted and ARMED again")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Rearm>{{"never", Rearm::never}, {"auto", Rearm::automatic}}));
-  verb.add_option(
-      "--motion", options.motion,
-      "CSV of the target's poses or the device's joints over time, and of letting go and the clutch");
+          "--motion", options.motion,
+          "what the hand does, in place of the scene's motion: a CSV of the target's poses or the device's "
+          "joints over time, and of letting go and the clutch")
+      ->type_name("FILE");
   verb.add_option("--integrator", options.integrator, "in place of the scene's")
       ->check(CLI::IsMember(std::vector<std::string>(integrator_names.begin(), integrator_names.end())));
   verb.add_option("--step", options.step, "s, in place of the scene's")->check(number_in(1e-6, 0.1));
-  verb.add_option("--trace", options.trace, "CSV to write: bodies, wrenches, target, faults at every step");
-  verb.add_option("--record", options.record, "log to write: every frame on every bus, in candump's format");
+  verb.add_option("--trace", options.trace, "CSV to write: bodies, wrenches, target, faults at every step")
+      ->type_name("FILE");
+  verb.add_option("--record", options.record, "log to write: every frame on every bus, in candump's format")
+      ->type_name("FILE");
   verb.add_option("--report", options.report,
-                  "JSON to write: everything the summary shows, and the histograms");
+                  "JSON to write: everything the summary shows, and the histograms")
+      ->type_name("FILE");
+  verb.add_flag("--quiet", options.quiet, "print only warnings and faults; the exit code says the rest");
 }
-
-}  // namespace
 
 void add_run(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand("run", "Run a scene.");
   const auto options = std::make_shared<RunOptions>();
-  add_options(*verb, *options);
+  add_run_options(*verb, *options);
   verb->callback([options, &code] { code = run(*options); });
 }
 

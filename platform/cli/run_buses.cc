@@ -34,6 +34,19 @@ std::optional<std::size_t> bus_of(const NamedAddress& given, const SceneConfig& 
   return std::nullopt;
 }
 
+/// `pty` alone stands for one of each bus, as of simulate.
+std::vector<std::string> with_names(std::span<const std::string> given, const std::vector<BusParams>& buses) {
+  std::vector<std::string> named;
+  for (const std::string& text : given) {
+    std::string ignored;
+    const std::optional<BusAddress> address = parse_bus_address(text, ignored);
+    if (address && address->kind == BusKind::pty)
+      for (const BusParams& bus : buses) named.push_back(bus.name + "=" + text);
+    else named.push_back(text);
+  }
+  return named;
+}
+
 void plan_real_buses(std::span<const std::string> given, const SceneConfig& scene, BusPlan& plan,
                      std::vector<std::string>& errors) {
   if (!scene.device || !scene.device->rig) {
@@ -44,7 +57,7 @@ void plan_real_buses(std::span<const std::string> given, const SceneConfig& scen
   const RigParams& rig = *scene.device->rig;
   std::vector<std::optional<BusAddress>> addresses(rig.buses.size());
   plan.texts.resize(rig.buses.size());
-  for (const std::string& text : given) {
+  for (const std::string& text : with_names(given, rig.buses)) {
     const NamedAddress bus = split_name(text, ':');
     const std::optional<std::size_t> index = bus_of(bus, scene, errors);
     if (!index) continue;

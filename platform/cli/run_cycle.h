@@ -16,6 +16,7 @@ enum class Rearm : std::uint8_t { never, automatic };
 struct RunPlan {
   std::uint64_t num_cycles = 0;  // steps
   Rearm rearm = Rearm::never;
+  bool quiet = false;  // no status line
 };
 
 /// Counts the steps and ends the session after the last, when it is told to, and, where the device is armed

@@ -54,8 +54,8 @@ void prepare(Session& session, RunFiles& files) {
 /// The ring's other end: to the files and the status line.
 class Drain {
  public:
-  Drain(Ring<CycleEntry>& cycles, Ring<BusFrame>& frames, RunFiles& files)
-      : cycles_(cycles), frames_(frames), files_(files) {}
+  Drain(Ring<CycleEntry>& cycles, Ring<BusFrame>& frames, RunFiles& files, bool quiet)
+      : cycles_(cycles), frames_(frames), files_(files), status_(quiet) {}
 
   void run() {
     while (cycles_.try_pop(entry_)) {
@@ -86,7 +86,8 @@ class RealtimeRun {
         files_(files),
         cycles_(make_cycle_ring(session)),
         frames_(frame_ring),
-        drain_(cycles_, frames_, files),
+        drain_(cycles_, frames_, files, plan.quiet),
+        quiet_(plan.quiet),
         cycle_(session, plan, stop, cycles_),
         loop_(clock_, to_ns(session.scene().step)) {}
 
@@ -132,7 +133,7 @@ class RealtimeRun {
     if (!setup_.empty()) return;
     setup_ = process_.steps();
     setup_.insert(setup_.end(), of_thread.begin(), of_thread.end());
-    std::fputs(("real-time set-up\n" + rt_table(setup_)).c_str(), stderr);
+    if (!quiet_) std::fputs(("real-time set-up\n" + rt_table(setup_)).c_str(), stderr);
   }
 
   Session& session_;
@@ -140,6 +141,7 @@ class RealtimeRun {
   Ring<CycleEntry> cycles_;
   Ring<BusFrame> frames_;
   Drain drain_;
+  bool quiet_;
   RtProcess process_;
   RealtimeCycle cycle_;
   MonotonicClock clock_;
@@ -157,16 +159,20 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
   RunCycle cycle(session, plan, stop.requested());
   Recoveries recoveries(session, cycle, plan, nullptr, stop.requested());
   const MonotonicClock clock;
+  FastProgress progress(static_cast<double>(plan.num_cycles) * session.scene().step, plan.quiet);
   CycleRecord record = session.at_start();
   do {
     session.start(boot_limit_s);
     while (!cycle.ended()) {
       const Nanoseconds start = clock.now();
       if (!cycle.run(record)) continue;
-      result.timing.compute_ns.add(clock.now() - start);
+      const Nanoseconds end = clock.now();
+      result.timing.compute_ns.add(end - start);
+      progress.update(record.t, end);
       files.add(record);
     }
   } while (recoveries.again());
+  progress.end();
   result.statistics = cycle.statistics();
   result.recoveries = recoveries.list();
   result.ready = result.statistics.cycles > 0;

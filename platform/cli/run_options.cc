@@ -12,11 +12,13 @@
 
 #include "hal/drive_watchdog.h"
 #include "platform/cli/bus_load_text.h"
+#include "platform/cli/start_check.h"
 #include "platform/clock.h"
 #include "platform/tracker_thread.h"
 #include "sim/key.h"
 #include "sim/profile_toml.h"
 #include "sim/scene_toml.h"
+#include "sim/sim_tracker_link.h"
 
 namespace godobject {
 namespace {
@@ -37,11 +39,16 @@ bool same_file(const std::string& a, const std::string& b) {
          fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
 }
 
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
 /// Empty, or why `path` could not be written.
 std::string why_not_writable(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return "is a directory";
-  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  fs::path folder = folder_of(path);
+  if (!fs::exists(folder, ignored)) folder = folder_of(folder);  // one folder is made, see make_folders()
   const bool exists = fs::exists(path, ignored);
   if (access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) == 0) return "";
   return "cannot be written: " + std::generic_category().message(errno);
@@ -94,7 +101,7 @@ std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& 
   if (options.motion.empty()) return Motion(scene);
   MotionResult result = Motion::read(options.motion, scene);
   append(run.errors, result.errors);
-  append(run.notes, result.notes);
+  append(run.warnings, result.notes);
   return std::move(result.motion);
 }
 
@@ -115,16 +122,38 @@ void check_real_buses(const RunOptions& options, PreparedRun& run) {
         "count");
 }
 
+std::string folder_of_scene(const RunOptions& options) {
+  return fs::path(options.scene).parent_path().string();
+}
+
 /// The profiles of the scene's nodes; where it shows force, every drive stops when this program dies.
 void check_profiles(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
   if (!has_rig(scene)) return;
   const RigParams& rig = *scene.device->rig;
-  RigProfilesResult loaded = load_profiles(rig, fs::path(options.scene).parent_path().string());
+  RigProfilesResult loaded = load_profiles(rig, folder_of_scene(options));
   append(run.errors, loaded.errors);
   run.profiles = std::move(loaded.profiles);
   if (!loaded.errors.empty() || !shows_force(scene.device->kind)) return;
   for (const std::string& line : missing_watchdogs(rig, run.profiles))
     run.errors.push_back(options.scene + ": " + line);
+}
+
+/// The trackers on their lines, each with a thread that has begun; for a check with a simulated far end instead.
+std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& options, const SceneConfig& scene,
+                                                        PreparedRun& run) {
+  std::vector<std::unique_ptr<TrackerLink>> links;
+  const std::vector<TrackerParams>& trackers = scene.device->trackers;
+  if (!options.only_check) {
+    for (auto& thread : start_trackers(trackers, folder_of_scene(options), run.errors))
+      links.push_back(std::move(thread));
+    return links;
+  }
+  for (const TrackerParams& params : trackers) {
+    static_cast<void>(read_tool_definitions(params, folder_of_scene(options), run.errors));
+    links.push_back(make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, run.errors));
+  }
+  if (!run.errors.empty()) links.clear();
+  return links;
 }
 
 /// The session on the planned buses and trackers; the threads of those have then begun.
@@ -139,10 +168,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
     run.link = link.get();
     device.buses = std::move(link);
   }
-  if (!options.trackers.empty())
-    for (auto& thread :
-         start_trackers(scene.device->trackers, fs::path(options.scene).parent_path(), run.errors))
-      device.trackers.push_back(std::move(thread));
+  if (!options.trackers.empty()) device.trackers = make_trackers(options, scene, run);
   return Session::make(scene, std::move(motion), std::move(device));
 }
 
@@ -169,11 +195,21 @@ void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigP
 
 }  // namespace
 
+std::string make_folders(const RunOptions& options) {
+  for (const std::string& path : {options.trace, options.record, options.report}) {
+    std::error_code error;
+    if (path.empty() || fs::exists(folder_of(path), error)) continue;
+    if (!fs::create_directory(folder_of(path), error) && error)
+      return "'" + folder_of(path).string() + "' cannot be made: " + error.message();
+  }
+  return "";
+}
+
 PreparedRun prepare(const RunOptions& options) {
   PreparedRun run;
   LoadResult loaded = load_scene(options.scene);
   append(run.errors, loaded.errors);
-  append(run.notes, loaded.warnings);
+  append(run.warnings, loaded.warnings);
   check_outputs(options, run.errors);
   if (!loaded.scene) return run;
 
@@ -190,11 +226,13 @@ PreparedRun prepare(const RunOptions& options) {
 
   const double duration = options.duration.value_or(motion->end().value_or(scene.duration));
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
-              .rearm = options.rearm};
+              .rearm = options.rearm,
+              .quiet = options.quiet};
   Session::Made made = make_session(options, scene, *std::move(motion), run);
   const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
                               validate(*scene_of_file.device->rig).empty();
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
+  if (made.session) check_start(*made.session, options.scene, run.warnings, run.errors);
   if (made.session && made.session->rig())
     check_bus_loads(options, *scene.device->rig, *scene_of_file.device->rig, run);
   if (run.errors.empty()) run.session = std::move(made.session);

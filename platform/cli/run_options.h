@@ -27,19 +27,25 @@ struct RunOptions {
   std::string integrator;          // empty: the scene's; the same goes for the paths below
   std::string motion;
   std::string trace, record, report;
+  bool quiet = false;       // nothing but warnings, faults and the exit code
+  bool only_check = false;  // as `check`: nothing is opened, started or written
 };
 
 struct PreparedRun {
   std::unique_ptr<Session> session;  // null where there are errors
   RunPlan plan;
   BusPlan buses;
-  LinuxLink* link = nullptr;        // the session's, where its buses are real; they are closed
-  RigProfiles profiles;             // of the scene's nodes
-  std::vector<BusLoad> bus_loads;   // what the scene's buses carry at worst; empty with --bus direct
-  std::vector<std::string> errors;  // "file:line:column: what", "file: what" or "--option: what"
+  LinuxLink* link = nullptr;          // the session's, where its buses are real; they are closed
+  RigProfiles profiles;               // of the scene's nodes
+  std::vector<BusLoad> bus_loads;     // what the scene's buses carry at worst; empty with --bus direct
+  std::vector<std::string> errors;    // "file:line:column: what", "file: what" or "--option: what"
+  std::vector<std::string> warnings;  // the same forms
   std::vector<std::string> notes;
 };
 
 PreparedRun prepare(const RunOptions& options);
+
+/// Makes the folders of the outputs that are not there yet. Empty, or why one cannot be made.
+std::string make_folders(const RunOptions& options);
 
 }  // namespace godobject

@@ -54,5 +54,7 @@ std::string_view name_of(BusChoice bus) noexcept;
 
 nlohmann::ordered_json to_json(const RunReport& report);
 void print_summary(std::FILE* out, const RunReport& report);
+/// One line each.
+void print_faults(std::FILE* out, const std::vector<FaultReport>& faults);
 
 }  // namespace godobject

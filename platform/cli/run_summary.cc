@@ -47,15 +47,6 @@ void print_limits(std::FILE* out, const RunStatistics& statistics) {
   std::fprintf(out, "%s\n", any_hit ? "" : " none");
 }
 
-void print_faults(std::FILE* out, const std::vector<FaultReport>& faults) {
-  if (faults.empty()) std::fprintf(out, "  %-26s none\n", "faults");
-  for (const FaultReport& fault : faults) {
-    std::fprintf(out, "  %-26s %s: %s", "FAULT", fault.name.c_str(), fault.text.c_str());
-    if (fault.cycles > 0) std::fprintf(out, " (%" PRIu64 " cycles)", fault.cycles);
-    std::fputc('\n', out);
-  }
-}
-
 void print_bus(std::FILE* out, const BusReport& bus) {
   const char* const name = bus.computed.bus.c_str();
   if (bus.measured_percent)
@@ -103,6 +94,14 @@ void print_files(std::FILE* out, const RunOptions& options) {
 
 }  // namespace
 
+void print_faults(std::FILE* out, const std::vector<FaultReport>& faults) {
+  for (const FaultReport& fault : faults) {
+    std::fprintf(out, "  %-26s %s: %s", "FAULT", fault.name.c_str(), fault.text.c_str());
+    if (fault.cycles > 0) std::fprintf(out, " (%" PRIu64 " cycles)", fault.cycles);
+    std::fputc('\n', out);
+  }
+}
+
 std::string hash_text(std::uint64_t hash) {
   std::array<char, 17> text{};
   std::snprintf(text.data(), text.size(), "%016" PRIx64, hash);
@@ -138,6 +137,7 @@ void print_summary(std::FILE* out, const RunReport& report) {
   }
   print_recoveries(out, report);
   print_limits(out, result.statistics);
+  if (report.faults.empty()) std::fprintf(out, "  %-26s none\n", "faults");
   print_faults(out, report.faults);
   if (report.options.realtime)
     std::fprintf(out, "  %-26s %" PRIu64 " cycles, %" PRIu64 " frames\n", "lost to the files",

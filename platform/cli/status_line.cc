@@ -7,13 +7,16 @@
 
 namespace godobject {
 
-StatusLine::StatusLine() noexcept
-    : terminal_(isatty(STDERR_FILENO) == 1), interval_s_(terminal_ ? 0.2 : 1.0), due_s_(interval_s_) {}
+StatusLine::StatusLine(bool quiet) noexcept
+    : quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      interval_s_(terminal_ ? 0.2 : 1.0),
+      due_s_(interval_s_) {}
 
 void StatusLine::update(const CycleRecord& record, Nanoseconds wake_ns) {
   worst_wake_us_ = std::max(worst_wake_us_, 1e-3 * static_cast<double>(wake_ns));
   constexpr double rounding = 1e-9;
-  if (record.t < due_s_ - rounding) return;
+  if (quiet_ || record.t < due_s_ - rounding) return;
   show(record);
   worst_wake_us_ = 0;
   due_s_ += interval_s_;
@@ -29,7 +32,31 @@ void StatusLine::show(const CycleRecord& record) {
 }
 
 void StatusLine::end() {
-  if (terminal_) std::fputc('\n', stderr);
+  if (terminal_ && !quiet_) std::fputc('\n', stderr);
+}
+
+FastProgress::FastProgress(double duration_s, bool quiet) noexcept
+    : wanted_(!quiet && isatty(STDERR_FILENO) == 1), duration_s_(duration_s) {}
+
+void FastProgress::update(double t_s, Nanoseconds now) {
+  constexpr Nanoseconds first_after = 1'000'000'000, interval = 200'000'000;
+  if (!wanted_) return;
+  if (start_ns_ == 0) {
+    start_ns_ = now;
+    due_ns_ = now + first_after;
+  }
+  if (now < due_ns_) return;
+  due_ns_ = now + interval;
+  shown_ = true;
+  const double taken_s = 1e-9 * static_cast<double>(now - start_ns_);
+  const double left_s = t_s > 0 ? taken_s * (duration_s_ - t_s) / t_s : 0;
+  std::fprintf(stderr, "\rt %.2f of %.2f s (%.0f %%), about %.0f s left\033[K", t_s, duration_s_,
+               100 * t_s / duration_s_, left_s);
+  std::fflush(stderr);
+}
+
+void FastProgress::end() {
+  if (shown_) std::fputs("\r\033[K", stderr);
 }
 
 }  // namespace godobject

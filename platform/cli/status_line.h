@@ -9,7 +9,7 @@ namespace godobject {
 /// On a terminal one line, redrawn five times a second; otherwise one line a second. To standard error.
 class StatusLine {
  public:
-  StatusLine() noexcept;
+  explicit StatusLine(bool quiet = false) noexcept;
 
   /// Takes note of a cycle, and shows it when it is time to.
   void update(const CycleRecord& record, Nanoseconds wake_ns);
@@ -19,10 +19,28 @@ class StatusLine {
  private:
   void show(const CycleRecord& record);
 
+  bool quiet_;
   bool terminal_;
   double interval_s_;
   double due_s_ = 0;          // in the run's time
   double worst_wake_us_ = 0;  // since the line was last shown
+};
+
+/// How far a run on a simulated clock has got: on a terminal alone, and only of a run that takes longer than a second.
+class FastProgress {
+ public:
+  FastProgress(double duration_s, bool quiet) noexcept;
+
+  /// now: of any monotonic clock, the same in every call.
+  void update(double t_s, Nanoseconds now);
+  /// Wipes the line away.
+  void end();
+
+ private:
+  bool wanted_;
+  bool shown_ = false;
+  double duration_s_;
+  Nanoseconds start_ns_ = 0, due_ns_ = 0;
 };
 
 }  // namespace godobject

@@ -168,7 +168,7 @@ TEST_F(CliRun, NodesKeepTheHeartbeatTimeoutOfTheScene) {
   scene.insert(scene.find(before), "[device.supervision]\nheartbeat_timeout = 0.05\nhost_node_id = 100\n");
   const ProgramResult result = run_program("run " + write("watched.toml", scene) + " --duration 1");
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  const ProgramResult check = run_program("check " + path("watched.toml"));
+  const ProgramResult check = run_program("check --full " + path("watched.toml"));
   EXPECT_THAT(check.output, testing::ContainsRegex("host heartbeat +0x764 +10 "));
 }
 
@@ -219,8 +219,57 @@ TEST_F(CliRun, AnInterruptedRunEndsWithItsSummaryAndCompleteFiles) {
   EXPECT_GT(trace.table->num_rows(), 10u);
 }
 
-TEST_F(CliRun, CheckPrintsConfigurationPartsBytesAndBusLoad) {
+TEST_F(CliRun, QuietSaysOnlyWhatIsWrong) {
+  const ProgramResult well =
+      run_program("run " + rigid + " --quiet --duration 0.1 --report " + path("q.json"));
+  EXPECT_EQ(well.exit_code, 0);
+  EXPECT_EQ(well.output, "");
+  EXPECT_EQ(report("q")["cycles"], 100);
+  EXPECT_THAT(run_program("run " + rigid + " --quiet --realtime --duration 0.1").output,
+              testing::Not(HasSubstr("real-time set-up")));
+  const std::string motion = write("far.csv",
+                                   "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n"
+                                   "0,0.05,0.04,0.03,1,0,0,0\n0.5,5,0,0,1,0,0,0\n");
+  const ProgramResult ill = run_program("run " + rigid + " --quiet --motion " + motion);
+  EXPECT_EQ(ill.exit_code, 1);
+  EXPECT_THAT(ill.output, HasSubstr("unreachable"));
+  EXPECT_THAT(ill.output, testing::Not(HasSubstr("state hash")));
+}
+
+TEST_F(CliRun, AnOutputsFolderIsMade) {
+  const ProgramResult result =
+      run_program("run " + rigid + " --duration 0.1 --trace " + path("out/t.csv") + " --record " +
+                  path("logs/b.log") + " --report " + path("out/r.json"));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  for (const char* file : {"out/t.csv", "logs/b.log", "out/r.json"})
+    EXPECT_GT(read_file(path(file)).size(), 100u) << file;
+  EXPECT_EQ(run_program("check " + rigid + " --trace " + path("never/t.csv")).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("never")));
+}
+
+TEST_F(CliRun, StandardOutputThatCannotBeWrittenIsAnError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  for (const std::string& arguments : {"run " + rigid + " --duration 0.1", "check --full " + rigid,
+                                       std::string("faults"), std::string("--help")}) {
+    const ProgramResult result = run_program(arguments, "sh -c 'exec \"$0\" \"$@\" 2>&1 > /dev/full' ");
+    EXPECT_EQ(result.exit_code, 1) << arguments;
+    EXPECT_THAT(result.output, HasSubstr("standard output could not be written: No space left")) << arguments;
+  }
+}
+
+TEST_F(CliRun, CheckSaysInADozenLinesWhatRuns) {
   const ProgramResult result = run_program("check " + rigid);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_LE(std::ranges::count(result.output, '\n'), 16) << result.output;
+  for (const char* part :
+       {"'rigid', 1 body", "'haptic-1 tr-bdf2'", "10 s in steps of 0.001 s", "6 encoders, 3 drives",
+        "5 N, 0.2 N m", "can0: load 63.0 % at worst", "above 50 %", "--full"})
+    EXPECT_THAT(result.output, HasSubstr(part));
+  EXPECT_EQ(run_program("check --quiet sim/scenes/s1.toml").output, "");
+}
+
+TEST_F(CliRun, CheckPrintsConfigurationPartsBytesAndBusLoad) {
+  const ProgramResult result = run_program("check --full " + rigid);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const char* part :
        {"[scene]", "damping", "composition 'haptic-1 tr-bdf2'", "coupling", "feedback", "scratch", "total",
@@ -234,11 +283,11 @@ TEST_F(CliRun, CheckPrintsCapacitiesAndTheTopSpeedOfContacts) {
       "[[body.sphere]]\nradius = 0.001\n[[obstacle]]\nname = \"foil\"\nkind = \"box\"\n"
       "half_extents = [0.1, 0.1, 0.0005]\n[[contact]]\nmaterials = [\"default\", \"default\"]\nstiffness = "
       "1e7\n";
-  const ProgramResult result = run_program("check " + write("foil.toml", scene));
+  const ProgramResult result = run_program("check --full " + write("foil.toml", scene));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const char* part : {"composition 'free-contacts-1 implicit-euler'", "capacities used", "1 of 64",
-                           "top speed at which nothing passes anything: 1.5 m/s", "warning: above 1.5 m/s",
-                           "sphere of body 'ball' and obstacle 'foil'"})
+                           "top speed at which nothing passes anything: 1.5 m/s", "warning: ",
+                           "foil.toml: above 1.5 m/s", "sphere of body 'ball' and obstacle 'foil'"})
     EXPECT_THAT(result.output, HasSubstr(part));
 }
 

@@ -1,0 +1,106 @@
+#include "platform/cli/check_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+
+#include "platform/cli/time_to_zero.h"
+#include "sim/contact_params.h"
+#include "sim/top_speed.h"
+
+namespace godobject {
+namespace {
+
+/// "label                what".
+[[gnu::format(printf, 2, 3)]] std::string line(const char* label, const char* what, ...) {
+  std::array<char, 512> text{};
+  std::va_list arguments;
+  va_start(arguments, what);
+  std::vsnprintf(text.data(), text.size(), what, arguments);
+  va_end(arguments);
+  std::string out = label;
+  out.resize(std::max<std::size_t>(out.size() + 1, 16), ' ');
+  return out + text.data();
+}
+
+/// "6 encoders", "1 drive".
+std::string number_of(std::size_t n, const std::string& what) {
+  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+}
+
+std::string where_it_runs(const RunOptions& options, const PreparedRun& prepared) {
+  switch (prepared.session->bus()) {
+    case BusChoice::sim: return "simulated";
+    case BusChoice::direct: return "none: the motion is handed over as it is";
+    case BusChoice::real: break;
+  }
+  std::string text = "real";
+  for (const std::string& given : options.buses) text += ", " + given;
+  for (const std::string& given : options.trackers) text += ", tracker " + given;
+  return text;
+}
+
+void add_device(const DeviceConfig& device, std::vector<std::string>& lines) {
+  std::string text = "'" + device.name + "', " + device_kind_names[static_cast<std::size_t>(device.kind)];
+  if (device.rig) {
+    text += ", " + number_of(device.rig->tree.joints.size(), "joint") + ", " +
+            number_of(device.rig->encoders.size(), "encoder") + ", " +
+            number_of(device.rig->drives.size(), "drive");
+    if (!device.rig->buttons.empty()) text += ", " + number_of(device.rig->buttons.size(), "button");
+  }
+  if (!device.trackers.empty()) text += ", " + number_of(device.trackers.size(), "tracker");
+  lines.push_back(line("device", "%s", text.c_str()));
+  lines.push_back(line("shown at most", "%g N, %g N m; %g N/s, %g N m/s; ramp %g s", device.limits.force,
+                       device.limits.torque, device.limits.force_rate, device.limits.torque_rate,
+                       device.limits.ramp));
+}
+
+/// The table's rows without its head.
+void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& lines) {
+  const SceneConfig& scene = prepared.session->scene();
+  if (!scene.device || !scene.device->rig) return;
+  const std::vector<std::string> table = time_to_zero_lines(*scene.device->rig, prepared.profiles);
+  for (std::size_t i = 1; i < table.size(); ++i)
+    lines.push_back(
+        line(i == 1 ? "time to zero" : "", "%s", table[i].substr(table[i].find_first_not_of("# ")).c_str()));
+}
+
+void add_contacts(const SceneConfig& scene, const Composition& c, std::vector<std::string>& lines) {
+  if (c.contacts != ContactScope::none) {
+    const ContactCounts counts = contact_counts(scene);
+    lines.push_back(line("contacts", "%zu of %zu spheres, %zu of %zu surfaces, at most %zu at a time",
+                         counts.spheres, c.max_spheres, counts.surfaces, c.max_surfaces, c.max_contacts));
+  }
+  if (const std::optional<SpeedBound> bound = top_speed(scene))
+    lines.push_back(line("top speed", "%.3g m/s: up to it nothing passes anything, %s", bound->top(),
+                         bound->what.c_str()));
+}
+
+}  // namespace
+
+std::vector<std::string> check_lines(const RunOptions& options, const PreparedRun& prepared) {
+  const Session& session = *prepared.session;
+  const SceneConfig& scene = session.scene();
+  const Composition& composition = session.engine().composition();
+  std::vector<std::string> lines;
+  lines.push_back(line("scene", "%s: '%s', %s, %s", options.scene.c_str(), scene.name.c_str(),
+                       scene.bodies.size() == 1 ? "1 body" : number_of(scene.bodies.size(), "bodie").c_str(),
+                       number_of(scene.joints.size(), "joint").c_str()));
+  lines.push_back(line("composition", "'%s', %zu bytes", composition.name.c_str(), composition.bytes()));
+  lines.push_back(line("time", "%g s in steps of %g s, %s",
+                       static_cast<double>(prepared.plan.num_cycles) * scene.step, scene.step,
+                       scene.integrator.c_str()));
+  const char* const own_motion = scene.motion ? "of the scene" : "none: the hand rests";
+  lines.push_back(line("motion", "%s", options.motion.empty() ? own_motion : options.motion.c_str()));
+  if (scene.device) add_device(*scene.device, lines);
+  lines.push_back(line("buses", "%s", where_it_runs(options, prepared).c_str()));
+  for (const BusLoad& load : prepared.bus_loads)
+    lines.push_back(line("", "%s: load %.1f %% at worst, %.1f %% nominal", load.bus.c_str(),
+                         load.worst_percent, load.nominal_percent));
+  add_times_to_zero(prepared, lines);
+  add_contacts(scene, composition, lines);
+  return lines;
+}
+
+}  // namespace godobject

@@ -1,0 +1,17 @@
+// How far the bodies are from their targets before anything moves.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/session.h"
+
+namespace godobject {
+
+/// A body that begins far from the target that pulls it is flung there: a warning above 0.1 m or 0.5 rad, an error
+/// above 1 m or 3 rad, where millimetres or degrees are the usual reason. Nothing on real buses, whose device
+/// says only later where it is. `file`: what messages call the scene.
+void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,
+                 std::vector<std::string>& errors);
+
+}  // namespace godobject

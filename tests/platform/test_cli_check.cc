@@ -1,0 +1,131 @@
+// `check` says what `run` would: the same options, the same complaints, before anything moves.
+#include <gmock/gmock.h>
+
+#include "tests/support/program.h"
+
+namespace godobject::test::test_cli_check {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string rigid = "sim/scenes/rigid.toml";
+const std::string pose_columns = "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n";
+
+/// Replaces `what`, which must be there, in the shipped scene; each one.
+std::string rigid_with(const std::string& what, const std::string& by) {
+  std::string text = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
+  EXPECT_THAT(text, HasSubstr(what));
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+    text.replace(at, what.size(), by);
+  return text;
+}
+
+class CliCheck : public ProgramTest {
+ protected:
+  /// What both verbs say to these arguments.
+  static void expect_both(const std::string& arguments, int exit_code, const std::string& message) {
+    for (const std::string verb : {"check ", "run "}) {
+      const ProgramResult result = run_program(verb + arguments);
+      EXPECT_EQ(result.exit_code, exit_code) << verb << arguments << '\n' << result.output;
+      EXPECT_THAT(result.output, HasSubstr(message)) << verb << arguments;
+    }
+  }
+};
+
+TEST_F(CliCheck, TakesTheOptionsOfRunAndGivesItsVerdict) {
+  expect_both(rigid + " --step 2e-4 --duration 0.01", 2, "with --step 2e-04: bus can0: worst-case load ");
+  expect_both(rigid + " --bus can9=socketcan:a --bus can1=socketcan:b", 2, "has no bus 'can9'");
+  expect_both(rigid + " --bus direct --rearm auto", 2,
+              "--rearm: with --bus direct there is no device to arm");
+  expect_both(rigid + " --trace /no/such/folder/t.csv", 2, "--trace: '/no/such/folder/t.csv'");
+  expect_both(rigid + " --motion /no/such.csv", 2, "/no/such.csv: cannot be read");
+  expect_both("sim/scenes/tracked.toml --tracker nobody=/dev/ttyS0", 2, "the scene's trackers are");
+  const std::string motion = write("m.csv", pose_columns + "0,0.05,zero,0.03,1,0,0,0\n");
+  expect_both(rigid + " --motion " + motion, 2, motion + ":2:8: ");
+  expect_both("sim/scenes/s1.toml --integrator tr-bdf2 --bus direct --fast --duration 0.01", 0, "tr-bdf2");
+}
+
+TEST_F(CliCheck, OpensNothingAndWritesNothing) {
+  const std::string options = rigid +
+                              " --bus can0=slcan:/dev/not-there --bus can1=slcan:/dev/not-there-either"
+                              " --trace " +
+                              path("t.csv") + " --record " + path("r.log") + " --report " + path("r.json");
+  const ProgramResult result = run_program("check " + options);
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  for (const char* file : {"t.csv", "r.log", "r.json"}) EXPECT_FALSE(std::filesystem::exists(path(file)));
+  EXPECT_EQ(run_program("check sim/scenes/tracked.toml --tracker scene").exit_code, 0);
+}
+
+TEST_F(CliCheck, ResolvesProfilesOnSimulatedBusesToo) {
+  const auto scene_with = [&](const std::string& key) {
+    std::string text = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
+    const std::size_t drive = text.find("[[device.drive]]");
+    return text.insert(text.find("node_id", drive), "profile = \"" + key + "\"\n");
+  };
+  expect_both(write("misspelt.toml", scene_with("generic-42")) + " --duration 0.01", 2,
+              "drive of joint 'turret': profile \"generic-42\": neither in ");
+  expect_both(write("misspelt.toml", scene_with("generic-42")) + " --duration 0.01 --bus sim", 2,
+              "the nearest is \"generic-402\"");
+  expect_both(write("encoder.toml", scene_with("generic-406")) + " --duration 0.01", 2,
+              "device_profile is 406, but the drive of joint 'turret' is a node of CiA 402");
+}
+
+/// The binary alone, in another place, with nothing of its source around it.
+TEST_F(CliCheck, ACopiedProgramHasTheShippedProfiles) {
+  std::filesystem::copy_file(GODOBJECT_PROGRAM, path("godobject"));
+  const std::string binary = read_file(path("godobject"));
+  EXPECT_THAT(binary, HasSubstr("generic CiA 406 encoder; tried on the simulated encoder only"));
+  EXPECT_EQ(binary.find(std::string(GODOBJECT_SOURCE_DIR) + "/hal/profiles"), std::string::npos);
+}
+
+TEST_F(CliCheck, ABodyFarFromItsTargetAtTheStartIsAWarningAndThenAnError) {
+  const auto motion_at = [&](const std::string& name, const std::string& place) {
+    return " --bus direct --duration 0.01 --motion " +
+           write(name, pose_columns + "0," + place + "\n1," + place + "\n");
+  };
+  const std::string q = "0.946280831965686,0.154097076063857,0.190505913314892,0.210983826856366";
+  const auto both_say = [&](const std::string& motion, int exit_code, const std::string& message) {
+    expect_both(rigid + motion, exit_code, message);
+  };
+  both_say(motion_at("off.csv", "0.35,0.04,0.03," + q), 0,
+           "warning: " + rigid + ": body 'tool' begins 0.300 m and 0.000 rad from its target");
+  both_say(motion_at("turned.csv", "0.05,0.04,0.03,0,0,0,1"), 0,
+           "warning: " + rigid + ": body 'tool' begins 0.000 m");
+  both_say(motion_at("mm.csv", "50,40,30," + q), 2, "body 'tool' begins 70.6");
+  const std::string degrees = write("degrees.csv",
+                                    "t,turret,shoulder,elbow,wrist_yaw,wrist_pitch,wrist_roll\n"
+                                    "0,45,0,0,0,0,0\n1,45,0,0,0,0,0\n");
+  EXPECT_THAT(run_program("check " + rigid + " --bus direct --motion " + degrees).output,
+              HasSubstr("joint 'turret' begins at 45 rad, more than a turn: is the motion in radians?"));
+  const ProgramResult near = run_program("check " + rigid + motion_at("near.csv", "0.06,0.04,0.03," + q));
+  EXPECT_EQ(near.exit_code, 0);
+  EXPECT_THAT(near.output, Not(HasSubstr("begins")));
+}
+
+TEST_F(CliCheck, AMisspeltMotionColumnIsNamedWithTheRightOne) {
+  const std::string misspelt = write("m.csv",
+                                     "t,tool.x,tool_y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz,tool.engagd\n"
+                                     "0,0.05,0.04,0.03,1,0,0,0,1\n");
+  expect_both(rigid + " --motion " + misspelt, 2, "column 'tool.y' is missing: is 'tool_y' misspelt?");
+  expect_both(rigid + " --motion " + misspelt, 2,
+              "column 'tool.engagd' is not used; the nearest known column is 'tool.engaged'");
+  const std::string joints =
+      write("j.csv", "t,turret,sholder,elbow,wrist_yaw,wrist_pitch,wrist_roll\n0,0,0,0,0,0,0\n");
+  expect_both(rigid + " --motion " + joints, 2, "column 'shoulder' is missing: is 'sholder' misspelt?");
+}
+
+TEST_F(CliCheck, ABadNodeIdIsToldOnceAsItIsWritten) {
+  const std::string scene = write("id.toml", rigid_with("node_id = 2\n", "node_id = 200\n"));
+  const ProgramResult result = run_program("check " + scene);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("'node_id' is 200, out of range: admissible is 1 to 127"));
+  EXPECT_THAT(result.output, Not(HasSubstr("is taken")));
+  const std::string zero = write("zero.toml", rigid_with("node_id = 2\n", "node_id = 0\n"));
+  EXPECT_THAT(run_program("check " + zero).output, HasSubstr("'node_id' is 0, out of range"));
+  const std::string bus = write("bus.toml", rigid_with("bus = \"can1\"\n", "bus = \"cam1\"\n"));
+  EXPECT_THAT(run_program("check " + bus).output, Not(HasSubstr("is taken")));
+}
+
+}  // namespace
+}  // namespace godobject::test::test_cli_check
