@@ -1,7 +1,29 @@
 // godobject: the command line.
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <iostream>
+#include <memory>
 
+#include "platform/cli/option_text.h"
 #include "platform/cli/verbs.h"
+
+namespace {
+
+/// All that was printed has arrived; a full disk behind `> FILE` shows only when the rest is written out.
+bool standard_output_is_complete() {
+  std::cout.flush();
+  errno = 0;
+  const bool complete = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
+  if (!complete) {
+    const char* const why = errno == 0 ? "an earlier write failed" : std::strerror(errno);
+    std::fprintf(stderr, "standard output could not be written: %s\n", why);
+  }
+  return complete;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using godobject::ExitCode;
@@ -9,6 +31,7 @@ int main(int argc, char** argv) {
   CLI::App app("A tool in a simulated scene, pulled to a tracked device by a damped spring.", "godobject");
   app.set_version_flag("--version", GODOBJECT_VERSION);
   app.require_subcommand(0, 1);
+  app.formatter(std::make_shared<godobject::HelpFormat>());
   app.footer(
       "Exit codes: 0 ok, 1 fault during the run, 2 usage or configuration, 3 not available on this machine.");
   for (const godobject::AddVerb add : godobject::verbs) add(app, code);
@@ -21,5 +44,6 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     code = app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
   }
+  if (!standard_output_is_complete()) code = std::max(code, ExitCode::fault);
   return static_cast<int>(code);
 }

@@ -18,6 +18,10 @@ enum class ExitCode : int {
 /// Adds the verb to `app`; when it has run, its exit code is in `code`, which outlives `app`.
 using AddVerb = void (*)(CLI::App& app, ExitCode& code);
 
+struct RunOptions;
+/// The options of `run`, which `check` has too.
+void add_run_options(CLI::App& verb, RunOptions& options);
+
 void add_run(CLI::App& app, ExitCode& code);
 void add_check(CLI::App& app, ExitCode& code);
 void add_study(CLI::App& app, ExitCode& code);
@@ -29,9 +33,10 @@ void add_sdo(CLI::App& app, ExitCode& code);
 void add_lss(CLI::App& app, ExitCode& code);
 void add_drive(CLI::App& app, ExitCode& code);
 void add_encoder(CLI::App& app, ExitCode& code);
+void add_documents(CLI::App& app, ExitCode& code);
 
-inline constexpr std::array<AddVerb, 11> verbs{add_run,      add_check,   add_study,  add_simulate,
-                                               add_bus_load, add_monitor, add_faults, add_sdo,
-                                               add_lss,      add_drive,   add_encoder};
+inline constexpr std::array<AddVerb, 12> verbs{add_run,      add_check,   add_study,   add_simulate,
+                                               add_bus_load, add_monitor, add_faults,  add_sdo,
+                                               add_lss,      add_drive,   add_encoder, add_documents};
 
 }  // namespace godobject
