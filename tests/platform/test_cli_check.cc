@@ -58,10 +58,8 @@ TEST_F(CliCheck, OpensNothingAndWritesNothing) {
 }
 
 TEST_F(CliCheck, ResolvesProfilesOnSimulatedBusesToo) {
-  const auto scene_with = [&](const std::string& key) {
-    std::string text = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
-    const std::size_t drive = text.find("[[device.drive]]");
-    return text.insert(text.find("node_id", drive), "profile = \"" + key + "\"\n");
+  const auto scene_with = [&](const std::string& profile) {
+    return rigid_with("profile = \"generic-402\"", "profile = \"" + profile + "\"");
   };
   expect_both(write("misspelt.toml", scene_with("generic-42")) + " --duration 0.01", 2,
               "drive of joint 'turret': profile \"generic-42\": neither in ");
@@ -76,6 +74,8 @@ TEST_F(CliCheck, ACopiedProgramHasTheShippedProfiles) {
   std::filesystem::copy_file(GODOBJECT_PROGRAM, path("godobject"));
   const std::string binary = read_file(path("godobject"));
   EXPECT_THAT(binary, HasSubstr("generic CiA 406 encoder; tried on the simulated encoder only"));
+  const std::string check = "cd '" GODOBJECT_SOURCE_DIR "' && '" + path("godobject") + "' check --quiet " + rigid;
+  EXPECT_EQ(std::system((check + " 2> /dev/null").c_str()), 0);
   EXPECT_EQ(binary.find(std::string(GODOBJECT_SOURCE_DIR) + "/hal/profiles"), std::string::npos);
 }
 
