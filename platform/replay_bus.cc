@@ -15,9 +15,13 @@
 
 #include "hal/candump.h"
 #include "platform/clock.h"
+#include "sim/diagnostics.h"
 
 namespace godobject {
 namespace {
+
+constexpr std::size_t max_log_bytes = std::size_t{2} << 30;  // hours of a full bus
+constexpr std::size_t max_named_interfaces = 10;
 
 std::string_view line_at(std::string_view text, std::size_t position) noexcept {
   return text.substr(position, std::min(text.find('\n', position), text.size()) - position);
@@ -39,9 +43,14 @@ const char* text_of(CandumpResult result) {
 
 bool is_wrong(CandumpResult result) { return *text_of(result) != '\0'; }
 
+/// The names of a log's interfaces, or as many as a message has room for.
 std::string joined(const std::set<std::string, std::less<>>& names) {
   std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  std::size_t told = 0;
+  for (const std::string& name : names) {
+    if (told++ == max_named_interfaces) return text + ", ...";
+    text += (text.empty() ? "" : ", ") + printable(name);
+  }
   return text;
 }
 
@@ -62,11 +71,9 @@ bool ReplayBus::fail(std::string why) {
 
 bool ReplayBus::open() noexcept {
   close();
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path_, ignored)) return fail("is a directory, not a log");
-  std::ifstream file(path_, std::ios::binary);
-  if (!file) return fail("cannot be read: " + std::generic_category().message(errno));
-  log_.assign(std::istreambuf_iterator<char>(file), {});
+  FileText file = read_file(path_, max_log_bytes);
+  if (!file.text) return fail(file.why_not);
+  log_ = *std::move(file.text);
   if (log_.empty()) return fail("is empty");
   if (!check_log()) return false;
   timer_fd_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 
 namespace godobject {
@@ -105,21 +103,22 @@ void TrackerThread::hand_over() {
 ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::filesystem::path& folder,
                                       std::vector<std::string>& errors) {
   constexpr std::string_view magic("NDI\0", 4);
+  constexpr std::size_t max_definition_bytes = 1 << 20;  // they have some hundred bytes
   ToolDefinitions definitions(params.tools.size());
   for (std::size_t i = 0; i < params.tools.size(); ++i) {
     const std::string& tool = params.tools[i].tool;
     if (!needs_definition(params.protocol, tool)) continue;
-    const std::filesystem::path path = folder / tool;
-    std::ifstream in(path, std::ios::binary);
-    definitions[i].assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-    const std::string where = "tracker '" + params.name + "': tool '" + tool + "': ";
-    if (!in.is_open()) {
-      errors.push_back(
-          where + path.string() +
-          " cannot be read: give the two digits of a port handle (\"0A\"), or a tool definition file");
-    } else if (definitions[i].size() < magic.size() ||
-               !std::equal(magic.begin(), magic.end(), definitions[i].begin())) {
-      errors.push_back(where + path.string() + " is not a tool definition file (.rom): those begin with NDI");
+    const std::string where = "tracker '" + params.name + "': tool " + excerpt(tool) + " ";
+    const FilePath path = path_below(folder.string(), tool);
+    FileText file;
+    if (!path.path.empty()) file = read_file(path.path, max_definition_bytes);
+    if (!file.text) {
+      errors.push_back(where + (path.path.empty() ? path.why_not : file.why_not) +
+                       "; give the two digits of a port handle (\"0A\"), or a tool definition file");
+    } else if (!file.text->starts_with(magic)) {
+      errors.push_back(where + "is not a tool definition file (.rom): those begin with NDI");
+    } else {
+      definitions[i].assign(file.text->begin(), file.text->end());
     }
   }
   return definitions;

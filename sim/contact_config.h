@@ -47,7 +47,7 @@ struct HeightGrid {
 struct ObstacleConfig {
   std::string name;
   ShapeConfig shape;
-  std::string file;               // mesh, height field, many spheres; absolute path, empty without
+  std::string file;               // mesh, height field, many spheres; its name there, empty without
   std::optional<double> scale;    // of a mesh file, m per unit
   std::optional<double> spacing;  // of a height field's grid, m
   // What is in the file.

@@ -90,11 +90,12 @@ template <class V>
 void visit_obstacle_file(V& v, ObstacleConfig& o) {
   const ShapeKind kind = o.shape.kind;
   const bool mesh = kind == ShapeKind::mesh, heights = kind == ShapeKind::height_field;
-  v.path(Key{"file", "",
-             "of a mesh: closed, STL, OBJ or PLY; of a height field: rows of heights (m) between commas; of "
-             "a sphere: "
-             "centres of many in its axes, CSV with columns x, y, z (m). Relative to the scene file"},
-         o.file);
+  const std::string path = v.path(
+      Key{"file", "",
+          "of a mesh: closed, STL, OBJ or PLY; of a height field: rows of heights (m) between commas; of "
+          "a sphere: "
+          "centres of many in its axes, CSV with columns x, y, z (m). In the scene file's folder, or below"},
+      o.file);
   v.check(!(mesh || heights) || !o.file.empty(), "file",
           "is missing: a mesh or height field is read from one");
   v.value(Key{"scale", "m", "of a mesh: length of one unit of its file; 1 without", positive}, o.scale);
@@ -102,8 +103,8 @@ void visit_obstacle_file(V& v, ObstacleConfig& o) {
   visit_dimension(v, heights,
                   Key{"spacing", "m", "of a height field: between neighbours of its grid", positive},
                   o.spacing);
-  if (!v.has("file") || o.file.empty()) return;
-  const std::string why_not = load_file(o);
+  if (path.empty()) return;
+  const std::string why_not = load_file(path, o);
   v.check(why_not.empty(), "file", why_not);
 }
 
@@ -186,6 +187,7 @@ void visit_contacts(V& v, SceneConfig& s) {
   v.check(used.size() <= max_materials, "",
           "the scene has " + std::to_string(used.size()) + " materials; at most " +
               std::to_string(max_materials) + " are possible");
+  if (used.size() > max_materials) return;
   for (const MaterialPair& pair : pairs_that_meet(s))
     v.check(contact_of(s, pair.a.material, pair.b.material) != nullptr, "",
             "materials '" + pair.a.material + "' (" + pair.a.where + ") and '" + pair.b.material + "' (" +

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <utility>
 
 namespace godobject {
@@ -18,18 +19,22 @@ MaterialUse use_of(const ShapeConfig& shape, const BodyConfig& body) {
   return {shape.material, "shape of body '" + body.name + "'"};
 }
 
-std::vector<MaterialUse> sphere_uses(const BodyConfig& body) {
+/// The first use of each material.
+template <class Part>
+std::vector<MaterialUse> uses_of(const std::vector<Part>& parts, const BodyConfig& body) {
+  std::set<std::string_view> known;
   std::vector<MaterialUse> uses;
-  for (const SphereConfig& sphere : body.spheres) uses.push_back(use_of(sphere, body));
+  for (const Part& part : parts)
+    if (known.insert(part.material).second) uses.push_back(use_of(part, body));
   return uses;
 }
+
+std::vector<MaterialUse> sphere_uses(const BodyConfig& body) { return uses_of(body.spheres, body); }
 
 /// Where spheres of others touch the body.
 std::vector<MaterialUse> surface_uses(const BodyConfig& body) {
   if (body.shapes.empty()) return sphere_uses(body);
-  std::vector<MaterialUse> uses;
-  for (const ShapeConfig& shape : body.shapes) uses.push_back(use_of(shape, body));
-  return uses;
+  return uses_of(body.shapes, body);
 }
 
 std::vector<MaterialUse> obstacle_uses(const SceneConfig& scene) {
@@ -81,11 +86,11 @@ ContactScope contact_scope(const SceneConfig& scene) {
 }
 
 std::vector<MaterialUse> materials_of(const SceneConfig& scene) {
+  std::set<std::string> known;
   std::vector<MaterialUse> materials;
   const auto add = [&](const std::vector<MaterialUse>& uses) {
     for (const MaterialUse& use : uses)
-      if (std::ranges::find(materials, use.material, &MaterialUse::material) == materials.end())
-        materials.push_back(use);
+      if (known.insert(use.material).second) materials.push_back(use);
   };
   for (const BodyConfig& body : scene.bodies) {
     add(sphere_uses(body));
@@ -98,12 +103,14 @@ std::vector<MaterialUse> materials_of(const SceneConfig& scene) {
 std::vector<MaterialPair> pairs_that_meet(const SceneConfig& scene) {
   const std::vector<std::size_t> tool = tools_of(scene);
   const std::vector<MaterialUse> obstacles = obstacle_uses(scene);
+  std::vector<std::vector<MaterialUse>> surfaces;
+  for (const BodyConfig& body : scene.bodies) surfaces.push_back(surface_uses(body));
   PairList pairs;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const std::vector<MaterialUse> spheres = sphere_uses(scene.bodies[i]);
     pairs.add(spheres, obstacles);
     for (std::size_t j = 0; j < scene.bodies.size(); ++j)
-      if (tool[i] != tool[j]) pairs.add(spheres, surface_uses(scene.bodies[j]));
+      if (tool[i] != tool[j]) pairs.add(spheres, surfaces[j]);
   }
   return pairs.take();
 }

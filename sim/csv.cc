@@ -7,6 +7,7 @@
 namespace godobject {
 
 inline constexpr std::size_t max_reported_rows = 20;
+inline constexpr std::size_t max_columns = 1000;
 inline constexpr std::string_view utf8_byte_order_mark = "\xEF\xBB\xBF";
 
 std::optional<std::size_t> CsvTable::find(std::string_view column) const {
@@ -43,8 +44,8 @@ class CsvParser {
     }
     std::size_t num_cells = 0;
     for_each_cell(line, [&](std::string_view cell, std::uint32_t column) {
-      const bool is_word = num_cells < table_.columns_.size() && table_.columns_[num_cells] == word_column_;
-      ++num_cells;
+      if (num_cells++ >= table_.columns_.size()) return;  // counted, and refused below
+      const bool is_word = table_.columns_[num_cells - 1] == word_column_;
       is_word ? add_word(cell, column) : add_value(cell, column);
     });
     if (num_cells != table_.columns_.size()) {
@@ -70,8 +71,11 @@ class CsvParser {
   }
 
   void add_column(std::string_view name, std::uint32_t column) {
+    if (table_.columns_.size() == max_columns)
+      error(column, "more than " + std::to_string(max_columns) + " columns");
+    if (table_.columns_.size() >= max_columns) return;
     if (name.empty()) error(column, "a column has no name");
-    if (table_.find(name)) error(column, "column '" + std::string(name) + "' is there twice");
+    if (table_.find(name)) error(column, "column " + excerpt(name) + " is there twice");
     table_.columns_.emplace_back(name);
   }
 
@@ -79,7 +83,7 @@ class CsvParser {
     double x = 0;
     const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
     if (status != std::errc{} || end != cell.data() + cell.size()) {
-      error(column, "'" + std::string(cell) + "' is not a number");
+      error(column, excerpt(cell) + " is not a number");
     }
     table_.values_.push_back(x);
     table_.places_.push_back({line_, column});
@@ -107,10 +111,10 @@ CsvResult parse_csv(std::string_view text, const std::string& file, std::string_
   return CsvParser(file, word_column).parse(text);
 }
 
-CsvResult read_csv(const std::string& path, std::string_view word_column) {
-  const std::optional<std::string> text = read_text(path);
-  if (!text) return {std::nullopt, {path + ": cannot be read: is the path right?"}};
-  return parse_csv(*text, path, word_column);
+CsvResult read_csv(const std::string& path, std::string_view word_column, std::size_t max_bytes) {
+  const FileText file = read_file(path, max_bytes);
+  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}};
+  return parse_csv(*file.text, path, word_column);
 }
 
 }  // namespace godobject

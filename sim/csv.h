@@ -37,7 +37,8 @@ struct CsvResult {
 };
 
 /// word_column: the one column, if the table has it, that holds words instead of numbers.
-CsvResult read_csv(const std::string& path, std::string_view word_column = {});
+CsvResult read_csv(const std::string& path, std::string_view word_column = {},
+                   std::size_t max_bytes = max_csv_bytes);
 /// As read_csv for a text; file is what messages call it.
 CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column = {});
 

@@ -8,16 +8,12 @@ namespace godobject {
 
 FaultsResult parse_faults(std::string_view toml, const std::string& file, const SceneConfig& scene) {
   Diagnostics log(file);
-  const toml::parse_result parsed = toml::parse(toml, file);
-  if (parsed.failed()) {
-    const toml::source_position at = parsed.error().source().begin;
-    log.error({at.line, at.column}, "not TOML: " + std::string(parsed.error().description()));
-    return {.faults = {}, .errors = log.errors()};
-  }
+  const std::optional<toml::table> parsed = parse_toml(toml, log);
+  if (!parsed) return {.faults = {}, .errors = log.errors()};
   const DeviceConfig* const device = scene.device ? &*scene.device : nullptr;
   FaultsResult result;
-  TomlReader reader(parsed.table(), "", "the file", log);
-  reader.tables(TableKey{"fault", "A fault that the simulated rig plays.", true}, result.faults,
+  TomlReader reader(*parsed, "", "the file", log);
+  reader.tables(TableKey{"fault", "A fault that the simulated rig plays.", true, 10'000}, result.faults,
                 [&](auto& t, FaultConfig& f) { visit_fault(t, device, f); });
   reader.finish();
   result.errors = log.errors();
@@ -25,9 +21,9 @@ FaultsResult parse_faults(std::string_view toml, const std::string& file, const 
 }
 
 FaultsResult load_faults(const std::string& path, const SceneConfig& scene) {
-  const std::optional<std::string> text = read_text(path);
-  if (!text) return {.faults = {}, .errors = {path + ": cannot be read: is the path right?"}};
-  return parse_faults(*text, path, scene);
+  const FileText text = read_file(path, max_toml_bytes);
+  if (!text.text) return {.faults = {}, .errors = {printable(path) + ": " + text.why_not}};
+  return parse_faults(*text.text, path, scene);
 }
 
 }  // namespace godobject

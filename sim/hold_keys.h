@@ -42,7 +42,8 @@ template <class V>
 void visit_holds(V& v, const SceneConfig& scene, std::vector<HoldConfig>& holds) {
   const bool has_radius = scene.device && scene.device->grab_radius;
   double before = -1;
-  v.tables(TableKey{"hold", "From its time on the device holds that body, at the place where it then is."},
+  v.tables(TableKey{"hold", "From its time on the device holds that body, at the place where it then is.",
+                    false, 10'000},
            holds, [&](auto& t, HoldConfig& hold) {
              t.value(Key{"time", "s", "later than that of the table before", not_negative, true}, hold.time);
              t.check(hold.time > before, "time", "must be later than that of the table before");

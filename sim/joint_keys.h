@@ -169,7 +169,8 @@ void visit_tool_joints(V& v, SceneConfig& s) {
       TableKey{
           "joint",
           "A joint between two bodies, or a body and the world. Each has a frame on both; they coincide at "
-          "coordinate zero."},
+          "coordinate zero.",
+          false, max_tables_of_bodies},
       s.joints, [&](auto& t, JointConfig& j) {
         visit_tool_joint(t, bodies, j);
         t.check(names.insert(j.name).second, "name", "is the name of an earlier joint");

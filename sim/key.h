@@ -2,6 +2,7 @@
 // of the format are three visitors of the one list of keys in sim/scene_keys.h.
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -35,6 +36,7 @@ struct TableKey {
   std::string_view name;
   std::string_view meaning;
   bool required = false;
+  std::size_t max = 1000;  // of an array of tables: so many; rules between them may take time quadratic in it
 };
 
 /// ">= 0", "> 0", "0 to 1"; empty for any number.

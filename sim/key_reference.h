@@ -38,7 +38,10 @@ class KeyReference {
   void value(const Key& key, T x) {
     row(key, "integer", std::to_string(x));
   }
-  void path(const Key& key, const std::string&) { row(key, "string: path of a file", "none"); }
+  std::string path(const Key& key, const std::string&) {
+    row(key, "string: path of a file", "none");
+    return "";
+  }
   void shorthand(const Key& key, double) { row(key, "number", "none"); }
   void shorthand(const Key& key, const std::string&) { row(key, "string", "none"); }
   void shorthand(const Key& key, const Vec3& x) { value(key, x); }

@@ -1,11 +1,14 @@
 #include "sim/mesh_solid.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace godobject {
 namespace {
 
 constexpr std::size_t max_cells = std::size_t{1} << 22;  // 16 MB
+// Cells of all triangles' boxes: some tenths of a second, and what a triangle takes as long as the grid's cells.
+constexpr double max_entries = 1 << 24, max_entries_per_triangle = 64;
 
 /// The grid's cells are about as large as the triangles: few triangles in a cell, few cells in a query.
 double mean_edge(const MeshData& data) {
@@ -13,6 +16,31 @@ double mean_edge(const MeshData& data) {
   for (const TriangleIndices& t : data.triangles)
     for (std::size_t k = 0; k < 3; ++k) sum += (data.vertices[t[(k + 1) % 3]] - data.vertices[t[k]]).norm();
   return sum / (3 * static_cast<double>(data.triangles.size()));
+}
+
+/// Cells of a grid of that spacing in a box of these edges, and those it cuts.
+double cells_in(const Vec3& edges, double spacing) { return (edges.array() / spacing + 1).prod(); }
+
+/// The least spacing from that one on with which the grid and the time to fill it stay bounded: a few large triangles
+/// among many small ones would be in millions of cells each.
+double bounded_spacing(const MeshData& data, double spacing) {
+  Vec3 low = data.vertices.front(), high = low;
+  for (const Vec3& p : data.vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  while (cells_in(high - low, spacing) > 2.0 * max_cells) spacing *= 2;
+  const auto entries = [&] {
+    double sum = 0;
+    for (const TriangleIndices& t : data.triangles) {
+      const Vec3 &a = data.vertices[t[0]], &b = data.vertices[t[1]], &c = data.vertices[t[2]];
+      sum += cells_in(a.cwiseMax(b).cwiseMax(c) - a.cwiseMin(b).cwiseMin(c), spacing);
+    }
+    return sum;
+  };
+  const double most = max_entries + max_entries_per_triangle * static_cast<double>(data.triangles.size());
+  while (entries() > most) spacing *= 2;
+  return spacing;
 }
 
 std::string place(const MeshData& data, std::size_t triangle) {
@@ -75,7 +103,9 @@ MeshReport MeshSolid::set_up(double grid_spacing) {
 
 std::unique_ptr<MeshSolid> MeshSolid::make(const MeshData& data, std::string& why_not) {
   std::unique_ptr<MeshSolid> solid(new MeshSolid(data));
-  const MeshReport report = solid->set_up(mean_edge(data));
+  const double spacing = mean_edge(data);
+  const bool is_usable = std::isfinite(spacing) && spacing > 0;  // else the core says what is wrong
+  const MeshReport report = solid->set_up(is_usable ? bounded_spacing(data, spacing) : spacing);
   if (report.invalid == MeshInvalid::nothing) return solid;
   why_not = complaint(report, data);
   return nullptr;

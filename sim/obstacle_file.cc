@@ -11,9 +11,7 @@
 namespace godobject {
 namespace {
 
-std::string cannot_read(const std::string& path) {
-  return "cannot be read: is " + path + " the right path? Paths are relative to the scene file";
-}
+constexpr std::size_t max_table_bytes = std::size_t{64} << 20;  // of heights or centres
 
 /// One line of numbers, appended; how many, or nothing where one is none.
 std::optional<std::uint32_t> read_row(std::string_view line, std::vector<Real>& numbers) {
@@ -33,8 +31,8 @@ std::optional<std::uint32_t> read_row(std::string_view line, std::vector<Real>& 
   }
 }
 
-std::string load_mesh(ObstacleConfig& obstacle) {
-  const std::string why_not = read_mesh(obstacle.file, obstacle.scale.value_or(1), obstacle.mesh);
+std::string load_mesh(const std::string& path, ObstacleConfig& obstacle) {
+  const std::string why_not = read_mesh(path, obstacle.scale.value_or(1), obstacle.mesh);
   if (!why_not.empty()) return why_not;
   std::string complaint;
   if (MeshSolid::make(obstacle.mesh, complaint)) return "";
@@ -44,10 +42,10 @@ std::string load_mesh(ObstacleConfig& obstacle) {
 }  // namespace
 
 std::string read_heights(const std::string& path, HeightGrid& grid) {
-  const std::optional<std::string> text = read_text(path);
-  if (!text) return cannot_read(path);
+  const FileText file = read_file(path, max_table_bytes);
+  if (!file.text) return path + ": " + file.why_not;
   grid = {};
-  std::string_view rest = *text;
+  std::string_view rest = *file.text;
   for (std::uint32_t line = 1; !rest.empty(); ++line) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     const std::string_view row = rest.substr(0, end);
@@ -67,7 +65,7 @@ std::string read_heights(const std::string& path, HeightGrid& grid) {
 }
 
 std::string read_centres(const std::string& path, std::vector<Vec3>& centres) {
-  const CsvResult read = read_csv(path);
+  const CsvResult read = read_csv(path, {}, max_table_bytes);
   if (!read.table) return read.errors.front();
   std::array<std::size_t, 3> columns{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -83,11 +81,11 @@ std::string read_centres(const std::string& path, std::vector<Vec3>& centres) {
   return centres.empty() ? path + ": has no rows: there is no sphere" : "";
 }
 
-std::string load_file(ObstacleConfig& obstacle) {
+std::string load_file(const std::string& path, ObstacleConfig& obstacle) {
   switch (obstacle.shape.kind) {
-    case ShapeKind::mesh: return load_mesh(obstacle);
-    case ShapeKind::height_field: return read_heights(obstacle.file, obstacle.heights);
-    case ShapeKind::sphere: return read_centres(obstacle.file, obstacle.centres);
+    case ShapeKind::mesh: return load_mesh(path, obstacle);
+    case ShapeKind::height_field: return read_heights(path, obstacle.heights);
+    case ShapeKind::sphere: return read_centres(path, obstacle.centres);
     default: return "has no meaning for an obstacle of this kind";
   }
 }

@@ -7,8 +7,8 @@
 
 namespace godobject {
 
-/// Reads obstacle.file as what obstacle.shape.kind takes from one. Empty, or why not and what to do.
-std::string load_file(ObstacleConfig& obstacle);
+/// Reads the file as what obstacle.shape.kind takes from one. Empty, or why not and what to do.
+std::string load_file(const std::string& path, ObstacleConfig& obstacle);
 
 /// Rows of comma-separated heights, m, without a header; the first row is at y = 0.
 std::string read_heights(const std::string& path, HeightGrid& grid);

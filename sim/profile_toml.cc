@@ -22,16 +22,14 @@ bool is_path(const std::string& name) {
 
 /// The file a name or path means; empty where there is none.
 fs::path find_profile(const std::string& name, const fs::path& scene_folder) {
-  std::vector<fs::path> places;
-  if (is_path(name)) places = {scene_folder / name};
-  else places = {scene_folder / (name + extension), fs::path(GODOBJECT_PROFILE_FOLDER) / (name + extension)};
-  for (const fs::path& place : places)
-    if (fs::is_regular_file(place)) return place;
-  return {};
+  const std::string file = is_path(name) ? name : name + extension;
+  FilePath found = path_below(scene_folder.string(), file);
+  if (found.path.empty() && !is_path(name)) found = path_below(GODOBJECT_PROFILE_FOLDER, file);
+  return found.path;
 }
 
 std::string not_found(const std::string& name, const std::string& scene_folder) {
-  if (is_path(name)) return "profile \"" + name + "\": no such file, seen from '" + scene_folder + "'";
+  if (is_path(name)) return "profile \"" + name + "\" " + path_below(scene_folder, name).why_not;
   const std::vector<std::string> shipped = shipped_profiles();
   std::string known;
   for (const std::string& other : shipped) known += (known.empty() ? "" : ", ") + other;
@@ -43,14 +41,10 @@ std::string not_found(const std::string& name, const std::string& scene_folder) 
 
 ProfileResult parse_profile(std::string_view toml, const std::string& file) {
   Diagnostics log(file);
-  const toml::parse_result parsed = toml::parse(toml, file);
-  if (parsed.failed()) {
-    const toml::source_position at = parsed.error().source().begin;
-    log.error({at.line, at.column}, "not TOML: " + std::string(parsed.error().description()));
-    return {std::nullopt, log.errors()};
-  }
+  const std::optional<toml::table> parsed = parse_toml(toml, log);
+  if (!parsed) return {std::nullopt, log.errors()};
   NodeProfile profile{.file = file};
-  TomlReader reader(parsed.table(), "", "the file", log);
+  TomlReader reader(*parsed, "", "the file", log);
   read_profile(reader, profile);
   reader.finish();
   if (!log.ok()) return {std::nullopt, log.errors()};
@@ -66,9 +60,9 @@ std::string profile_reference_markdown() {
 }
 
 ProfileResult load_profile(const std::string& path) {
-  const std::optional<std::string> text = read_text(path);
-  if (!text) return {std::nullopt, {path + ": cannot be read: is the path right?"}};
-  return parse_profile(*text, path);
+  const FileText file = read_file(path, max_toml_bytes);
+  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}};
+  return parse_profile(*file.text, path);
 }
 
 RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder) {

@@ -257,7 +257,7 @@ template <class V>
 void visit_scene(V& v, SceneConfig& s) {
   plain_table(v, TableKey{"scene", "The scene as a whole.", true}, [&](auto& t) { visit_header(t, s); });
   std::set<std::string> names;
-  v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true}, s.bodies,
+  v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true, max_tables_of_bodies}, s.bodies,
            [&](auto& t, BodyConfig& b) {
              visit_body(t, s.bodies, b);
              t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
@@ -286,7 +286,8 @@ void visit_scene(V& v, SceneConfig& s) {
               [&](auto& t) { visit_wire(t, s.wire); });
   v.tables(
       TableKey{"fault",
-               "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md."},
+               "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md.",
+               false, 10'000},
       s.faults, [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, f); });
   check_scene(v, s);
 }

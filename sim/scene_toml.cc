@@ -9,14 +9,10 @@ namespace godobject {
 
 LoadResult parse_scene(std::string_view toml, const std::string& file) {
   Diagnostics log(file);
-  const toml::parse_result parsed = toml::parse(toml, file);
-  if (parsed.failed()) {
-    const toml::source_position at = parsed.error().source().begin;
-    log.error({at.line, at.column}, "not TOML: " + std::string(parsed.error().description()));
-    return {std::nullopt, log.errors(), {}};
-  }
+  const std::optional<toml::table> parsed = parse_toml(toml, log);
+  if (!parsed) return {std::nullopt, log.errors(), {}};
   SceneConfig scene;
-  TomlReader reader(parsed.table(), "", "the file", log);
+  TomlReader reader(*parsed, "", "the file", log);
   visit_scene(reader, scene);
   reader.finish();
   if (!log.ok()) return {std::nullopt, log.errors(), log.warnings()};
@@ -24,9 +20,9 @@ LoadResult parse_scene(std::string_view toml, const std::string& file) {
 }
 
 LoadResult load_scene(const std::string& path) {
-  const std::optional<std::string> text = read_text(path);
-  if (!text) return {std::nullopt, {path + ": cannot be read: is the path right?"}, {}};
-  return parse_scene(*text, path);
+  const FileText file = read_file(path, max_toml_bytes);
+  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}, {}};
+  return parse_scene(*file.text, path);
 }
 
 std::string effective_config_toml(const SceneConfig& scene) {

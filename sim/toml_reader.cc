@@ -15,6 +15,9 @@ namespace {
 constexpr double unit_tolerance = 1e-6;     // of a written-out quaternion or axis
 constexpr double rounding = 1e-15;          // already unit: stays bit for bit
 constexpr double inertia_tolerance = 1e-9;  // relative, symmetry and triangle inequality
+constexpr std::size_t max_strings = 1000;   // of an array
+constexpr std::size_t max_word = 100;       // bytes: no key or name is longer, and none is near to one
+constexpr std::size_t max_dots = 1000;      // without a comma, '=' or line end: how deep a.b.c nests
 
 TextPosition place(const toml::source_region& source) {
   return {std::max(source.begin.line, 1u), std::max(source.begin.column, 1u)};
@@ -55,6 +58,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
+/// Line on which tables nest deeper than a parser may follow them; 0: none.
+std::uint32_t too_deep_line(std::string_view toml) {
+  std::uint32_t line = 1;
+  std::size_t dots = 0;
+  for (const char c : toml) {
+    if (c == '.' && ++dots > max_dots) return line;
+    if (c == '\n' || c == '=' || c == ',') dots = 0;
+    line += c == '\n';
+  }
+  return 0;
+}
+
 bool is_symmetric(const Mat3& I) {
   return (I - I.transpose()).cwiseAbs().maxCoeff() <= inertia_tolerance * I.cwiseAbs().maxCoeff();
 }
@@ -69,9 +84,23 @@ std::string listed(const Vec3& moments) {
 }  // namespace
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
+  if (word.size() > max_word) return "";  // the time for it is quadratic
   const auto distance = [&](const std::string& candidate) { return edit_distance(word, candidate); };
   const auto best = std::ranges::min_element(candidates, {}, distance);
   return best == candidates.end() ? "" : *best;
+}
+
+std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log) {
+  if (const std::uint32_t line = too_deep_line(text)) {
+    log.error({line, 1},
+              "more than " + std::to_string(max_dots) + " dots in a row of names: no table is so deep");
+    return std::nullopt;
+  }
+  toml::parse_result parsed = toml::parse(text, log.file());
+  if (parsed.succeeded()) return std::move(parsed).table();
+  const toml::source_position at = parsed.error().source().begin;
+  log.error({at.line, at.column}, "not TOML: " + std::string(parsed.error().description()));
+  return std::nullopt;
 }
 
 TomlReader::TomlReader(const toml::table& table, std::string path, std::string title, Diagnostics& log)
@@ -184,12 +213,12 @@ void TomlReader::value(const Key& key, std::optional<Vec3>& x) {
   value(key, *x);
 }
 
-void TomlReader::path(const Key& key, std::string& x) {
-  std::string read;
-  value(key, read);
-  if (read.empty()) return;
-  const std::filesystem::path scene_file(log_.file());
-  x = std::filesystem::absolute(scene_file.parent_path() / read).lexically_normal().string();
+std::string TomlReader::path(const Key& key, std::string& x) {
+  value(key, x);
+  if (x.empty()) return "";
+  FilePath found = path_below(std::filesystem::path(log_.file()).parent_path().string(), x);
+  check(found.why_not.empty(), key.name, found.why_not);
+  return std::move(found.path);
 }
 
 void TomlReader::value(const Key& key, std::vector<std::string>& x) {
@@ -198,6 +227,11 @@ void TomlReader::value(const Key& key, std::vector<std::string>& x) {
   const toml::array* array = node->as_array();
   if (!array || !std::ranges::all_of(*array, [](const toml::node& n) { return n.is_string(); })) {
     error(*node, said(key.name, "must be an array of strings"));
+    return;
+  }
+  if (array->size() > max_strings) {
+    error(*node, said(key.name, "has " + std::to_string(array->size()) + " strings; at most " +
+                                    std::to_string(max_strings) + " are possible"));
     return;
   }
   x.clear();
@@ -304,8 +338,10 @@ void TomlReader::one_of(const Key& key, const std::vector<std::string>& names, s
   if (!node.is_string()) return;
   const auto found = std::ranges::find(names, text);
   if (found == names.end()) {
-    const std::string guess = names.empty() ? "" : "; the nearest is \"" + nearest(text, names) + "\"";
-    error(node, said(key.name, "is \"" + text + "\"; admissible is " + quoted_list(names) + guess));
+    const std::string near = nearest(text, names);
+    const std::string guess = near.empty() ? "" : "; the nearest is \"" + near + "\"";
+    error(node,
+          said(key.name, "is \"" + shortened(text) + "\"; admissible is " + quoted_list(names) + guess));
     return;
   }
   index = static_cast<std::size_t>(found - names.begin());
@@ -332,6 +368,11 @@ std::vector<const toml::table*> TomlReader::subtables(const TableKey& key) {
     error(*node, said(key.name, "must be an array of tables: write each as [[" + path_of(key) + "]]"));
     return tables;
   }
+  if (array->size() > key.max) {
+    error(*node, "there are " + std::to_string(array->size()) + " tables [[" + path_of(key) + "]]; at most " +
+                     std::to_string(key.max) + " are possible");
+    return tables;
+  }
   for (const toml::node& element : *array) tables.push_back(element.as_table());
   return tables;
 }
@@ -348,8 +389,8 @@ void TomlReader::finish() {
   for (const auto& [key, node] : table_) {
     const std::string_view name = key.str();
     if (std::ranges::find(known_, name) != known_.end()) continue;
-    const std::string guess = nearest(name, known_);
-    log_.error(place(key.source()), "unknown key '" + std::string(name) + "' in " + title_ +
+    const std::string guess = log_.full() ? "" : nearest(name, known_);  // which takes its time
+    log_.error(place(key.source()), "unknown key " + excerpt(name) + " in " + title_ +
                                         (guess.empty() ? "" : "; the nearest known key is '" + guess + "'"));
   }
 }

@@ -15,6 +15,9 @@
 
 namespace godobject {
 
+/// The tables of a text; nothing, and an error in the log, where it is not TOML.
+std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log);
+
 class TomlReader {
  public:
   /// title: how messages call the table, e.g. "[body.coupling]". The table and log outlive the reader.
@@ -31,8 +34,9 @@ class TomlReader {
   void value(const Key& key, T& x) {
     if (const std::optional<std::int64_t> n = integer(key)) x = static_cast<T>(*n);
   }
-  /// Of a file: relative to the scene file's directory; absolute from here on.
-  void path(const Key& key, std::string& x);
+  /// x: name of a file in the folder of the file that is read, or below. Returns where it is; empty where it may not
+  /// be read.
+  std::string path(const Key& key, std::string& x);
   void shorthand(const Key& key, double& x) { value(key, x); }
   void shorthand(const Key& key, std::string& x) { value(key, x); }
   void shorthand(const Key& key, Vec3& x) { value(key, x); }
@@ -100,7 +104,8 @@ class TomlReader {
   std::vector<std::string> known_;
 };
 
-/// The candidate with the least edit distance (insert, delete, replace, swap neighbours); empty for none.
+/// The candidate with the least edit distance (insert, delete, replace, swap neighbours); empty for none, or where
+/// the word is too long to be one.
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace godobject

@@ -30,8 +30,9 @@ class TomlWriter {
   void value(const Key& key, T x) {
     line(key, std::to_string(x));
   }
-  void path(const Key& key, const std::string& x) {
+  std::string path(const Key& key, const std::string& x) {
     if (!x.empty()) value(key, x);
+    return "";
   }
   template <class T>
   void shorthand(const Key&, const T&) {}

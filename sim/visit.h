@@ -3,7 +3,7 @@
 // sim/toml_reader.h fills a SceneConfig from a file, sim/toml_writer.h prints one, sim/key_reference.h
 // writes the reference of the format. V offers
 //   value, unit_vector, attitude, inertia, one_of   a key and its member
-//   path         a file: relative to the scene file in it, absolute in the member; empty without
+//   path         a file in the folder of the file that is read, or below; says where it is
 //   either       two spellings of one number: value, or other * unit_of_other; else the fallback
 //   shorthand    a value that only sets other members' defaults, never written back
 //   table, tables, has, check, advise               structure, and rules beyond a single range
@@ -49,6 +49,10 @@ void choose(V& v, const Key& key, const std::array<const char*, N>& names, Enum&
   v.one_of(key, {names.begin(), names.end()}, index);
   value = static_cast<Enum>(index);
 }
+
+/// [[body]] and [[joint]] tables: four times what the largest composition holds. Rules between them take time cubic in
+/// their number.
+inline constexpr std::size_t max_tables_of_bodies = 256;
 
 /// Names become columns of CSV files and words of messages, so they stay plain.
 inline bool is_plain_name(const std::string& name) {

@@ -50,7 +50,8 @@ std::string contact(const std::string& a, const std::string& b, const std::strin
 
 const std::string brick_on_board = scene_and_brick + board + contact("wood", "plastic", "friction = 0.3\n");
 
-LoadResult parse(const std::string& text) { return parse_scene(text, "a.toml"); }
+/// As if it stood in the directory of tests: files that it names are there.
+LoadResult parse(const std::string& text) { return parse_scene(text, testing::TempDir() + "/a.toml"); }
 
 SceneConfig loaded(const std::string& text) {
   const LoadResult result = parse(text);
@@ -65,11 +66,11 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// In the directory of tests, with this text.
+/// Name of a file in the directory of tests, with this text.
 std::string written(const std::string& name, const std::string& text) {
-  const std::string path = testing::TempDir() + "/godobject_" + name;
-  std::ofstream(path) << text;
-  return path;
+  const std::string file = "godobject_" + name;
+  std::ofstream(testing::TempDir() + "/" + file) << text;
+  return file;
 }
 
 TEST(ContactScene, TellsTheCoreSpheresSurfacesAndLaws) {

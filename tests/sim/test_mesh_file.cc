@@ -4,11 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
+#include <regex>
 
 #include "core/shape_list.h"
 #include "sim/mesh_solid.h"
 #include "sim/obstacle_file.h"
+#include "tests/support/mesh_files.h"
 
 namespace godobject::test_mesh_file {
 namespace {
@@ -17,51 +20,17 @@ using testing::HasSubstr;
 
 std::string written(const std::string& name, const std::string& text) {
   const std::string path = testing::TempDir() + "/godobject_" + name;
-  std::ofstream(path) << text;
+  std::ofstream(path, std::ios::binary) << text;
   return path;
 }
 
-/// Corner i of the unit cube; faces of four corners, counter-clockwise from outside.
-Vec3 corner(int i) { return {Real(i & 1), Real(i >> 1 & 1), Real(i >> 2 & 1)}; }
-constexpr int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                             {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-
-std::string text_of(const Vec3& p) {
-  return std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
+std::string why_not(const std::string& name, const std::string& text) {
+  MeshData data;
+  return parse_mesh(text, name, 1, data);
 }
 
-std::string cube_stl() {
-  std::string text = "solid cube\n";
-  for (const auto& f : faces)
-    for (const auto& t : {std::array{f[0], f[1], f[2]}, std::array{f[0], f[2], f[3]}}) {
-      text += "facet normal 0 0 0\nouter loop\n";
-      for (const int i : t) text += "vertex " + text_of(corner(i));
-      text += "endloop\nendfacet\n";
-    }
-  return text + "endsolid cube\n";
-}
-
-std::string cube_obj(int num_faces = 6) {
-  std::string text;
-  for (int i = 0; i < 8; ++i) text += "v " + text_of(corner(i));
-  for (int f = 0; f < num_faces; ++f) {
-    text += "f";
-    for (const int i : faces[f]) text += " " + std::to_string(i + 1);
-    text += "\n";
-  }
-  return text;
-}
-
-std::string cube_ply() {
-  std::string text =
-      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
-      "element face 6\nproperty list uchar int vertex_indices\nend_header\n";
-  for (int i = 0; i < 8; ++i) text += text_of(corner(i));
-  for (const auto& f : faces) {
-    text += "4";
-    for (const int i : f) text += " " + std::to_string(i);
-    text += "\n";
-  }
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  text.replace(text.find(from), from.size(), to);
   return text;
 }
 
@@ -85,6 +54,122 @@ TEST(MeshFile, StlObjAndPlyAreTheSameSolid) {
   expect_cube(written("cube.stl", cube_stl()));
   expect_cube(written("cube.obj", cube_obj()));
   expect_cube(written("cube.ply", cube_ply()));
+  for (const MeshFileText& file : cubes_in_every_format())
+    expect_cube(written(std::string("any") + file.extension, file.bytes));
+}
+
+TEST(MeshFile, IsReadAsItIsWrittenElsewhere) {
+  expect_cube(written("crlf.obj", std::regex_replace(cube_obj(), std::regex("\n"), "\r\n")));
+  expect_cube(written("crlf.ply", std::regex_replace(cube_ply(), std::regex("\n"), "\r\n")));
+  expect_cube(written("upper.STL", std::regex_replace(cube_stl(), std::regex("vertex"), "  VERTEX")));
+  expect_cube(written("more.obj",
+                      "mtllib none.mtl\no cube\nvt 0 0\nusemtl red\ns off\n" +
+                          std::regex_replace(cube_obj(), std::regex("f (.) (.)"), "f $1/1/1 \\\n $2//1")));
+  expect_cube(written("back.obj", changed(cube_obj(), "f 1 3 4 2", "f -8 -6 -5 -7")));
+  const std::string extra =
+      changed(cube_ply(), "property float z\n",
+              "property float z\nproperty list uchar short seen_by\nproperty uchar red\n");
+  expect_cube(written("extra.ply", std::regex_replace(extra, std::regex("000000\n"), "000000 2 -1 7 255\n")));
+}
+
+TEST(MeshFile, AFaceOfManyCornersIsCutWhereItIsBentInward) {
+  // An arrow head along z: the corner at the dent, number 4, sees all of it.
+  const std::string corners = "v 0 0 Z\nv 2 -1 Z\nv 0 3 Z\nv -2 -1 Z\n";
+  const std::string arrow = std::regex_replace(corners, std::regex("Z"), "0") +
+                            std::regex_replace(corners, std::regex("Z"), "1") +
+                            "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  MeshData data;
+  ASSERT_EQ(read_mesh(written("arrow.obj", arrow), 1, data), "");
+  std::string complaint;
+  const std::unique_ptr<MeshSolid> solid = MeshSolid::make(data, complaint);
+  ASSERT_TRUE(solid) << complaint;
+  const ShapeParams shape{.kind = ShapeKind::mesh, .mesh = &solid->mesh()};
+  EXPECT_GT(nearest(shape, Vec3(0, -0.5, 0.5), 1).distance, 0.3) << "in the dent";
+  EXPECT_NEAR(nearest(shape, Vec3(0, 1, 0.8), 1).distance, -0.2, 1e-6);
+  EXPECT_EQ(why_not("z.obj",
+                    "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\n"
+                    "f 1 2 3 4 5 6 7 8\n"),
+            "z.obj: line 9: a face of 8 corners is bent, or has no corner that sees all of it: cut it into "
+            "triangles with a mesh editor");
+}
+
+TEST(MeshFile, SaysWhereItIsWrong) {
+  EXPECT_THAT(why_not("a.ply", "ply\nformat ascii "),
+              HasSubstr("no line \"end_header\": is the file whole?"));
+  EXPECT_EQ(why_not("a.ply", changed(cube_ply(), "4 0 2", "4 0 99")),
+            "a.ply: face 0: there is no vertex 99 (counted from 0): the file has 8");
+  EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "4 0 2", "4 0 -2")),
+              HasSubstr("face 0: there is no vertex"));
+  EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "face 6", "face 18446744073709551615")),
+              HasSubstr("face 6: the file ends here"));
+  EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "face 6", "face many")),
+              HasSubstr("line 8: 'many' is no number of elements"));
+  EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "float z", "half z")),
+              HasSubstr("line 7: 'half' is no type"));
+  EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "vertex_indices", "strips")),
+              HasSubstr("no list vertex_indices"));
+  EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "element face", "element gap 7\nelement face")),
+              HasSubstr("element 'gap' has no properties"));
+  EXPECT_EQ(why_not("a.obj", changed(cube_obj(), "f 1 3", "f 1 9")),
+            "a.obj: line 9: there is no vertex 8 (counted from 0): the file has 8");
+  EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "f 1 3", "f 1 0")), HasSubstr("line 9: '0' is no vertex"));
+  EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "f 1 3", "f 1 -9")),
+              HasSubstr("line 9: '-9' is no vertex"));
+  EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "v 0.000000", "v 1e39")),
+              HasSubstr("line 1: a coordinate"));
+  EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "v 0.000000", "v nan")),
+              HasSubstr("line 1: a coordinate"));
+  EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "v 0.000000", "v x\x1b[31m")),
+              HasSubstr("line 1: 'x\\x1B[31m' is not a number"));
+  EXPECT_THAT(why_not("a.stl", changed(cube_stl(), "endloop\nendfacet", "endloop\nfacet")),
+              HasSubstr("line 15: a facet has 6 vertices, not 3"));
+  EXPECT_THAT(why_not("a.stl", cube_stl().substr(0, 100)), HasSubstr("is it whole?"));
+  EXPECT_THAT(why_not("a.stl", cube_binary_stl().substr(0, 300)), HasSubstr("is it whole?"));
+}
+
+/// The nearest any file of this size came was some milliseconds.
+constexpr double longest_s = 2;
+
+TEST(MeshFile, MutatedFilesAreReadOrRefusedAtOnce) {
+  const std::vector<MeshFileText> files = cubes_in_every_format();
+  int num_read = 0, num_refused = 0;
+  for (std::uint32_t seed = 0; seed < 2500; ++seed) {
+    const MeshFileText& file = files[seed % files.size()];
+    const std::string name = "m" + std::to_string(seed) + file.extension;
+    const auto begin = std::chrono::steady_clock::now();
+    MeshData data;
+    const std::string why_not = parse_mesh(mutated(file.bytes, seed), name, 1, data);
+    std::string complaint;
+    if (why_not.empty()) MeshSolid::make(data, complaint);
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), longest_s)
+        << name;
+    ++(why_not.empty() ? num_read : num_refused);
+    if (why_not.empty()) continue;
+    EXPECT_THAT(why_not, testing::StartsWith(name + ": "));
+    EXPECT_TRUE(data.triangles.empty()) << name;
+  }
+  EXPECT_GT(num_read, 100);
+  EXPECT_GT(num_refused, 1000);
+}
+
+TEST(MeshFile, AFewLargeTrianglesAmongManySmallOnesTakeNoLonger) {
+  // Needles of 1 m on a cube of 1 mm: cells as large as the mean edge would be cut by the million.
+  std::string text = cube_obj();
+  for (int i = 0; i < 20'000; ++i)
+    for (const Vec3& p : {Vec3(i, 0, 0), Vec3(i + 1, 0, 0), Vec3(i, 1, 0)}) text += "v " + text_of(1e-4 * p);
+  for (int i = 0; i < 100; ++i)
+    for (const Vec3& p : {Vec3(0, 0, i), Vec3(4, 0, i), Vec3(0, 4, i)}) text += "v " + text_of(p);
+  for (int i = 0; i < 20'100; ++i) {
+    const int v = 9 + 3 * i;
+    text += "f " + std::to_string(v) + " " + std::to_string(v + 1) + " " + std::to_string(v + 2) + "\n";
+    text += "f " + std::to_string(v) + " " + std::to_string(v + 2) + " " + std::to_string(v + 1) + "\n";
+  }
+  MeshData data;
+  ASSERT_EQ(parse_mesh(text, "needles.obj", 1, data), "");
+  const auto begin = std::chrono::steady_clock::now();
+  std::string complaint;
+  MeshSolid::make(data, complaint);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 5 * longest_s);
 }
 
 TEST(MeshFile, SaysWhatItCannotRead) {
@@ -97,8 +182,8 @@ TEST(MeshFile, SaysWhatItCannotRead) {
 TEST(MeshFile, AnOpenMeshIsNoSolid) {
   ObstacleConfig obstacle;
   obstacle.shape.kind = ShapeKind::mesh;
-  obstacle.file = written("open.obj", cube_obj(5));
-  EXPECT_THAT(load_file(obstacle), AllOf(HasSubstr("holds no solid"), HasSubstr("not closed")));
+  EXPECT_THAT(load_file(written("open.obj", cube_obj(5)), obstacle),
+              AllOf(HasSubstr("holds no solid"), HasSubstr("not closed")));
 }
 
 TEST(MeshFile, AnInsideOutMeshIsNoSolid) {
