@@ -1,5 +1,6 @@
 #include "sim/fault_promise.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace godobject {
@@ -9,7 +10,7 @@ using enum RigFault;
 using enum FaultDelay;
 using enum MotorsEnd;
 
-constexpr PromisedFault lost_sample{sample_stale, stale}, lost_drive{drive_silent, stale},
+constexpr PromisedFault lost_sample{sample_stale, lost}, lost_drive{drive_silent, lost},
     lost_heartbeat{heartbeat_lost, heartbeat}, jump{sample_implausible, votes},
     may_part{sensors_disagree, travel, false};
 
@@ -20,7 +21,10 @@ constexpr std::array promises{
     FaultPromise{"drop", {lost_sample, lost_drive, lost_heartbeat}, watchdog},
     FaultPromise{"duplicate", {}, keep},
     FaultPromise{"delay value=0.1*stale_after", {}, keep},
-    FaultPromise{"delay value=3*stale_after", {lost_sample, lost_drive}, run_down},
+    FaultPromise{"delay value=3*stale_after", {}, keep},
+    FaultPromise{"delay value=2*lost_after",
+                 {{lost_sample, lost_drive, {emergency, lost, false}, {drive_not_enabled, lost, false}}},
+                 watchdog},
     FaultPromise{"corrupt value=0.02", {}, keep},
     FaultPromise{"corrupt ENCODER value=1", {lost_sample, lost_heartbeat}, run_down},
     FaultPromise{"stuck ENCODER", {{{sensors_disagree, travel}}}, run_down},
@@ -28,7 +32,7 @@ constexpr std::array promises{
     FaultPromise{"spike ENCODER duration=1", {jump, may_part}, run_down},
     FaultPromise{"wrap ENCODER", {jump, may_part}, run_down},
     FaultPromise{"nan ENCODER", {jump, lost_sample}, run_down},
-    FaultPromise{"reboot-node ENCODER", {{{node_restarted, at_once}, lost_sample}}, run_down},
+    FaultPromise{"reboot-node ENCODER", {{{node_restarted, at_once}, {sample_stale, lost, false}}}, run_down},
     FaultPromise{"reboot-node ENCODER duration=0.2", {{lost_sample, {node_restarted, duration}}}, run_down},
     FaultPromise{"reboot-node DRIVE duration=0.2", {{lost_drive, {node_restarted, duration}}}, run_down},
     FaultPromise{"emcy ENCODER value=20480", {{{emergency, at_once}}}, run_down},
@@ -40,7 +44,7 @@ constexpr std::array promises{
     FaultPromise{"unplug ENCODER", {lost_sample, lost_heartbeat}, run_down},
     FaultPromise{"unplug DRIVE", {lost_drive, lost_heartbeat}, watchdog},
     FaultPromise{
-        "unplug", {{lost_sample, lost_drive, lost_heartbeat, {send_refused, stale, false}}}, watchdog},
+        "unplug", {{lost_sample, lost_drive, lost_heartbeat, {send_refused, lost, false}}}, watchdog},
     FaultPromise{"id-collision ENCODER",
                  {{{node_restarted, at_once},
                    lost_sample,
@@ -62,7 +66,7 @@ constexpr int cycles_more(FaultDelay delay) noexcept { return delay == votes ? 5
 std::string text_of(FaultDelay delay) {
   const std::string cycles = std::to_string(cycles_more(delay)) + " cycles";
   switch (delay) {
-    case stale: return "`stale_after` + " + cycles;
+    case lost: return "`stale_after` + `lost_after` + " + cycles;
     case heartbeat: return "`heartbeat_timeout` + " + cycles;
     case late_heartbeat: return "2 `heartbeat_timeout` + " + cycles;
     case duration: return "`duration` + " + cycles;
@@ -96,7 +100,7 @@ std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, Nanosec
   const auto ns = [](double s) { return std::llround(1e9 * s); };
   const Nanoseconds more_ns = ns(cycles_more(delay) * rig.cycle_s);
   switch (delay) {
-    case stale: return ns(rig.stale_after_s) + more_ns;
+    case lost: return ns(rig.stale_after_s + std::max(rig.lost_after_s, rig.stale_after_s)) + more_ns;
     case heartbeat: return ns(rig.heartbeat_timeout_s) + more_ns;
     case late_heartbeat: return 2 * ns(rig.heartbeat_timeout_s) + more_ns;
     case duration: return duration_ns + more_ns;

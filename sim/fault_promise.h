@@ -17,7 +17,7 @@ namespace godobject {
 enum class FaultDelay : std::uint8_t {
   at_once,         // with the frame that shows it
   votes,           // three samples of five
-  stale,           // no good sample for stale_after
+  lost,            // no good sample for stale_after, and then for lost_after
   heartbeat,       // no heartbeat for heartbeat_timeout
   late_heartbeat,  // the same after one that came late
   duration,        // when what is played has ended
@@ -38,7 +38,7 @@ enum class MotorsEnd : std::uint8_t {
 
 struct FaultPromise {
   /// As the control command has them; ENCODER, DRIVE stand for bus and node of one, OTHER for the node id of another
-  /// encoder on its bus, N*stale_after for that time in s.
+  /// encoder on its bus, N*stale_after and N*lost_after for that time in s.
   std::string_view words;
   std::array<PromisedFault, 5> faults{};
   MotorsEnd motors = MotorsEnd::keep;

@@ -168,6 +168,7 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
 }
 
 JointVector joints_at_start(const SceneConfig& scene, const Motion& motion) {
+  if (!scene.device || !scene.device->rig) return {};
   if (motion.has_joints()) return motion.joints(0).q;
   const KinematicTreeParams& tree = scene.device->rig->tree;
   const std::vector<std::optional<std::size_t>> targets = driven_by_handles(scene);

@@ -53,7 +53,7 @@ struct Passivity {
 /// Of the gains that the scene's handles show, at these joint coordinates. The rig must be valid.
 Passivity passivity(const SceneConfig& scene, const JointVector& q);
 
-/// Where the motion begins; coordinates of zero where a pose cannot be inverted.
+/// Where the motion begins; coordinates of zero where a pose cannot be inverted. Of a scene with a rig.
 JointVector joints_at_start(const SceneConfig& scene, const Motion& motion);
 
 /// The margins as a table, one line each, and what is assumed. Empty without any.

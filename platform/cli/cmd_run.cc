@@ -3,7 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
-#include <fstream>
+#include <cstdlib>
 #include <memory>
 #include <new>
 
@@ -23,11 +23,32 @@ void print_lines(std::FILE* out, const char* before, const std::vector<std::stri
   for (const std::string& line : lines) std::fprintf(out, "%s%s\n", before, line.c_str());
 }
 
-bool write_report(const std::string& path, const RunReport& report) {
-  std::ofstream file(path);
-  file << to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-  file.close();
-  return !file.fail();
+/// All at once, to a file or a terminal that is waited for 2 s at most. Empty, or why not.
+template <class File>
+std::string write_whole(const File& to, const std::string& text) {
+  constexpr std::chrono::seconds patience{2};
+  BackgroundFile file(to, text.size());
+  static_cast<void>(file.write(text));
+  return file.close(BackgroundFile::Clock::now() + patience).why;
+}
+
+std::string write_report(const std::string& path, const RunReport& report) {
+  return write_whole(path,
+                     to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+/// What the run says at its end: the summary, or only what is wrong.
+std::string summary_of(const RunReport& report) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* const out = open_memstream(&text, &size);
+  if (!out) throw std::bad_alloc();
+  if (report.options.quiet) print_faults(out, report.faults);
+  else print_summary(out, report);
+  std::fclose(out);
+  std::string summary(text, size);
+  std::free(text);
+  return summary;
 }
 
 /// On real buses the stamps of frames are those of the monotonic clock; logs have the time of day.
@@ -68,11 +89,15 @@ ExitCode run(RunOptions options) {
   const StopSignals closing(
       Suspension::stops);  // the motors are off: files and summary are completed all the same
   RunReport report = make_report(options, prepared, *result, files.close());
-  if (!options.report.empty() && !write_report(options.report, report))
-    report.faults.push_back({.name = "file_incomplete", .text = options.report + " could not be written"});
-  if (options.quiet) print_faults(stderr, report.faults);
-  else print_summary(stdout, report);
-  return report.faults.empty() ? ExitCode::ok : ExitCode::fault;
+  if (!options.report.empty())
+    if (const std::string why = write_report(options.report, report); !why.empty())
+      report.faults.push_back(
+          {.name = "file_incomplete", .text = options.report + " could not be written: " + why});
+  const std::string not_shown =
+      write_whole(options.quiet ? STDERR_FILENO : STDOUT_FILENO, summary_of(report));
+  if (!not_shown.empty())
+    static_cast<void>(write_whole(STDERR_FILENO, "the summary could not be written: " + not_shown + "\n"));
+  return not_shown.empty() && report.faults.empty() ? ExitCode::ok : ExitCode::fault;
 }
 
 }  // namespace

@@ -64,8 +64,8 @@ TEST(LastResort, AnExceptionThatEscapesWritesTheLastFrames) {
 
 /// Bounded by the stack that is lowered to it.
 std::size_t recurse(std::size_t depth) {
-  volatile std::array<char, 4096> room{};
-  room[depth % room.size()] = 1;
+  volatile char room[4096];
+  room[0] = static_cast<char>(depth);
   return depth == 0 ? 0 : recurse(depth - 1) + static_cast<std::size_t>(room[0]);
 }
 

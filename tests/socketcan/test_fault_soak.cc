@@ -16,7 +16,7 @@ std::vector<FaultReaction> reactions() {
   std::vector<FaultReaction> out = fault_reactions(*two_joints().device->rig);
   for (FaultReaction& reaction : out)
     if (any(reaction.expected & RigFault::bus_down))
-      reaction = {reaction.words, RigFault::sample_stale | RigFault::drive_silent, cycles_of_silence};
+      reaction = {reaction.words, RigFault::sample_stale | RigFault::drive_silent, cycles_of_loss};
   out.push_back({interface_down, RigFault::bus_down, 2});
   out.push_back({interface_gone, RigFault::bus_down, 2});
   return out;

@@ -11,8 +11,8 @@ namespace godobject::test {
 
 /// From the fault of a drive that hears nothing any more to its own watchdog, with a cycle on either side.
 inline constexpr int cycles_of_watchdog = 22;
-/// What is seen at the third cycle.
-inline constexpr int cycles_of_silence = 5;
+/// stale_after and lost_after are 3 and 100 cycles.
+inline constexpr int cycles_of_loss = 105;
 /// In which a joint of FaultyRig moves by its max_slip, wherever its motion is.
 inline constexpr int cycles_of_travel = 500;
 
@@ -26,10 +26,13 @@ inline std::string words_for(const FaultPromise& promise, const RigParams& rig) 
   replace(words, "ENCODER", "bus=can0 node=1");
   replace(words, "DRIVE", "bus=can1 node=1");
   replace(words, "OTHER", "2");
-  const std::size_t at = words.find("*stale_after");
-  if (at == std::string::npos) return words;
-  const std::size_t begin = words.find("value=") + 6;
-  return words.substr(0, begin) + std::to_string(std::stod(words.substr(begin)) * rig.stale_after_s);
+  for (const auto& [name, time_s] :
+       {std::pair{"*stale_after", rig.stale_after_s}, std::pair{"*lost_after", rig.lost_after_s}}) {
+    if (words.find(name) == std::string::npos) continue;
+    const std::size_t begin = words.find("value=") + 6;
+    return words.substr(0, begin) + std::to_string(std::stod(words.substr(begin)) * time_s);
+  }
+  return words;
 }
 
 struct FaultReaction {
