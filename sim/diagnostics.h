@@ -65,8 +65,6 @@ class Diagnostics {
 
   bool has_error(TextPosition at) const;
 
-  bool has_error(TextPosition at) const;
-
   const std::string& file() const { return file_; }
   bool ok() const { return errors_.kept.empty(); }
   /// No more of them are kept.

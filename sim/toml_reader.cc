@@ -103,19 +103,6 @@ std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log) {
   return std::nullopt;
 }
 
-std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log) {
-  if (const std::uint32_t line = too_deep_line(text)) {
-    log.error({line, 1},
-              "more than " + std::to_string(max_dots) + " dots in a row of names: no table is so deep");
-    return std::nullopt;
-  }
-  toml::parse_result parsed = toml::parse(text, log.file());
-  if (parsed.succeeded()) return std::move(parsed).table();
-  const toml::source_position at = parsed.error().source().begin;
-  log.error({at.line, at.column}, "not TOML: " + std::string(parsed.error().description()));
-  return std::nullopt;
-}
-
 TomlReader::TomlReader(const toml::table& table, std::string path, std::string title, Diagnostics& log)
     : table_(table), path_(std::move(path)), title_(std::move(title)), log_(log) {}
 

@@ -46,16 +46,6 @@ void StatusLine::say(const CycleRecord& record) {
   static_cast<void>(console_.write(line.data()));
 }
 
-/// What is said at once.
-void StatusLine::say(const CycleRecord& record) {
-  on_hold_ = record.on_hold;
-  std::fprintf(stderr, "%st %7.3f s   deadlines: %s%s\n", terminal_ ? "\r" : "", record.t,
-               on_hold_ ? "5 or more were missed within 100 ms: the pose is held, the force fades"
-                        : "kept again for 100 ms: the force comes back by the ramp",
-               terminal_ ? "\033[K" : "");
-  std::fflush(stderr);
-}
-
 void StatusLine::end() {
   if (terminal_ && !quiet_) static_cast<void>(console_.write("\n"));
 }
