@@ -100,47 +100,4 @@ void TrackerThread::hand_over() {
   if (changed_ && reports_.try_push(tracker_->report())) changed_ = false;
 }
 
-ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::filesystem::path& folder,
-                                      std::vector<std::string>& errors) {
-  constexpr std::string_view magic("NDI\0", 4);
-  constexpr std::size_t max_definition_bytes = 1 << 20;  // they have some hundred bytes
-  ToolDefinitions definitions(params.tools.size());
-  for (std::size_t i = 0; i < params.tools.size(); ++i) {
-    const std::string& tool = params.tools[i].tool;
-    if (!needs_definition(params.protocol, tool)) continue;
-    const std::string where = "tracker '" + params.name + "': tool " + excerpt(tool) + " ";
-    const FilePath path = path_below(folder.string(), tool);
-    FileText file;
-    if (!path.path.empty()) file = read_file(path.path, max_definition_bytes);
-    if (!file.text) {
-      errors.push_back(where + (path.path.empty() ? path.why_not : file.why_not) +
-                       "; give the two digits of a port handle (\"0A\"), or a tool definition file");
-    } else if (!file.text->starts_with(magic)) {
-      errors.push_back(where + "is not a tool definition file (.rom): those begin with NDI");
-    } else {
-      definitions[i].assign(file.text->begin(), file.text->end());
-    }
-  }
-  return definitions;
-}
-
-std::vector<std::unique_ptr<TrackerThread>> start_trackers(const std::vector<TrackerParams>& trackers,
-                                                           const std::filesystem::path& folder,
-                                                           std::vector<std::string>& errors) {
-  std::vector<std::unique_ptr<Tracker>> made;
-  for (const TrackerParams& params : trackers) {
-    const std::size_t before = errors.size();
-    ToolDefinitions definitions = read_tool_definitions(params, folder, errors);
-    if (errors.size() > before) continue;
-    MadeTracker tracker = make_tracker(params, std::move(definitions));
-    errors.insert(errors.end(), tracker.errors.begin(), tracker.errors.end());
-    made.push_back(std::move(tracker.tracker));
-  }
-  std::vector<std::unique_ptr<TrackerThread>> threads;
-  if (!errors.empty()) return threads;
-  for (std::unique_ptr<Tracker>& tracker : made)
-    threads.push_back(std::make_unique<TrackerThread>(std::move(tracker)));
-  return threads;
-}
-
 }  // namespace godobject

@@ -46,14 +46,4 @@ class TrackerThread final : public TrackerLink {
   std::jthread thread_;  // last: ends before the rest goes
 };
 
-/// The bytes of the definition files of a tracker's tools, relative to `folder` (the scene's). Errors name the tool and
-/// the file.
-ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::filesystem::path& folder,
-                                      std::vector<std::string>& errors);
-
-/// A thread for each tracker; none when there are errors.
-std::vector<std::unique_ptr<TrackerThread>> start_trackers(const std::vector<TrackerParams>& trackers,
-                                                           const std::filesystem::path& folder,
-                                                           std::vector<std::string>& errors);
-
 }  // namespace godobject

@@ -23,7 +23,7 @@ RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseco
   joints_.resize(children_.size());
   const auto into = [this](std::optional<BackgroundFile>& file, const std::string& path) {
     file.emplace(path, waiting_bytes);
-    return [this, &file](std::string_view text) { return file->write(text, patience_); };
+    return CsvRows::Sink([this, &file](std::string_view text) { return file->write(text, patience_); });
   };
   if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
   if (!names.contacts.empty()) contacts_.emplace(into(contacts_file_, names.contacts), scene);

@@ -1,3 +1,4 @@
+#include "platform/cli/run_trackers.h"
 #include "platform/tracker_thread.h"
 
 #include <fcntl.h>
