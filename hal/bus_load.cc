@@ -22,7 +22,8 @@ class Messages {
 
   void add_host() {
     add("SYNC", canopen::make_sync(), cycle_s_);
-    add("host heartbeat", heartbeat(params_.host_node_id), params_.heartbeat_period_s);
+    add("host heartbeat", heartbeat(params_.host_node_id),
+        params_.host_heartbeat_period_s.value_or(params_.heartbeat_period_s));
   }
 
   void add_encoder(const EncoderParams& encoder) {

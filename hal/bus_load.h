@@ -1,6 +1,7 @@
 // The load that a rig's cyclic messages put on its buses: what `check` prints before anything is sent.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,10 +11,11 @@ namespace godobject {
 
 /// What a rig sends besides its SYNC-driven messages.
 struct BusLoadParams {
-  double heartbeat_period_s = 0.1;      // of every node and of the host; 0: none
+  double heartbeat_period_s = 0.1;      // of every node; 0: none
   double drive_event_period_s = 0.02;   // event timer of the drives' TPDO2; 0: none
   double button_event_period_s = 0.05;  // event timer of the buttons' TPDO1; 0: none
   std::uint8_t host_node_id = 127;
+  std::optional<double> host_heartbeat_period_s{};  // none: as the nodes'
 };
 
 struct BusMessage {

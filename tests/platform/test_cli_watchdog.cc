@@ -85,5 +85,16 @@ TEST_F(CliWatchdog, AHeartbeatTooSlowForTheProfileIsToldWithTheOneThatDoes) {
   EXPECT_THAT(result.output, AllOf(HasSubstr("epos4.toml:"), HasSubstr("heartbeat_period = 0.005")));
 }
 
+TEST_F(CliWatchdog, AFastHeartbeatOfTheHostIsNotThatOfTheNodes) {
+  std::string text = read_file(scene_with("profile = \"epos4\"\n"));
+  text.insert(text.find("[[device.joint]]"), "[device.supervision]\nheartbeat_period = 0.005\n");
+  const ProgramResult result = run_program("check " + write("scene.toml", text));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(
+      result.output,
+      AllOf(ContainsRegex("turret \\(can1 node 1\\) +20 ms +host's heartbeat, 1016h:01"),
+            ContainsRegex("host heartbeat +0x77F +5 "), ContainsRegex("drive heartbeat +0x701 +100 ")));
+}
+
 }  // namespace
 }  // namespace godobject::test::test_cli_watchdog
