@@ -71,10 +71,10 @@ TEST_P(DriveProtocols, LoadIsWhatTheBusCarries) {
 TEST_P(DriveProtocols, AnUnpluggedDriveIsAFaultAndItsMotorStopsByItself) {
   ASSERT_TRUE(device.boot());
   device.play("unplug bus=can1 node=2");
-  const auto cycles = device.cycles_to_fault(110);
+  const auto cycles = device.cycles_to_fault(120);
   ASSERT_TRUE(cycles);
   EXPECT_GE(*cycles, 100) << "lost_after";
-  EXPECT_LE(*cycles, 105);
+  EXPECT_LE(*cycles, 108);
   EXPECT_TRUE(any(device.rig.faults() & RigFault::drive_silent)) << device.rig.fault_text();
   EXPECT_TRUE(device.cycles_to_zero(25)) << device.motor_torque();
 }
@@ -106,7 +106,7 @@ TEST_P(DriveProtocols, NotANumberIsRefusedAndThenMissed) {
   if (canopen()) GTEST_SKIP() << "its positions are integers";
   ASSERT_TRUE(device.boot());
   device.play("nan bus=can1 node=1");
-  ASSERT_TRUE(device.cycles_to_fault(110));
+  ASSERT_TRUE(device.cycles_to_fault(120));
   EXPECT_EQ(device.rig.faults(), RigFault::drive_silent) << device.rig.fault_text();
   EXPECT_GT(device.rig.counters().malformed, 0u);
   EXPECT_TRUE(device.cycles_to_zero(25));

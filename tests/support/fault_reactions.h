@@ -12,7 +12,7 @@ namespace godobject::test {
 /// From the fault of a drive that hears nothing any more to its own watchdog, with a cycle on either side.
 inline constexpr int cycles_of_watchdog = 22;
 /// stale_after and lost_after are 3 and 100 cycles.
-inline constexpr int cycles_of_loss = 105;
+inline constexpr int cycles_of_loss = 108;
 /// In which a joint of FaultyRig moves by its max_slip, wherever its motion is.
 inline constexpr int cycles_of_travel = 500;
 
