@@ -29,15 +29,19 @@ std::size_t bytes_of_triangles(std::string_view file) {
   return header_bytes + triangle_bytes * value_at<std::uint32_t>(file, header_bytes - 4);
 }
 
+std::array<double, 3> point_at(std::string_view file, std::size_t at) {
+  std::array<double, 3> p{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    p[axis] = static_cast<double>(value_at<float>(file, at + axis * sizeof(float)));
+  return p;
+}
+
 std::string read_binary(std::string_view file, MeshBuilder& mesh) {
   std::size_t number = 0;
   for (std::size_t at = header_bytes; at < file.size(); at += triangle_bytes, ++number) {
     std::string wrong;
-    for (std::size_t corner = 0; corner < 3 && wrong.empty(); ++corner) {
-      const std::size_t p = at + normal_bytes * (corner + 1);
-      wrong = mesh.add_vertex(
-          {value_at<float>(file, p), value_at<float>(file, p + 4), value_at<float>(file, p + 8)});
-    }
+    for (std::size_t corner = 1; corner <= 3 && wrong.empty(); ++corner)
+      wrong = mesh.add_vertex(point_at(file, at + normal_bytes * corner));
     if (wrong.empty()) wrong = add_triangle(mesh, number);
     if (!wrong.empty()) return "face " + std::to_string(number) + ": " + wrong;
   }

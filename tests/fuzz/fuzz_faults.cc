@@ -1,0 +1,15 @@
+// Fault files, for a scene with two buses.
+#include <cstdlib>
+
+#include "sim/fault_file.h"
+#include "sim/scene_toml.h"
+#include "tests/fuzz/decode.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace godobject;
+  static const SceneConfig scene = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml").scene.value();
+  const FaultsResult result = parse_faults({reinterpret_cast<const char*>(data), size}, "fuzz.toml", scene);
+  for (const std::string& error : result.errors)
+    if (!error.starts_with("fuzz.toml:")) std::abort();
+  return 0;
+}
