@@ -1,4 +1,3 @@
-#define TOML_IMPLEMENTATION
 #include "sim/toml_reader.h"
 
 #include <algorithm>
