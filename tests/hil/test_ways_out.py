@@ -20,7 +20,7 @@ STEP_S = 0.01  # of rig.toml
 RATED_NM = 0.1
 RATE_NM_PER_S = 0.005  # far below that of rig.toml: running down takes 0.2 s and more, and can be told from a stop
 DEADLINE_S = 0.1  # of patient-402.toml: the drives' watchdog
-SLACK_S = 0.08  # for the programs between the host and this one, on a machine with other work
+SLACK_S = {"pty": 0.08, "vcan": 0.5}  # for the programs between the host and this one: in a guest they share a processor
 NODES = (1, 2, 11, 12)
 DRIVES = (11, 12)
 
@@ -70,8 +70,8 @@ def scene(tmp_path):
 class Run:
     """A run that commands torque, and what came of it on the bus."""
 
-    def __init__(self, outsider, host, mark):
-        self.outsider, self.host, self.mark = outsider, host, mark
+    def __init__(self, outsider, host, mark, slack_s):
+        self.outsider, self.host, self.mark, self.slack_s = outsider, host, mark, slack_s
 
     def commands(self, mark):
         return [f for f in self.outsider.since(mark, kind=hil.RPDO1) if len(f.data) == 4]
@@ -94,7 +94,7 @@ class Run:
         cycles = re.search(r"(\d+) cycles", promised)
         within_s = ("ramp" in promised) * ramp_s + int(cycles.group(1)) * STEP_S
         late = [f for f in self.commands(mark)
-                if f.target_per_mille != 0 and f.time - t_event > within_s + SLACK_S]
+                if f.target_per_mille != 0 and f.time - t_event > within_s + self.slack_s]
         assert not late, f"{late[-1].target_per_mille} per mille {late[-1].time - t_event:.3f} s after it, " \
                          f"promised: {promised} = {within_s:.3f} s"
 
@@ -115,7 +115,7 @@ class Run:
 
 
 @pytest.fixture
-def start(rig, program, scene, tmp_path):
+def start(rig, program, scene, tier, tmp_path):
     """Starts `godobject run` and waits for torque."""
     hosts = []
 
@@ -126,7 +126,7 @@ def start(rig, program, scene, tmp_path):
                 PlainHost(program, scene, rig.address, tmp_path, arguments, popen)
             hosts.append(host)
             if became_enabled(rig.outsider, host, mark):
-                run = Run(rig.outsider, host, mark)
+                run = Run(rig.outsider, host, mark, SLACK_S.get(tier, 0.08))
                 try:
                     run.wait_for_torque()
                     return run
@@ -225,7 +225,7 @@ def test_what_the_host_does_not_notice_is_the_drives(start, rig, name):
     mark, t_event = run.outsider.mark(), time.time()
     run.host.popen.send_signal(number(name))
     frame = run.outsider.wait_for(lambda f: f.kind == hil.EMCY and f.node in DRIVES, 5, "a drive's emergency", mark)
-    assert frame.time - t_event < DEADLINE_S + SLACK_S
+    assert frame.time - t_event < DEADLINE_S + run.slack_s
     hil.wait_for(lambda: rig.simulator.torque_Nm() == 0, 1, "no torque")
     run.host.popen.kill()
 
@@ -318,3 +318,17 @@ def test_fault_of_the_rig(start, rig):
     fault = next(e for e in run.host.report()["events"] if e["event"] == "fault")
     assert (fault["name"], fault["bus"], fault["node"]) == ("emergency", "can0", 1)
     assert fault["cause"] and fault["remedy"] and fault["t_s"] > 0
+
+
+def test_rearming_is_told(start, rig):
+    if rig.simulator is None:
+        pytest.skip("plays a fault")
+    run = start("--rearm", "auto")
+    mark = run.outsider.mark()
+    rig.simulator.fault("emcy bus=can0 node=1 value=0x5000")
+    hil.wait_for(lambda: "ARMED again" in run.host.error_text(), 10, "the host arms again")
+    run.outsider.wait_for(lambda f: f.kind == hil.RPDO1 and f.target_per_mille != 0, 5, "torque", mark)
+    told = re.findall(r"^at \d+\.\d+ s: (FAULT emergency|the device is lost|ARMED again)", run.host.error_text(), re.M)
+    assert told[:3] == ["FAULT emergency", "the device is lost", "ARMED again"]
+    run.end()
+    assert {"fault", "lost", "armed"} <= {event["event"] for event in run.host.report()["events"]}

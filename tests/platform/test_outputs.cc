@@ -127,6 +127,41 @@ TEST_F(Outputs, ACommandNeedNotBeUtf8) {
   EXPECT_EQ(nlohmann::json::parse(simulate.say("quit"))["ok"], true);
 }
 
+/// When they happen, with all there is to say, and the same in the report; also on the simulated clock.
+TEST_F(Outputs, FaultsAndRearmingAreTold) {
+  const std::string hil = GODOBJECT_SOURCE_DIR "/tests/hil/";
+  write("patient-402.toml", read_file(hil + "patient-402.toml"));
+  const std::string scene = write("rig.toml", read_file(hil + "rig.toml") + R"(
+[[fault]]
+verb = "emcy"
+bus = "can0"
+node_id = 1
+value = 20480
+at = 0.3
+)");
+  const std::string report = path("report.json");
+  const ProgramResult result =
+      run_program("run '" + scene + "' --duration 2 --rearm auto --report '" + report + "'");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output,
+              testing::ContainsRegex(
+                  "at 0\\.3[0-9]+ s: FAULT emergency \\(can0 node 1, encoder of turret, code 0x5000\\): "));
+  EXPECT_THAT(result.output, HasSubstr(" s: the device is lost"));
+  EXPECT_THAT(result.output, HasSubstr(" s: ARMED again: the motors have torque\n"));
+  const auto events = nlohmann::json::parse(read_file(report))["events"];
+  ASSERT_GE(events.size(), 4u);
+  std::vector<std::string> kinds;
+  for (const auto& event : events) kinds.push_back(event["event"]);
+  EXPECT_THAT(kinds, testing::ElementsAre("fault", "lost", "trying", "armed"));
+  EXPECT_NEAR(events[0]["t_s"].get<double>(), 0.3, 0.05);
+  EXPECT_EQ(events[0]["name"], "emergency");
+  EXPECT_EQ(events[0]["bus"], "can0");
+  EXPECT_EQ(events[0]["node"], 1);
+  EXPECT_FALSE(events[0]["cause"].get<std::string>().empty());
+  EXPECT_FALSE(events[0]["remedy"].get<std::string>().empty());
+  EXPECT_GT(events[3]["t_s"], events[0]["t_s"]);
+}
+
 /// From too little to start at all to enough.
 TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
