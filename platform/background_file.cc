@@ -92,7 +92,7 @@ BackgroundFile::Result BackgroundFile::close(Clock::time_point until) {
   std::unique_lock lock(state_->mutex);
   state_->closing = true;
   state_->changed.notify_all();
-  state_->changed.wait_until(lock, until, [&] { return state_->ended; });
+  state_->changed.wait_until(lock, until, [&] { return state_->ended || state_->failed; });
   if (!state_->ended && !state_->failed) state_->fail("it took no more, and was not waited for any longer");
   const bool ended = state_->ended;
   Result result{.why = state_->why, .lost_lines = state_->lost_lines};
