@@ -31,7 +31,7 @@ std::string machine_text() {
   return machine.cpu + " (" + std::to_string(machine.num_cpus) + " CPUs), Linux " + machine.kernel;
 }
 
-study::StudyOptions options_of(const StudyArguments& a) {
+study::StudyOptions study_options(const StudyArguments& a) {
   const char* const shared = std::getenv("GODOBJECT_SHARED");
   study::StudyOptions options;
   options.error = a.part == "all" || a.part == "error";
@@ -55,7 +55,7 @@ ExitCode run(const StudyArguments& a) {
   }
   try {
     const study::StudyResults results =
-        run_study(options_of(a), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
+        run_study(study_options(a), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
     for (const std::string& note : results.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "study: %s\n", error.what());
