@@ -156,7 +156,7 @@ TEST(Trace, JointsHaveTheirWrenchesBehindTheTargets) {
 }
 
 TEST(Trace, UnwritableFileIsReported) {
-  TraceWriter writer("/no/such/directory/trace.csv", coupled_and_free());
+  TraceWriter writer(CsvRows("/no/such/directory/trace.csv"), coupled_and_free());
   EXPECT_FALSE(writer.close());
 }
 
