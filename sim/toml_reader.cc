@@ -84,9 +84,12 @@ std::string listed(const Vec3& moments) {
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates, std::size_t most) {
   if (word.size() > max_word) return "";  // the time for it is quadratic
-  const auto distance = [&](const std::string& candidate) { return edit_distance(word, candidate); };
+  const auto distance = [&](const std::string& candidate) {
+    return candidate.size() > max_word ? std::string::npos : edit_distance(word, candidate);
+  };
   const auto best = std::ranges::min_element(candidates, {}, distance);
-  return best == candidates.end() || distance(*best) > most ? "" : *best;
+  if (best == candidates.end() || best->size() > max_word || distance(*best) > most) return "";
+  return *best;
 }
 
 std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log) {
