@@ -183,7 +183,7 @@ std::vector<std::string> passivity_table(const Passivity& passivity) {
   std::vector<std::string> lines{
       "# passivity of the driven axes at the start: b > K (T/2 + t_d) + |B|, see docs/theory/passivity.md",
       formatted("#   %-16s %10s %10s %8s %10s %10s %10s  %s", "joint", "K", "B", "t_d ms", "needed", "b",
-                "margin", "")};
+                "margin", "verdict")};
   for (const JointMargin& joint : passivity.joints) {
     const SampledAxis& axis = joint.axis;
     const char* const verdict = axis.passive()       ? "passive"

@@ -4,6 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
 #include "sim/scene_toml.h"
 #include "tests/support/desk_scene.h"
 
@@ -115,17 +120,22 @@ TEST(Passivity, ScenesWithoutFeedbackOrDrivesHaveNone) {
   EXPECT_THAT(passivity_table(Passivity{}), IsEmpty());
 }
 
-/// What is not passive by itself is stable all the same, and its file says so.
+/// What is not passive by itself is stable all the same, is held, and its file says so in figures.
 TEST(Passivity, ShippedScenesAreStableAndSayWhatTheirMarginIs) {
-  for (const char* name : {"rigid", "grasper", "grasp", "organ", "scissors-imposed"}) {
+  for (const std::string name : {"rigid", "grasper", "grasp", "organ", "scissors-imposed"}) {
     const SceneConfig scene = shipped(name);
+    std::stringstream file;
+    file << std::ifstream(GODOBJECT_SOURCE_DIR "/sim/scenes/" + name + ".toml").rdbuf();
     const Passivity result = of_scene(scene);
     EXPECT_FALSE(result.joints.empty()) << name;
     for (const JointMargin& joint : result.joints) {
       EXPECT_TRUE(joint.stable_alone) << name << " " << joint.joint;
       EXPECT_TRUE(joint.stable_held) << name << " " << joint.joint;
-      const double held = joint.axis.margin() + scene.device->plant.hand_damping;
-      EXPECT_GT(held, 0) << name << " " << joint.joint;
+      EXPECT_GT(joint.axis.margin() + scene.device->plant.hand_damping, 0) << name << " " << joint.joint;
+      if (joint.axis.passive()) continue;
+      std::array<char, 32> needed{};
+      std::snprintf(needed.data(), needed.size(), "%.3g", joint.axis.needed());
+      EXPECT_THAT(file.str(), HasSubstr(joint.joint + " needs " + needed.data())) << name;
     }
   }
 }
