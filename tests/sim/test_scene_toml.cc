@@ -156,13 +156,14 @@ TEST(SceneToml, DampingRatioOutsideThePapersRangeIsAdvisedAgainst) {
               ElementsAre(HasSubstr("above 2 ms")));
 }
 
-TEST(SceneToml, FeedbackScalesTheCouplingAndKeepsExplicitGains) {
+TEST(SceneToml, FeedbackScalesTheSpringsOfTheCouplingAndKeepsExplicitGains) {
   const LoadResult result = parse(minimal + "[body.feedback]\nscale = 0.5\nrotational_stiffness = 0.25\n");
   ASSERT_THAT(result.errors, IsEmpty());
   const FeedbackConfig& feedback = *result.scene->bodies[0].feedback;
   EXPECT_EQ(feedback.stiffness, 500);
-  EXPECT_DOUBLE_EQ(feedback.damping, 0.5 * 1.4 * std::sqrt(0.1 * 1000));
+  EXPECT_EQ(feedback.damping, 0);  // which the device would have to have as well: decision 027
   EXPECT_EQ(feedback.rotational_stiffness, 0.25);
+  EXPECT_EQ(feedback.rotational_damping, 0);
 }
 
 TEST(SceneToml, DuplicateNamesAreRefused) {

@@ -21,8 +21,9 @@ inline std::string desk_scene(const std::string& feedback, const std::string& pl
         "joint = \"" + names[i] + "\"\nnode_id = " + std::to_string(i + 1) + "\ncounts_per_unit = 1e6\n";
     text += "[[device.joint]]\nname = \"" + names[i] + "\"\nkind = \"slider\"\naxis = " + axes[i] + "\n";
     text += "[[device.encoder]]\nbus = \"can0\"\n" + node;
-    text += "[[device.drive]]\nbus = \"can1\"\n" + node +
-            "torque_max_Nm = 0.2\ntorque_rate_Nm_per_s = 100\njoint_per_motor_rad = 0.02\n";
+    text +=
+        "[[device.drive]]\nbus = \"can1\"\n" + node +
+        "torque_max_Nm = 0.2\ntorque_rate_Nm_per_s = 100\njoint_per_motor_rad = 0.02\nwatchdog = \"none\"\n";
   }
   text += "[[bus]]\nname = \"can0\"\n[[bus]]\nname = \"can1\"\n[motion]\n";
   for (std::size_t i = 0; i < names.size(); ++i)
