@@ -115,10 +115,8 @@ bool is_only_one(LssCall& call, const LssOptions& options) {
   if (num_nodes == 0) {
     std::fputs(
         "lss: no answer to the question which nodes listen: is one powered, has the bus this bit rate, does "
-        "the "
-        "node know LSS and its inquiry services? --select addresses a node by its identity; --alone does not "
-        "ask: "
-        "only with no other node on the bus\n",
+        "the node know LSS and its inquiry services? --select addresses a node by its identity; --alone does "
+        "not ask: only with no other node on the bus\n",
         stderr);
     return false;
   }
