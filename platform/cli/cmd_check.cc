@@ -1,4 +1,5 @@
 // godobject check: what a scene file means, before anything moves.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -67,6 +68,14 @@ void print_passivity(const Passivity& passivity) {
   for (const std::string& row : table) std::puts(row.c_str());
 }
 
+/// The rows without what the columns mean.
+void print_margins(const Passivity& passivity) {
+  constexpr std::size_t num_head_lines = 2;
+  const std::vector<std::string> table = passivity_table(passivity);
+  for (std::size_t i = 0; i < std::min(table.size(), num_head_lines + passivity.joints.size()); ++i)
+    std::puts(table[i].c_str());
+}
+
 void print_all(const PreparedRun& prepared) {
   const SceneConfig& scene = prepared.session->scene();
   std::printf("# effective configuration\n%s", effective_config_toml(scene).c_str());
@@ -100,8 +109,8 @@ ExitCode check(RunOptions options, bool full) {
     print_all(prepared);
   } else if (!options.quiet) {
     for (const std::string& line : check_lines(options, prepared)) std::printf("%s\n", line.c_str());
-    print_passivity(prepared.passivity);
-    std::printf("\nall of it: godobject check --full\n");
+    print_margins(prepared.passivity);
+    std::printf("all of it: godobject check --full\n");
   }
   warn_of_top_speed(path, prepared.session->scene());
   for (const BusLoad& load : prepared.bus_loads)

@@ -1,11 +1,13 @@
 // godobject lss: node-ID and bit rate of a CANopen node that cannot be reached by its node-ID yet.
-#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 
 #include "hal/lss.h"
+#include "hal/sdo.h"
 #include "platform/cli/bus_dialogue.h"
 #include "platform/cli/option_checks.h"
+#include "platform/clock.h"
 
 namespace godobject {
 namespace {
@@ -16,15 +18,48 @@ struct LssOptions {
   int node_id = 1;
   double new_bit_rate = 0;
   std::optional<int> activate_ms;
-  bool alone = false;  // no node but this one is on the bus: it is not asked
+  bool alone = false;  // no node but this one is on the bus: nobody is asked
 };
+
+/// An object that every node has.
+CanFrame device_type_request(std::uint8_t node) {
+  return sdo::make_frame(sdo::request_cob_id(node),
+                         sdo::make_plain(sdo::Request::initiate_upload, {0x1000, 0}));
+}
 
 /// The services of one call, in their order; the first that fails ends it.
 class LssCall {
  public:
   explicit LssCall(const LssOptions& options) : options_(options), master_(options.dialogue.timeout_ns()) {}
 
-  ExitCode open() { return bus_.open(options_.dialogue, lss::response_cob_id); }
+  ExitCode open() {
+    constexpr std::array answers{CanFilter{.id = lss::response_cob_id, .mask = 0x7FF},
+                                 CanFilter{.id = sdo::response_cob_id(0), .mask = 0x780}};
+    return bus_.open(options_.dialogue, answers);
+  }
+
+  /// The node-IDs from which an SDO request is answered, once for each answer. Each has an identifier of its own, so
+  /// that many may answer; the answers to LSS share one, and many of them destroy each other.
+  std::vector<std::uint32_t> present() {
+    constexpr Nanoseconds sending_limit = 5'000'000'000;
+    std::vector<std::uint32_t> ids;
+    std::uint8_t next = 1;
+    Nanoseconds end = MonotonicClock().now() + sending_limit;
+    bus_.run([&] { return MonotonicClock().now() < end; },
+             [&](const CanFrame& frame) {
+               if (const std::uint32_t id = frame.id - sdo::response_cob_id(0);
+                   !frame.extended && id >= 1 && id <= canopen::max_node_id)
+                 ids.push_back(id);
+             },
+             [&](Nanoseconds now, CanBus& bus) {
+               if (next > canopen::max_node_id) return;
+               while (next <= canopen::max_node_id &&
+                      bus.try_send(device_type_request(next)) == SendResult::queued)
+                 ++next;
+               if (next > canopen::max_node_id) end = now + options_.dialogue.timeout_ns();
+             });
+    return ids;
+  }
 
   /// To configuration mode: the node with this identity, or all there are.
   bool select() {
@@ -97,43 +132,40 @@ ExitCode say(bool ok, const char* what) {
   return ok ? ExitCode::ok : ExitCode::fault;
 }
 
-std::string listed(const char* what, const std::vector<std::uint32_t>& answers) {
-  std::string text;
-  for (const std::uint32_t answer : answers)
-    text += (text.empty() ? std::string(what) + " " : ", ") + std::to_string(answer);
-  return text;
-}
-
-/// Whether exactly one node is in configuration mode. Nodes that share a node-ID may say it in one voice, so their
-/// serial numbers are asked for, too.
+/// Whether the ID goes to one node: that with the identity, or the only one on the bus.
 bool is_only_one(LssCall& call, const LssOptions& options) {
-  if (options.alone) return true;
-  const std::vector<std::uint32_t> ids = call.inquire(lss::Command::inquire_node_id);
-  const std::vector<std::uint32_t> serials = call.inquire(lss::Command::inquire_serial);
-  const std::size_t num_nodes = std::max(ids.size(), serials.size());
-  if (num_nodes == 1 || (num_nodes == 0 && !options.identity.empty())) return true;
-  if (num_nodes == 0) {
-    std::fputs(
-        "lss: no answer to the question which nodes listen: is one powered, has the bus this bit rate, does "
-        "the node know LSS and its inquiry services? --select addresses a node by its identity; --alone does "
-        "not ask: only with no other node on the bus\n",
-        stderr);
-    return false;
-  }
+  if (options.alone || !options.identity.empty()) return true;
+  const std::vector<std::uint32_t> ids = call.present();
+  if (ids.size() <= 1) return true;
+  std::string list;
+  for (const std::uint32_t id : ids) list += (list.empty() ? "" : ", ") + std::to_string(id);
   std::fprintf(
       stderr,
-      "lss: %zu nodes listen, and each would get the ID %d: %s; %s. Address one by its identity: --select "
-      "VENDOR PRODUCT REVISION SERIAL (godobject sdo --node ID read 1018:01 to :04), or take the others "
-      "off the bus. Nothing was changed.\n",
-      num_nodes, options.node_id, listed("node-IDs", ids).c_str(), listed("serial numbers", serials).c_str());
+      "lss: %zu nodes are on the bus, and each would get the ID %d: %s. Address one by its identity, "
+      "--select "
+      "VENDOR PRODUCT REVISION SERIAL (godobject sdo --node ID read 1018:01 to :04), or take the others off "
+      "the bus. Nothing was changed.\n",
+      ids.size(), options.node_id, list.c_str());
   return false;
+}
+
+/// Nodes without a node-ID answer no SDO; they all answer the inquiry alike, in one voice or one after the other.
+bool is_only_one_without_id(LssCall& call, const LssOptions& options) {
+  if (options.alone || !options.identity.empty()) return true;
+  const std::size_t num_nodes = call.inquire(lss::Command::inquire_node_id).size();
+  if (num_nodes > 1)
+    std::fprintf(
+        stderr,
+        "lss: %zu nodes listen: take all but one off the bus, or --select one. Nothing was changed.\n",
+        num_nodes);
+  return num_nodes <= 1;
 }
 
 ExitCode set_node_id(const LssOptions& options) {
   LssCall call(options);
   if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
-  if (!call.select()) return ExitCode::fault;
-  if (!is_only_one(call, options)) {
+  if (!is_only_one(call, options) || !call.select()) return ExitCode::fault;
+  if (!is_only_one_without_id(call, options)) {
     static_cast<void>(call.leave());
     return ExitCode::fault;
   }
@@ -184,9 +216,7 @@ void add_lss(CLI::App& app, ExitCode& code) {
 
   CLI::App* node_id = verb->add_subcommand("node-id", "Give the node an ID.");
   node_id->add_option("ID", options->node_id, "1 to 127")->required()->check(CLI::Range(1, 127));
-  node_id->add_flag(
-      "--alone", options->alone,
-      "do not ask which nodes listen: for a node without inquiry services, and no other on the bus");
+  node_id->add_flag("--alone", options->alone, "do not ask who is on the bus");
   node_id->callback([options, &code] { code = set_node_id(*options); });
 
   CLI::App* bit_rate = verb->add_subcommand("bit-rate", "Give the node a bit rate.");

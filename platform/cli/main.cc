@@ -15,11 +15,11 @@ namespace {
 
 /// All that was printed has arrived; a full disk behind `> FILE` shows only when the rest is written out.
 bool standard_output_is_complete() {
-  std::cout.flush();
   errno = 0;
+  std::cout.flush();
   const bool complete = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
   if (!complete) {
-    const char* const why = errno == 0 ? "an earlier write failed" : std::strerror(errno);
+    const char* const why = errno == 0 ? "is its disk full, or its reader gone?" : std::strerror(errno);
     std::fprintf(stderr, "standard output could not be written: %s\n", why);
   }
   return complete;

@@ -65,10 +65,10 @@ TEST(CliLss, RefusesToRenumberSeveralNodes) {
   };
   const test::ProgramResult several = lss("node-id 9");
   EXPECT_EQ(several.exit_code, 1) << several.output;
-  EXPECT_THAT(several.output, HasSubstr("6 nodes listen, and each would get the ID 9: node-IDs "));
+  EXPECT_THAT(several.output, HasSubstr("6 nodes are on the bus, and each would get the ID 9: "));
   EXPECT_THAT(several.output, HasSubstr("--select VENDOR PRODUCT REVISION SERIAL"));
   EXPECT_THAT(several.output, testing::Not(HasSubstr("in effect")));
-  EXPECT_THAT(lss("node-id 9").output, HasSubstr("6 nodes listen"));
+  EXPECT_THAT(lss("node-id 9").output, HasSubstr("6 nodes are on the bus"));
 }
 
 TEST(CliLss, GivesANodeItsIdAndBitRate) {
