@@ -44,7 +44,7 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
       std::make_unique<RealtimeCycle>(*made.session, RunPlan{.num_cycles = num_cycles}, stop, cycles);
 
   AllocationGuard guard;
-  while ((*cycle)(0)) continue;
+  while ((*cycle)(Wake{})) continue;
   EXPECT_EQ(guard.calls(), 0) << guard.report();
 
   EXPECT_EQ(cycle->statistics().cycles, num_cycles);

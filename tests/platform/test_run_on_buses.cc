@@ -214,7 +214,7 @@ TEST_F(RunOnBuses, TheCycleDoesNotTouchTheHeap) {
   Cyclic<MonotonicClock> loop(clock_, std::llround(1e9 * scene_.step));
   session_->start(10);
   AllocationGuard guard;
-  loop.run([&](Nanoseconds wake_ns) { return cycle(wake_ns); });
+  loop.run([&](const Wake& wake) { return cycle(wake); });
   guard.disarm();
   EXPECT_EQ(guard.heap_calls(), 0) << guard.report();
   EXPECT_EQ(cycle.statistics().cycles, 100u);
