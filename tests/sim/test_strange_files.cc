@@ -88,7 +88,7 @@ TEST_F(SceneFolder, ASceneReadsNothingElse) {
   EXPECT_THAT(error("zero.csv"), HasSubstr("is a link that leads out of the scene's folder"));
   EXPECT_THAT(error("fifo.csv"), HasSubstr("'file' cannot be read: it is not a file"));
   EXPECT_THAT(error("meshes"), HasSubstr("'file' cannot be read: it is not a file"));
-  EXPECT_THAT(error("none.csv"), HasSubstr("'file' cannot be read: is 'none.csv' the right path?"));
+  EXPECT_THAT(error("none.csv"), HasSubstr("'file' cannot be read: is none.csv the right path?"));
   for (const char* const file : {"../secret.csv", "link.csv", "up/secret.csv"})
     EXPECT_THAT(error(file), Not(HasSubstr("root"))) << file;
 }
@@ -243,7 +243,7 @@ TEST_F(TooLarge, TablesOfNumbers) {
   for (int i = 0; i < 300'000; ++i) header += "c" + std::to_string(i) + ",";
   EXPECT_THAT(parse_csv(header, "a.csv").errors.front(), HasSubstr("more than 1000 columns"));
   const CsvResult wide = parse_csv("t,x\n" + std::string(10'000'000, ','), "a.csv");
-  EXPECT_THAT(wide.errors.back(), HasSubstr("has 10000001 values, the header 2"));
+  EXPECT_THAT(wide.errors, testing::Contains(HasSubstr("has 10000001 values, the header 2")));
   EXPECT_LE(wide.errors.size(), 5u);
   const std::string cell = parse_csv("t\n" + std::string(3'000'000, '\x1B'), "a.csv").errors.front();
   EXPECT_LT(cell.size(), 300u);
