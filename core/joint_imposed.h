@@ -43,7 +43,9 @@ inline Lead lead(const ImposedJoints::State& x, int turns, const JointMotionSamp
                  const RampState& before, const Pull& pull, Real h) noexcept {
   Lead l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
   if (!pull.ramp.engaged || !pull.live) {
-    if (pull.ramp.engaged && pull.bridged) l.to = {.q = x.last.q + h * x.last.q_dot, .q_dot = x.last.q_dot};
+    const JointCoordinates q = x.last.q + h * x.last.q_dot;
+    const bool in_turn = turns == 0 || q.head(turns).cwiseAbs().maxCoeff() <= pi;
+    if (pull.ramp.engaged && pull.bridged && in_turn) l.to = {.q = q, .q_dot = x.last.q_dot};
     return l;
   }
   l.from.q = l.to.q = unwrapped(x.last.q, in.q, turns);  // the short way round

@@ -96,7 +96,7 @@ std::map<std::pair<double, std::string>, Vec3> contact_forces(const std::string&
 
 TEST_F(CliRun, ContactsAreListedWithTheirForces) {
   const std::string grasp = "sim/scenes/grasp.toml";
-  ASSERT_EQ(run("a", grasp + " --bus direct --duration 0.6 --contacts " + path("contacts.csv")).exit_code, 0);
+  ASSERT_EQ(run("a", grasp + " --duration 0.6 --contacts " + path("contacts.csv")).exit_code, 0);
   const auto forces = contact_forces(read_file(path("contacts.csv")));
   const CsvResult trace = read_csv(path("a.csv"));
   ASSERT_TRUE(trace.table);
@@ -127,7 +127,7 @@ TEST_F(CliRun, PlotsAreOfWhatThereIs) {
     GTEST_SKIP() << "gnuplot or python3 is not installed";
   const auto plotted = [&](const std::string& scene, const std::string& options) {
     EXPECT_EQ(
-        run_program("run " + scene + " --bus direct " + options + " --trace " + path("trace.csv")).exit_code,
+        run_program("run " + scene + " " + options + " --trace " + path("trace.csv")).exit_code,
         0);
     for (const char* name : {"following", "force", "joints", "contacts", "energy"})
       std::filesystem::remove(path(std::string(name) + ".png"));
@@ -142,7 +142,7 @@ TEST_F(CliRun, PlotsAreOfWhatThereIs) {
     return names;
   };
   EXPECT_EQ(
-      plotted("sim/scenes/lego.toml", "--motion sim/scenes/lego-motion.csv --duration 0.6 --trace-every 20"),
+      plotted("sim/scenes/lego.toml", "--bus direct --motion sim/scenes/lego-motion.csv --duration 0.6 --trace-every 20"),
       (std::set<std::string>{"following", "force", "contacts", "energy"}))
       << "hand.* is no joint's";
   EXPECT_EQ(plotted("sim/scenes/grasp.toml", "--duration 0.2"),

@@ -88,7 +88,7 @@ TEST_F(CliWatchdog, AHeartbeatTooSlowForTheProfileIsToldWithTheOneThatDoes) {
 TEST_F(CliWatchdog, AFastHeartbeatOfTheHostIsNotThatOfTheNodes) {
   std::string text = read_file(scene_with("profile = \"epos4\"\n"));
   text.insert(text.find("[[device.joint]]"), "[device.supervision]\nheartbeat_period = 0.005\n");
-  const ProgramResult result = run_program("check " + write("scene.toml", text));
+  const ProgramResult result = run_program("check --full " + write("scene.toml", text));
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(
       result.output,

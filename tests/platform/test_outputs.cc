@@ -168,7 +168,7 @@ TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
   GTEST_SKIP() << "a sanitizer takes terabytes of addresses";
 #endif
   bool was_said = false;
-  for (int kib = 20'000; kib <= 44'000; kib += 1'000) {
+  for (int kib = 20'000; kib <= 100'000; kib += 2'000) {
     const ProgramResult result = run_program(std::string(short_run) + " --realtime",
                                              "ulimit -v " + std::to_string(kib) + " && timeout 20 ");
     EXPECT_THAT(result.exit_code, AnyOf(0, 1, 2, 3, 127)) << kib << " KiB: " << result.output;

@@ -160,6 +160,8 @@ TEST(DeviceTreeEndToEnd, ALostEncoderMakesEveryHandleInvalidAndHoldsItsJoint) {
   sim.encoder_ports[5]->set_connected(false);  // of jaw_right
   sim.cycles(10);
   EXPECT_FALSE(sim.sample.valid);
+  EXPECT_EQ(sim.rig->faults(), RigFault::none);
+  sim.cycles(100);  // lost_after
   EXPECT_EQ(sim.rig->faults(), RigFault::sample_stale);
   EXPECT_NE(sim.rig->fault_text().find("encoder of jaw_right"), std::string::npos);
 }
@@ -173,7 +175,7 @@ TEST(DeviceTreeEndToEnd, ReadAndCommandDoNotAllocate) {
   const bool armed = sim.rig->arm();
   sim.cycles(200, F);
   sim.encoder_ports[0]->set_connected(false);
-  sim.cycles(20, F);
+  sim.cycles(120, F);  // lost_after
   const bool faulted = sim.rig->state() == RigState::fault;
   const long calls = guard.calls();
   EXPECT_EQ(calls, 0) << guard.report();

@@ -208,7 +208,7 @@ TEST_P(ScriptedHolds, TheHandFeelsTheHeldBodyAboutItsOwnOrigin) {
   const Wrench& F = record.bodies[1].feedback_D;
   const Vec3 arm = record.bodies[1].target.X_WD.p - Motion(s).target(0, record.t).X_WD.p;
   EXPECT_GT(arm.norm(), 0.09);
-  EXPECT_GT(F.f.norm(), 0.02);
+  EXPECT_GT(F.f.norm(), 0.01);  // the scale of the feedback takes the stiffness over, no damping
   EXPECT_LE((record.hand_W.f - F.f).norm(), 1e-12);
   EXPECT_LE((record.hand_W.tau - F.tau - arm.cross(F.f)).norm(), 1e-12);
 }

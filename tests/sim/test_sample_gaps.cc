@@ -64,6 +64,9 @@ std::vector<FaultConfig> stalls(const SceneConfig& scene, unsigned seed, const c
   return faults;
 }
 
+/// What the counts of the encoders make of the velocity behind a damper is not the same in any two runs.
+constexpr double noise_N = 2e-3;
+
 class SampleGapsOnBuses : public testing::TestWithParam<const char*> {};
 
 TEST_P(SampleGapsOnBuses, ShowNothingThatWasNotThere) {
@@ -80,7 +83,7 @@ TEST_P(SampleGapsOnBuses, ShowNothingThatWasNotThere) {
           const Felt felt = feel(scene);
           EXPECT_GT(felt.held, 0);
           EXPECT_EQ(felt.faults, RigFault::none) << verb << " up to " << longest_s;
-          EXPECT_LE(felt.force, 1.03 * undisturbed.force)
+          EXPECT_LE(felt.force, 1.03 * undisturbed.force + noise_N)
               << verb << " up to " << longest_s << ", " << stale_after_s;
           EXPECT_LE(felt.torque, 1.03 * undisturbed.torque + 1e-6) << verb << " up to " << longest_s;
           worst = {.force = std::max(worst.force, felt.force),
@@ -96,9 +99,11 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SampleGapsOnBuses, testing::Values("rigid.toml"
 
 /// Stalls end haptics only after lost_after.
 TEST(SampleGapsLength, LostAfterIsAFault) {
+  // At a max_speed of 20 rad/s half a turn takes longer than lost_after.
   for (const auto& [duration, expected] : {std::pair{0.05, RigFault::none}, std::pair{0.09, RigFault::none},
                                            std::pair{0.11, RigFault::sample_stale}}) {
     SceneConfig scene = scene_of("rigid.toml");
+    for (EncoderParams& encoder : scene.device->rig->encoders) encoder.max_speed = 20;
     scene.faults = {{.verb = "drop", .bus = "can0", .node_id = 1, .at = 2, .duration = duration, .value = 1}};
     EXPECT_EQ(feel(scene).faults, expected) << duration;
   }

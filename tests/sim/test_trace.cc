@@ -142,7 +142,7 @@ TEST(Trace, JointsHaveTheirWrenchesBehindTheTargets) {
   scene.joints[0].name = "pivot";
   scene.joints[0].child = "tool";
   const std::vector<std::string> columns = trace_columns(scene);
-  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6 + 4);
+  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6 + 5);
   EXPECT_EQ(columns[46], "pivot.fx");
   EXPECT_EQ(columns[49], "pivot.tx");
   const std::string path = testing::TempDir() + "/godobject_trace_joints.csv";

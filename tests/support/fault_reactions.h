@@ -51,7 +51,8 @@ inline std::vector<FaultReaction> fault_reactions(const RigParams& rig) {
     FaultReaction reaction{.words = words_for(promise, rig)};
     for (const PromisedFault& promised : promise.faults) {
       // what takes travel may be preceded by what takes none
-      const bool may_be_first = promised.always || promise.faults[0].within == FaultDelay::travel;
+      const bool may_be_first = promised.always || promised.fault == RigFault::send_refused ||
+                                promise.faults[0].within == FaultDelay::travel;
       if (promised.fault == RigFault::none || !may_be_first) continue;
       reaction.expected = reaction.expected | promised.fault;
       if (promised.within == FaultDelay::duration) continue;  // never the first
