@@ -129,7 +129,7 @@ inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted,
   if (!valid || x.held > 0 || x.calm > 0) [[unlikely]]
     bridge(par, x, valid, h, before, pull, limited);
   const bool engage = wanted && (valid || before.engaged);
-  pull.fresh = engage != before.engaged;
+  pull.fresh = engage != before.engaged || engage != x.ramp.engaged;
   pull.ramp.engaged = engage;
   if (!engage) return pull;
   if (before.s == 1 || par.rise <= h) {
