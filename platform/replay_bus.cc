@@ -15,7 +15,6 @@
 
 #include "hal/candump.h"
 #include "platform/clock.h"
-#include "sim/diagnostics.h"
 
 namespace godobject {
 namespace {
@@ -42,6 +41,26 @@ const char* text_of(CandumpResult result) {
 }
 
 bool is_wrong(CandumpResult result) { return *text_of(result) != '\0'; }
+
+/// Its bytes that no terminal shows are '?'.
+std::string printable(std::string name) {
+  std::ranges::replace_if(
+      name, [](char c) { return c < ' ' || c == '\x7F'; }, '?');
+  return name;
+}
+
+/// The whole of a file, or of a pipe; false where there is more.
+bool read_up_to(std::istream& file, std::size_t max_bytes, std::string& text) {
+  constexpr std::size_t at_a_time = std::size_t{1} << 20;
+  text.clear();
+  while (file && text.size() <= max_bytes) {
+    const std::size_t end = text.size();
+    text.resize(end + at_a_time);
+    file.read(text.data() + end, at_a_time);
+    text.resize(end + static_cast<std::size_t>(file.gcount()));
+  }
+  return text.size() <= max_bytes;
+}
 
 /// The names of a log's interfaces, or as many as a message has room for.
 std::string joined(const std::set<std::string, std::less<>>& names) {
@@ -71,9 +90,14 @@ bool ReplayBus::fail(std::string why) {
 
 bool ReplayBus::open() noexcept {
   close();
-  FileText file = read_file(path_, max_log_bytes);
-  if (!file.text) return fail(file.why_not);
-  log_ = *std::move(file.text);
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path_, error);
+  if (std::filesystem::is_directory(status)) return fail("is a directory, not a log");
+  if (std::filesystem::exists(status) && !is_regular_file(status) && !is_fifo(status))
+    return fail("is neither a file nor a pipe");
+  std::ifstream file(path_, std::ios::binary);
+  if (!file) return fail("cannot be read: " + std::generic_category().message(errno));
+  if (!read_up_to(file, max_log_bytes, log_)) return fail("is larger than 2 GB, the most that is read");
   if (log_.empty()) return fail("is empty");
   if (!check_log()) return false;
   timer_fd_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);

@@ -123,7 +123,7 @@ TEST_F(Replay, ALogThatIsWrongIsRefusedWithItsLine) {
   }
   ReplayBus missing(path("missing.log"), {});
   EXPECT_FALSE(missing.open());
-  EXPECT_THAT(missing.trouble(), HasSubstr("missing.log: cannot be read: is the path right?"));
+  EXPECT_THAT(missing.trouble(), HasSubstr("No such file"));
   ReplayBus folder(path(""), {});
   EXPECT_FALSE(folder.open());
   EXPECT_THAT(folder.trouble(), HasSubstr("is a directory"));
