@@ -245,8 +245,7 @@ TEST(SceneToml, EffectiveConfigurationLoadsBackAsItself) {
   scene.motion->amplitude = Vec3(0.1, 0.2, 0.3);
   scene.wire = {.seed = 9, .loss_probability = 0.1, .corruption_probability = 0.2, .delay_s = 1e-4};
   const std::string text = effective_config_toml(scene);
-  const auto printed = std::filesystem::path(GetParam()).parent_path() / "printed";  // beside the files that it names
-  const LoadResult back = parse_scene(text, printed.string());
+  const LoadResult back = parse_scene(text, "printed");
   ASSERT_THAT(back.errors, IsEmpty()) << text;
   EXPECT_EQ(effective_config_toml(*back.scene), text);
   EXPECT_EQ(back.scene->about, scene.about);
@@ -279,7 +278,8 @@ TEST_P(ShippedScene, LoadsWithoutComplaintAndRoundTrips) {
   EXPECT_EQ(result.warnings.size(), result.scene->name == "torque-free" ? 1u : 0u);
   EXPECT_EQ(result.scene->name, stem(GetParam()));
   const std::string text = effective_config_toml(*result.scene);
-  const LoadResult back = parse_scene(text, "printed");
+  const auto printed = std::filesystem::path(GetParam()).parent_path() / "printed";  // beside the files that it names
+  const LoadResult back = parse_scene(text, printed.string());
   ASSERT_THAT(back.errors, IsEmpty()) << text;
   EXPECT_EQ(effective_config_toml(*back.scene), text);
 }
