@@ -1,8 +1,8 @@
 // Energies of a state, J: for tests, studies and the trace. The step does not need them.
 #pragma once
 
-#include "core/coupling.h"
-#include "core/device.h"
+#include "core/body/coupling.h"
+#include "core/device/device.h"
 
 namespace godobject {
 

@@ -1,11 +1,11 @@
 // Everything the author of a scene includes.
 #pragma once
 
-#include "core/device_holding.h"
+#include "core/device/holding.h"
 #include "core/energy.h"
 #include "core/hash.h"
 #include "core/integrator_implicit_euler.h"
 #include "core/integrator_tr_bdf2.h"
 #include "core/setup.h"
 #include "core/step.h"
-#include "core/tree.h"
+#include "core/joint/tree.h"

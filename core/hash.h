@@ -5,11 +5,11 @@
 #include <bit>
 #include <cstdint>
 
-#include "core/contact_memory.h"
-#include "core/device_holding.h"
-#include "core/feedback.h"
+#include "core/contact/memory.h"
+#include "core/device/holding.h"
+#include "core/device/feedback.h"
 #include "core/integrator_tr_bdf2.h"
-#include "core/joint_imposed.h"
+#include "core/joint/imposed.h"
 
 namespace godobject {
 

@@ -18,7 +18,7 @@
 #include <type_traits>
 
 #include "core/fault.h"
-#include "core/rigid_body.h"
+#include "core/body/rigid_body.h"
 
 namespace godobject {
 

@@ -3,10 +3,10 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "core/contact.h"
-#include "core/device.h"
-#include "core/feedback.h"
-#include "core/tree.h"
+#include "core/contact/contact.h"
+#include "core/device/device.h"
+#include "core/device/feedback.h"
+#include "core/joint/tree.h"
 
 namespace godobject {
 

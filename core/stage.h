@@ -1,13 +1,13 @@
 // One stage of an integrator: from the bases of all bodies to the velocities they move with.
 #pragma once
 
-#include "core/contact_bodies.h"
-#include "core/contact_fixed.h"
-#include "core/device.h"
-#include "core/flatten.h"
-#include "core/gather.h"
-#include "core/implicit_stage.h"
-#include "core/tree.h"
+#include "core/contact/bodies.h"
+#include "core/contact/fixed.h"
+#include "core/device/device.h"
+#include "core/math/flatten.h"
+#include "core/math/lanes.h"
+#include "core/body/implicit_stage.h"
+#include "core/joint/tree.h"
 
 namespace godobject {
 

@@ -1,7 +1,7 @@
 // The time step. Equation numbers are those of docs/step.md.
 #pragma once
 
-#include "core/feedback.h"
+#include "core/device/feedback.h"
 #include "core/stage.h"
 
 namespace godobject {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "core/types.h"
+#include "core/math/types.h"
 #include "hal/rig_params.h"
 
 namespace godobject {

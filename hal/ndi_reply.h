@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/types.h"
+#include "core/math/types.h"
 #include "hal/codec.h"
 
 namespace godobject::ndi {

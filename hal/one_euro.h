@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/types.h"
+#include "core/math/types.h"
 
 namespace godobject {
 

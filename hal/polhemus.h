@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "core/types.h"
+#include "core/math/types.h"
 #include "hal/codec.h"
 
 namespace godobject::polhemus {

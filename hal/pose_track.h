@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/target.h"
+#include "core/body/target.h"
 #include "hal/can_frame.h"
 
 namespace godobject {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/types.h"
+#include "core/math/types.h"
 #include "hal/can_frame.h"
 #include "hal/tracker_params.h"
 

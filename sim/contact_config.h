@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/shape_list.h"
+#include "core/shape/list.h"
 
 namespace godobject {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/contact.h"
+#include "core/contact/contact.h"
 #include "sim/contact_pairs.h"
 #include "sim/obstacle_file.h"
 #include "sim/scene.h"

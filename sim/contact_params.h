@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/contact.h"
+#include "core/contact/contact.h"
 #include "sim/mesh_solid.h"
 #include "sim/scene.h"
 

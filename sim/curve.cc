@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/so3.h"
+#include "core/math/so3.h"
 
 namespace godobject {
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/types.h"
+#include "core/math/types.h"
 
 namespace godobject {
 

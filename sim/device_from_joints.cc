@@ -4,7 +4,7 @@
 #include <map>
 #include <optional>
 
-#include "core/device_holding.h"
+#include "core/device/holding.h"
 
 namespace godobject {
 namespace {

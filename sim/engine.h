@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/contact.h"
+#include "core/contact/contact.h"
 #include "core/energy.h"
-#include "core/joint_imposed.h"
+#include "core/joint/imposed.h"
 #include "sim/contact_pairs.h"
 #include "sim/scene.h"
 

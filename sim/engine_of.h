@@ -1,7 +1,7 @@
 // Engine for one scene type. Included only by the files that instantiate compositions.
 #pragma once
 
-#include "core/contact_fixed.h"
+#include "core/contact/fixed.h"
 #include "core/godobject.h"
 #include "sim/contact_params.h"
 #include "sim/engine.h"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/feedback.h"
+#include "core/device/feedback.h"
 #include "sim/engine.h"
 #include "sim/motion.h"
 

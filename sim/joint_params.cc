@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/joint_list.h"
+#include "core/joint/list.h"
 
 namespace godobject {
 namespace {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t max_corners = 3 * max_mesh_triangles;
 constexpr int max_apexes = 16;       // corners of a face that are tried: time stays linear in the file
-constexpr double least_area = 1e-9;  // of the longest edge squared, as in core/mesh_setup.h
+constexpr double least_area = 1e-9;  // of the longest edge squared, as in core/shape/mesh_setup.h
 
 using Polygon = std::vector<std::uint32_t>;
 

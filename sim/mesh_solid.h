@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh_setup.h"
+#include "core/shape/mesh_setup.h"
 #include "sim/contact_config.h"
 
 namespace godobject {

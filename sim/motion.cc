@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/so3.h"
+#include "core/math/so3.h"
 
 namespace godobject {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/joint.h"
+#include "core/joint/joint.h"
 #include "hal/rig_params.h"
 #include "hal/tracker_params.h"
 #include "sim/contact_config.h"

@@ -9,7 +9,7 @@
 
 #include <toml++/toml.h>
 
-#include "core/types.h"
+#include "core/math/types.h"
 #include "sim/diagnostics.h"
 #include "sim/key.h"
 

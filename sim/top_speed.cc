@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/contact_near.h"
+#include "core/contact/candidates.h"
 #include "sim/contact_pairs.h"
 #include "sim/contact_params.h"
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/contact.h"
+#include "core/contact/contact.h"
 #include "sim/csv_rows.h"
 #include "sim/scene.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/device_holding.h"
+#include "core/device/holding.h"
 
 namespace godobject {
 

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "core/types.h"
+#include "core/math/types.h"
 #include "sim/key.h"
 
 namespace godobject {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the polynomial coefficients of core/so3.h and core/rotation_error.h with their errors.
+"""Prints the polynomial coefficients of core/math/so3.h and core/math/rotation_error.h with their errors.
 
 Needs mpmath (Debian: python3-mpmath). usage: so3_coefficients.py
 """

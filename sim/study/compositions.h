@@ -3,8 +3,8 @@
 // part of the joints by itself, and with each stabilisation.
 #pragma once
 
-#include "core/contact_bodies.h"
-#include "core/contact_fixed.h"
+#include "core/contact/bodies.h"
+#include "core/contact/fixed.h"
 #include "core/godobject.h"
 
 namespace godobject::study {

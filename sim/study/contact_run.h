@@ -1,8 +1,8 @@
 // Scenes with contacts in the core: their types, and how what a scene touches with gets into the parameters.
 #pragma once
 
-#include "core/contact_bodies.h"
-#include "core/contact_fixed.h"
+#include "core/contact/bodies.h"
+#include "core/contact/fixed.h"
 #include "sim/study/case_run.h"
 #include "sim/study/compositions.h"
 #include "sim/study/contact_scene.h"

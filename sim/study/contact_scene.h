@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/contact.h"
+#include "core/contact/contact.h"
 #include "tests/oracle/case.h"
 
 namespace godobject::bench {

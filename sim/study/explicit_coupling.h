@@ -2,8 +2,8 @@
 // as a general-purpose physics engine treats a force that is handed to it. Not for use.
 #pragma once
 
-#include "core/coupling.h"
-#include "core/target.h"
+#include "core/body/coupling.h"
+#include "core/body/target.h"
 
 namespace godobject::study {
 

@@ -9,7 +9,7 @@
 
 namespace godobject::study {
 
-/// Integrator and stabilisation: those of core/stabilisation.h with implicit Euler, then at-prediction with tr-bdf2.
+/// Integrator and stabilisation: those of core/joint/stabilisation.h with implicit Euler, then at-prediction with tr-bdf2.
 std::vector<std::string> joint_schemes();
 
 /// A run fails by a fault, by a joint apart by more than 0.1 m or 1 rad, or by 100 times the largest kinetic energy

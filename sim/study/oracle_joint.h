@@ -1,7 +1,7 @@
 // The joints of a case of the oracle in the core's terms.
 #pragma once
 
-#include "core/joint.h"
+#include "core/joint/joint.h"
 #include "tests/oracle/case.h"
 
 namespace godobject {

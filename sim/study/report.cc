@@ -63,7 +63,7 @@ over 500.
 )";
 
 constexpr const char* joints_method = R"(**Joints.** Drift is the worst e_v (m) and e_w (rad) of
-any joint (core/joint.h) after any step. The map starts S3 on its moving device; all its stiffnesses rise
+any joint (core/joint/joint.h) after any step. The map starts S3 on its moving device; all its stiffnesses rise
 together, the number given is that of trocar and tube, and damping ratios stay. A run has failed when the step
 reports a fault, a joint is apart by more than 0.1 m or 1 rad, or the tool has more than 100 times the largest
 kinetic energy of its device. Schemes that need the start of the stage exist for implicit Euler only. Slow motion:

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
-#include "core/block.h"
+#include "core/math/block.h"
 #include "tests/articulated/random_tool.h"
 
 namespace godobject::test_lanes {

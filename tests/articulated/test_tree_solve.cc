@@ -1,5 +1,5 @@
 // The elimination along the tree against its plain twin: one dense matrix of all twists and all joint wrenches.
-#include "core/tree_solve.h"
+#include "core/joint/tree_solve.h"
 
 #include <random>
 

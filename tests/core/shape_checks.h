@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/shape_list.h"
+#include "core/shape/list.h"
 #include "tests/core/one_body.h"
 
 namespace godobject {

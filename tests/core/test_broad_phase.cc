@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/sphere_pairs.h"
+#include "core/contact/find/sphere_pairs.h"
 #include "tests/core/one_body.h"
 #include "tests/support/allocation_guard.h"
 

@@ -1,4 +1,4 @@
-#include "core/device.h"
+#include "core/device/device.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/feedback.h"
+#include "core/device/feedback.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/rotation_error.h"
+#include "core/math/rotation_error.h"
 
 #include <gtest/gtest.h>
 

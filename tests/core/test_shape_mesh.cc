@@ -1,7 +1,7 @@
 #include <map>
 #include <utility>
 
-#include "core/mesh_setup.h"
+#include "core/shape/mesh_setup.h"
 #include "tests/core/shape_checks.h"
 
 namespace godobject::test_shape_mesh {

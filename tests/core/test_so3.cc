@@ -1,4 +1,4 @@
-#include "core/so3.h"
+#include "core/math/so3.h"
 
 #include <gtest/gtest.h>
 

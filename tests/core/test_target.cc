@@ -1,4 +1,4 @@
-#include "core/target.h"
+#include "core/body/target.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <regex>
 
-#include "core/shape_list.h"
+#include "core/shape/list.h"
 #include "sim/mesh_solid.h"
 #include "sim/obstacle_file.h"
 #include "tests/support/mesh_files.h"

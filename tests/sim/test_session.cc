@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/so3.h"
+#include "core/math/so3.h"
 #include "sim/key.h"
 #include "sim/scene_toml.h"
 

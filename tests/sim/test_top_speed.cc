@@ -1,7 +1,7 @@
 // The stated top speed: below it a wall holds, and well above it a sphere goes through.
 #include "sim/top_speed.h"
 
-#include "core/contact_near.h"
+#include "core/contact/candidates.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

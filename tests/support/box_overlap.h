@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/types.h"
+#include "core/math/types.h"
 
 namespace godobject::box_overlap {
 

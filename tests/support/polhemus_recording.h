@@ -6,7 +6,7 @@
 #include <fstream>
 #include <vector>
 
-#include "core/types.h"
+#include "core/math/types.h"
 
 namespace godobject::test {
 

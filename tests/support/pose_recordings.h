@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/target.h"
+#include "core/body/target.h"
 #include "tests/support/ndi_stream.h"
 #include "tests/support/polhemus_recording.h"
 #include "tests/support/shared_data.h"

@@ -1,0 +1,34 @@
+// The damped spring of zero length between a body and its target, equation (2).
+#pragma once
+
+#include "core/math/rotation_error.h"
+
+namespace godobject {
+
+/// F = g e_t' + k e_t,  T = g_r (w_D - w_B) + k_r alpha u.
+template <class T>
+struct SpringParamsOf {
+  T k = 0;    // N/m, >= 0
+  T g = 0;    // N s/m, >= 0
+  T k_r = 0;  // N m/rad, >= 0
+  T g_r = 0;  // N m s/rad, >= 0
+};
+using SpringParams = SpringParamsOf<Real>;
+
+/// The coupling part of a scene. Bodies of the scene without a coupling have all gains zero.
+struct DampedSpring {
+  using Params = SpringParams;
+  template <class T>
+  struct StateOf {
+    Vector3<T> phi_B =
+        Vector3<T>::Zero();  // attitude error of the last step: keeps its side near the half turn
+  };
+  using State = StateOf<Real>;
+};
+
+/// (14)  gains during the ramp-up after engaging, s from 0 to 1: the damping ratio g / sqrt(m k) stays.
+inline SpringParams ramped(const SpringParams& spring, Real s) noexcept {
+  return {.k = s * s * spring.k, .g = s * spring.g, .k_r = s * s * spring.k_r, .g_r = s * spring.g_r};
+}
+
+}  // namespace godobject

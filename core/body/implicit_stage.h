@@ -1,0 +1,103 @@
+// One linearly implicit Euler stage of a rigid body on its spring: the kernel of every integrator.
+//
+// It discretises (3), that is Newton-Euler (1) with the coupling (2). A stage starts from a base (pose X^,
+// velocities v^, w^) and finds the velocities v+, w+ with which the body moves for a time h, forces taken at
+// the far end and linearised once:
+//
+//   (10)  m (v+ - v^)   = h ( F_W + g (v_D - v+) + k (p_D - p^ - h v+) )
+//   (11)  I (w+ - w^)   = h ( T_B + g_r (w_D - w+) + k_r (phi - h J w+) - w x I w )
+//
+// Both are linear in the unknown. However long the step, however stiff the spring, a stage never adds
+// energy while the target rests: docs/theory/stage.md has the proof, tests/core/test_stability.cc the sweep.
+#pragma once
+
+#include "core/body/coupling.h"
+#include "core/body/rigid_body.h"
+
+namespace godobject {
+
+/// How a body moves during a stage.
+template <class T>
+struct StageVelocityOf {
+  Vector3<T> v_W = Vector3<T>::Zero();
+  Vector3<T> w_B = Vector3<T>::Zero();
+};
+using StageVelocity = StageVelocityOf<Real>;
+
+/// x with A x = b, by cofactors: 3 x 3, regular, one division.
+template <class T = Real>
+Vector3<T> solve3(const Matrix3<T>& A, const Vector3<T>& b) noexcept {
+  const Vector3<T> a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
+  const Vector3<T> c0 = a1.cross(a2), c1 = a2.cross(a0), c2 = a0.cross(a1);
+  return Vector3<T>(c0.dot(b), c1.dot(b), c2.dot(b)) * T(1 / a0.dot(c0));
+}
+
+/// A^-1 by cofactors: A regular.
+template <class T>
+Matrix3<T> inverse3(const Matrix3<T>& A) noexcept {
+  const Vector3<T> a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
+  const Vector3<T> c0 = a1.cross(a2), c1 = a2.cross(a0), c2 = a0.cross(a1);
+  const T r = T(1) / a0.dot(c0);
+  Matrix3<T> inverse;
+  for (int j = 0; j < 3; ++j) inverse.col(j) = Vector3<T>(c0[j], c1[j], c2[j]) * r;
+  return inverse;
+}
+
+/// (10) as M v+ = b, world axes.
+template <class T>
+struct TranslationSystemOf {
+  T M = 1;
+  Vector3<T> b_W = Vector3<T>::Zero();
+};
+using TranslationSystem = TranslationSystemOf<Real>;
+
+/// (11) as A w+ = b, body axes.
+template <class T>
+struct RotationSystemOf {
+  Matrix3<T> A_B = Matrix3<T>::Identity();
+  Vector3<T> b_B = Vector3<T>::Zero();
+};
+using RotationSystem = RotationSystemOf<Real>;
+
+/// (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
+template <class T>
+TranslationSystemOf<T> implicit_translation(const std::type_identity_t<T>& m, const SpringParamsOf<T>& spring,
+                                            const Vector3<T>& v_W, const Vector3<T>& e_W,
+                                            const Vector3<T>& v_D, const Vector3<T>& F_W, Real h) noexcept {
+  const T hk = h * spring.k;
+  return {.M = m + h * (spring.g + hk), .b_W = m * v_W + h * (F_W + spring.g * v_D) + hk * e_W};
+}
+
+/// Everything in body axes. With L = I w^ the terms of (11), linearised in w+:
+///   gyroscopic    w x I w    ->  w+ x L                    (never does work on w+)
+///                                + rho w^ x (I w+ - L)     (makes it Newton's: second order)
+///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + c [phi]x^2
+///   damping       R+^T w_D   ->  w_D + h w_D x w+
+/// rho = 1 unless a step turns the body so far that the Newton term could do work.
+template <class T>
+RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const SpringParamsOf<T>& spring,
+                                      const Vector3<T>& w_B, const RotationErrorOf<T>& error,
+                                      const Vector3<T>& w_D_B, const Vector3<T>& T_B, Real h) noexcept {
+  const Vector3<T>& phi = error.phi_B;
+  const Vector3<T> L = body.I_B * w_B;
+  const T hk = h * spring.k_r;
+
+  // rho h |w| sqrt(I_max / I_min) <= 1/2
+  const T swing_sq = 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm();
+  const T rho = select(swing_sq <= 1, T(1), T(1 / swing_sq));
+  const Vector3<T> hw = T(rho * h) * w_B;
+
+  // A = I + h (g_r + h k_r) 1 + [hw]x I - [turn]x + h^2 k_r c [phi]x^2,  [phi]x^2 = phi phi^T - |phi|^2 1
+  const Vector3<T> turn = h * (L + T(Real(0.5) * hk) * phi + T(h * spring.g_r) * w_D_B);
+  const Vector3<T> bent = T(h * hk * error.curvature) * phi;
+  const T diagonal = h * (spring.g_r + hk) - bent.dot(phi);
+  RotationSystemOf<T> system;
+  Matrix3<T>& A = system.A_B;
+  for (int j = 0; j < 3; ++j) A.col(j) = body.I_B.col(j) + hw.cross(body.I_B.col(j)) + phi[j] * bent;
+  A += skew<T>(-turn);
+  A.diagonal().array() += diagonal;
+  system.b_B = L + hw.cross(L) + h * (T_B + spring.g_r * w_D_B) + hk * phi;
+  return system;
+}
+
+}  // namespace godobject

@@ -1,0 +1,39 @@
+// A rigid body: what it is (params) and where it is (state).
+#pragma once
+
+#include "core/math/so3.h"
+
+namespace godobject {
+
+template <class T>
+struct RigidBodyParamsOf {
+  T m = 1;  // mass, kg, > 0
+  Matrix3<T> I_B =
+      Matrix3<T>::Identity();  // inertia about the centre of mass, body axes, kg m^2, positive definite
+  T anisotropy = 1;            // sqrt(I_max / I_min): see rho in implicit_rotation; rigid_body() fills it in
+};
+using RigidBodyParams = RigidBodyParamsOf<Real>;
+
+/// The translation lives in the world frame, the rotation in the body frame, where I_B is constant.
+template <class T>
+struct RigidBodyStateOf {
+  PoseOf<T> X_WB;
+  Vector3<T> v_W = Vector3<T>::Zero();  // of the centre of mass, m/s
+  Vector3<T> w_B = Vector3<T>::Zero();  // angular velocity in body axes, rad/s
+};
+using RigidBodyState = RigidBodyStateOf<Real>;
+
+/// (17)  pose after moving for a time t with constant v_W and w_B. A body turns at most half a turn per step.
+template <class T = Real>
+PoseOf<T> moved(const PoseOf<T>& X_WB, const Vector3<T>& v_W, const Vector3<T>& w_B,
+                const std::type_identity_t<T>& t) noexcept {
+  Vector3<T> turn_B = t * w_B;
+  const T turn_sq = turn_B.squaredNorm();
+  if (any(turn_sq > pi * pi)) {
+    using std::sqrt;
+    turn_B *= select(turn_sq > pi * pi, T(pi / sqrt(turn_sq)), T(1));
+  }
+  return {.p = X_WB.p + t * v_W, .q = X_WB.q * renormalizing<T>(exp_so3<T>(turn_B), X_WB.q)};
+}
+
+}  // namespace godobject

@@ -1,0 +1,50 @@
+// Which spheres are near which surfaces. Bound: a query for each sphere and surface of the world.
+#pragma once
+
+#include "core/contact/contact.h"
+#include "core/contact/memory.h"
+#include "core/math/bounded_list.h"
+
+namespace godobject {
+
+/// What is near a surface, or another sphere or edge, where a stage is predicted to end.
+struct NearContact {
+  std::uint64_t key = 0;
+  std::uint32_t of = 0, on = 0;  // numbers of what is near what: surfaces, then spheres
+  std::uint32_t a = 0, b = 0;    // their bodies
+  Real d = 0;                    // depth, m; < 0: apart
+  Real v_n = 0;                  // how fast it opens, m/s
+  Vec3 p_W = Vec3::Zero();       // contact point, on a
+  Vec3 n_W = Vec3::UnitZ();      // off b
+
+  static bool comes_before(const NearContact& a, const NearContact& b) noexcept { return a.key < b.key; }
+  static bool is_deeper(const NearContact& a, const NearContact& b) noexcept {
+    return a.d != b.d ? a.d > b.d : comes_before(a, b);
+  }
+};
+
+/// The list of a stage.
+template <std::size_t max_contacts>
+using NearContacts = Deepest<NearContact, max_contacts, NearContact::is_deeper, NearContact::comes_before>;
+
+/// Number of a sphere among what touches.
+template <std::size_t max_spheres, std::size_t max_surfaces>
+constexpr std::uint32_t sphere_number(const ContactParams<max_spheres, max_surfaces>&,
+                                      std::uint32_t sphere) noexcept {
+  return static_cast<std::uint32_t>(max_surfaces) + sphere;
+}
+/// The law of a contact.
+template <std::size_t max_spheres, std::size_t max_surfaces>
+const ContactLaw& law_of(const ContactParams<max_spheres, max_surfaces>& par,
+                         const NearContact& near) noexcept {
+  const auto material = [&](std::uint32_t number) noexcept {
+    return number < max_surfaces ? par.surfaces[number].material
+                                 : par.spheres[number - max_surfaces].material;
+  };
+  return par.law(material(near.of), material(near.on));
+}
+
+/// A sphere nearer to a surface than this many of its radii may come to bear a force within the stage.
+inline constexpr Real contact_reach = 0.25;
+
+}  // namespace godobject

@@ -1,0 +1,75 @@
+// Penalty contacts of spheres: their law, and what a scene says about them.
+//
+//   (22)  F_n = max(k (d - e) - c v_n, 0) where d > 0
+//   (23)  F_t = -(k_t xi + c_t v_t) while |F_t| <= mu F_n; beyond, the contact point slips and |F_t| = mu F_n
+//
+// d: depth of the sphere in the surface; v: velocity of the contact point against the surface, n off the surface;
+// xi: how far the contact point has been dragged since it stuck; e: the part of d that no motion explains. Bodies put
+// into each other, by whoever made the scene or let go of one, begin with e = d, which is let out at a speed of its own.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/math/block.h"
+#include "core/joint/joint.h"
+#include "core/shape/list.h"
+
+namespace godobject {
+
+/// Of a pair of materials: what one sphere's contact does. Spheres that share a load add up their stiffness.
+struct ContactLaw {
+  Real k = 0;            // N/m
+  Real c = 0;            // N s/m
+  Real mu = 0;           // Coulomb, sticking and slipping
+  Real k_t = 0;          // N/m, of a contact point that sticks
+  Real c_t = 0;          // N s/m; k_t and c_t are not both zero where mu is not
+  Real push_out = 0.05;  // m/s, at which what no motion explains is let out
+};
+
+inline constexpr std::size_t max_materials = 8;
+using MaterialId = std::uint8_t;  // < max_materials
+
+/// A sphere fixed on a body.
+struct BodySphere {
+  std::size_t body = 0;
+  Vec3 p_B = Vec3::Zero();  // its centre from the body's centre of mass, m
+  Real radius = 0;          // m, > 0
+  MaterialId material = 0;
+};
+
+/// What spheres touch: an obstacle of the world, or a shape fixed on a body.
+struct Surface {
+  std::size_t body = world;
+  ShapeParams shape;  // its X_WS is against the body if it has one
+  MaterialId material = 0;
+};
+
+/// Constant while running. Spheres are in the order of their bodies; so are surfaces, those of the world first.
+template <std::size_t max_spheres_, std::size_t max_surfaces_>
+struct ContactParams {
+  std::array<BodySphere, max_spheres_> spheres;
+  std::size_t num_spheres = 0;
+  std::array<Surface, max_surfaces_> surfaces;
+  std::size_t num_surfaces = 0;
+  std::array<std::array<ContactLaw, max_materials>, max_materials> laws;  // [a][b] is [b][a]
+
+  const ContactLaw& law(MaterialId a, MaterialId b) const noexcept { return laws[a][b]; }
+};
+
+/// What a step says of the contacts of the scene, at the end of its last stage.
+struct ContactReport {
+  std::size_t num_contacts = 0;  // that bear a force
+  std::size_t num_near = 0;      // listed
+  Real deepest = 0;              // depth of the deepest sphere, m
+  int passes = 0;                // over the cases of the contacts, of the island that took most
+  int iterations = 0;            // of the solve, in all of them, likewise
+  Real residual = 0;             // by how much the worst contact's force misses (22), (23), N
+};
+
+/// And of one body: the sum of its contact forces, about its centre of mass, world axes.
+struct ContactWrench {
+  Wrench F_W;
+};
+
+}  // namespace godobject

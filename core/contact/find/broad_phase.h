@@ -1,0 +1,202 @@
+// Which bodies are near each other: the boxes round their spheres, sorted and swept along one axis.
+//
+// Bound for n bodies: n log2(n) comparisons of the sort, n^2 / 8 + n tests of a box against four (when all
+// boxes overlap along the axis), n^2 / 128 words of the result. Nothing is remembered from step to step.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "core/contact/body_spheres.h"
+#include "core/math/merge_sort.h"
+
+namespace godobject {
+
+/// For each body a set of bodies with a higher number.
+template <std::size_t max_bodies>
+struct BodyPairs {
+  static constexpr std::size_t words_per_row = (max_bodies + 63) / 64;
+  std::array<std::array<std::uint64_t, words_per_row>, max_bodies> rows;
+  std::size_t num_bodies = 0;
+
+  void clear(std::size_t n) noexcept {
+    num_bodies = n;
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t word = a / 64; word < (n + 63) / 64; ++word) rows[a][word] = 0;
+  }
+  /// a != b.
+  void insert(std::uint32_t a, std::uint32_t b) noexcept {
+    if (b < a) std::swap(a, b);
+    rows[a][b / 64] |= std::uint64_t(1) << (b % 64);
+  }
+  bool contains(std::uint32_t a, std::uint32_t b) const noexcept {
+    if (b < a) std::swap(a, b);
+    return (rows[a][b / 64] >> (b % 64) & 1) != 0;
+  }
+  /// f(b) for every pair (a, b), a < b, in the order of b.
+  template <class F>
+  void for_each_of(std::uint32_t a, F f) const noexcept {
+    for (std::uint32_t word = a / 64; word < (num_bodies + 63) / 64; ++word) {
+      for (std::uint64_t left = rows[a][word]; left != 0; left &= left - 1)
+        f(64 * word + static_cast<std::uint32_t>(std::countr_zero(left)));
+    }
+  }
+  /// f(a, b) for every pair, a < b, in the order of a, then b.
+  template <class F>
+  void for_each(F f) const noexcept {
+    for (std::uint32_t a = 0; a < num_bodies; ++a) for_each_of(a, [&](std::uint32_t b) { f(a, b); });
+  }
+};
+
+/// Aabb round the spheres of a body, along the axes of the world.
+struct Aabb {
+  Vec3 lo = Vec3::Zero();
+  Vec3 hi = Vec3::Zero();
+};
+inline Aabb grown(const Aabb& box, Real by) noexcept {
+  return {.lo = box.lo - Vec3::Constant(by), .hi = box.hi + Vec3::Constant(by)};
+}
+
+struct AabbPack {
+  Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(0));
+  Vector3<Pack> hi = Vector3<Pack>::Constant(Pack(0));
+};
+
+/// Worthless between steps.
+template <std::size_t max_bodies>
+struct BroadPhaseScratch {
+  struct Entry {
+    Real lo;  // lower end of the box along the axis
+    std::uint32_t body;
+  };
+  std::array<Aabb, max_bodies> boxes;
+  std::array<Entry, max_bodies> entries, merged;
+  std::array<AabbPack, (max_bodies + 3) / 4> sorted;
+  BodyPairs<max_bodies> pairs;  // the result
+  std::size_t num_entries = 0;  // bodies with spheres, all of them finite
+};
+
+/// Aabb of one body, `margin` wider on all sides. False: a centre or radius is not finite.
+template <class Spheres>
+[[nodiscard]] bool find_box(const Spheres& spheres, const typename Spheres::Body& body, Real margin,
+                            Aabb& box) noexcept {
+  const SpherePack& first = spheres.packs[body.first_pack];
+  Vector3<Pack> lo, hi;
+  Pack zero = 0;
+  for (int c = 0; c < 3; ++c) {
+    lo[c] = first.p_W[c] - first.r;
+    hi[c] = first.p_W[c] + first.r;
+    zero += lo[c] * 0 + hi[c] * 0;
+  }
+  for (std::uint32_t k = body.first_pack + 1; k < body.end_pack(); ++k) {
+    const SpherePack& pack = spheres.packs[k];
+    for (int c = 0; c < 3; ++c) {
+      const Pack a = pack.p_W[c] - pack.r, b = pack.p_W[c] + pack.r;
+      lo[c] = min(a, lo[c]);
+      hi[c] = -min(-b, -hi[c]);  // the larger
+      zero += a * 0 + b * 0;
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    box.lo[c] = std::min({lo[c][0], lo[c][1], lo[c][2], lo[c][3]}) - margin;
+    box.hi[c] = std::max({hi[c][0], hi[c][1], hi[c][2], hi[c][3]}) + margin;
+  }
+  return bits(zero <= 0) == 15;
+}
+
+/// The axis along which the boxes are spread most: it only decides how long the sweep takes.
+template <std::size_t max_bodies>
+int widest_axis(const BroadPhaseScratch<max_bodies>& w) noexcept {
+  Vec3 sum = Vec3::Zero(), sum_sq = Vec3::Zero();
+  for (std::size_t k = 0; k < w.num_entries; ++k) {
+    const Vec3& lo = w.boxes[w.entries[k].body].lo;
+    sum += lo;
+    sum_sq += lo.cwiseProduct(lo);
+  }
+  const Vec3 spread = static_cast<Real>(w.num_entries) * sum_sq - sum.cwiseProduct(sum);
+  if (spread.x() >= spread.y() && spread.x() >= spread.z()) return 0;
+  return spread.y() >= spread.z() ? 1 : 2;
+}
+
+/// The boxes in the order of the entries, four to a pack; lanes without a box overlap nothing.
+template <std::size_t max_bodies>
+void pack_boxes(BroadPhaseScratch<max_bodies>& w) noexcept {
+  constexpr Real nan = std::numeric_limits<Real>::quiet_NaN();
+  const std::size_t n = w.num_entries;
+  for (std::size_t k = 0; k < n; ++k) {
+    set_lane(w.sorted[k / 4].lo, k % 4, w.boxes[w.entries[k].body].lo);
+    set_lane(w.sorted[k / 4].hi, k % 4, w.boxes[w.entries[k].body].hi);
+  }
+  for (std::size_t k = n; k % 4 != 0; ++k) set_lane(w.sorted[k / 4].lo, k % 4, Vec3::Constant(nan));
+}
+
+/// Bit j: box j of the pack overlaps or touches this one.
+inline std::uint32_t overlapping(const AabbPack& pack, const Aabb& box) noexcept {
+  const auto along = [&](int c) { return (pack.lo[c] <= box.hi[c]) & (Pack(box.lo[c]) <= pack.hi[c]); };
+  return bits(along(0) & along(1) & along(2));
+}
+
+/// f(k, l) for the entries k < l whose boxes overlap; a sweep up the axis. Hits are collected for sixteen
+/// packs before they are looked at: branches on each pack cannot be predicted, and cost more than the tests.
+template <std::size_t max_bodies, class F>
+void sweep(const BroadPhaseScratch<max_bodies>& w, int axis, F f) noexcept {
+  const std::size_t num_packs = (w.num_entries + 3) / 4;
+  for (std::size_t k = 0; k < w.num_entries; ++k) {
+    const Aabb& box = w.boxes[w.entries[k].body];
+    std::uint64_t after = ~std::uint64_t(1) << (k % 4);
+    const auto is_in_reach = [&](std::size_t p) {
+      return p < num_packs && w.entries[4 * p].lo <= box.hi[axis];
+    };
+    for (std::size_t p = k / 4; is_in_reach(p);) {
+      const std::size_t first = 4 * p;
+      std::uint64_t hits = 0;
+      for (std::size_t j = 0; j < 64 && is_in_reach(p); j += 4)
+        hits |= std::uint64_t(overlapping(w.sorted[p++], box)) << j;
+      for (hits &= after; hits != 0; hits &= hits - 1)
+        f(k, first + static_cast<std::size_t>(std::countr_zero(hits)));
+      after = ~std::uint64_t(0);
+    }
+  }
+}
+
+/// Pairs of entries whose boxes overlap and of which may_touch(a, b), in w.pairs.
+template <std::size_t max_bodies, class MayTouch>
+void find_overlaps(std::size_t num_bodies, BroadPhaseScratch<max_bodies>& w, MayTouch may_touch) noexcept {
+  const int axis = widest_axis(w);
+  for (std::size_t k = 0; k < w.num_entries; ++k) w.entries[k].lo = w.boxes[w.entries[k].body].lo[axis];
+  using Entry = typename BroadPhaseScratch<max_bodies>::Entry;
+  merge_sort(w.entries.data(), w.merged.data(), w.num_entries,
+             [](const Entry& a, const Entry& b) noexcept { return a.lo < b.lo; });
+  pack_boxes(w);
+  w.pairs.clear(num_bodies);
+  sweep(w, axis, [&](std::size_t k, std::size_t l) {
+    const std::uint32_t a = w.entries[k].body, b = w.entries[l].body;
+    if (may_touch(a, b)) w.pairs.insert(a, b);
+  });
+}
+
+/// Finds in w.pairs the bodies, not of one group, that may have spheres with a gap below `margin` (m, >= 0).
+/// Returns how many bodies were left out because a number of them is not finite.
+template <std::size_t max_bodies, std::size_t max_spheres>
+std::size_t find_body_pairs(const BodySpheres<max_bodies, max_spheres>& spheres, Real margin,
+                            BroadPhaseScratch<max_bodies>& w) noexcept {
+  std::size_t num_left_out = 0;
+  w.num_entries = 0;
+  for (std::uint32_t b = 0; b < spheres.num_bodies; ++b) {
+    if (spheres.bodies[b].num_spheres == 0) continue;
+    if (find_box(spheres, spheres.bodies[b], margin / 2, w.boxes[b])) w.entries[w.num_entries++].body = b;
+    else ++num_left_out;
+  }
+  find_overlaps(spheres.num_bodies, w, [&](std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t group = spheres.bodies[a].group;
+    return group == 0 || group != spheres.bodies[b].group;
+  });
+  return num_left_out;
+}
+
+}  // namespace godobject

@@ -1,0 +1,194 @@
+// Edges of boxes that cross each other: what spheres at the corners do not see.
+//
+// Two boxes of which no corner is in the other touch where an edge of the one crosses an edge of the other. With a_i along
+// the one and b_j along the other,
+//
+//   (32)  n = a_i x b_j / |a_i x b_j|
+//
+// of the axes that may separate two boxes these are nine, the normals of their faces the other six. Edges cross when the
+// points of them that are nearest to each other are between their ends; they touch when their depth along n is no more
+// than that of the faces: otherwise the boxes leave each other through a face. Bound for a pair of boxes: nine axes, four
+// pairs of edges along each.
+#pragma once
+
+#include <bit>
+
+#include "core/contact/find/world_geometry.h"
+
+namespace godobject {
+
+/// Edges nearer to each other than this part of the thinnest half extent may come to bear a force within the stage.
+inline constexpr Real edge_reach = 0.02;
+/// Edges that cross nearer to an end than this part of their half length are left to the sphere there.
+inline constexpr Real edge_end = 0.01;
+/// Edges may be deeper than the faces by these parts, of the faces' depth and of the reach: where boxes lie on each other
+/// both axes are nearly one.
+inline constexpr Real deeper_than_faces = 0.1, deeper_than_reach = 0.1;
+/// The cosine between normals from which on they are one: boxes that lie on each other touch at all corners of the area
+/// that they have in common, however they are tilted.
+inline constexpr Real same_normal = 0.995;
+/// Edges with a smaller sine between them are parallel.
+inline constexpr Real min_edge_sine = 0.01;
+
+/// Edges of two boxes that cross, in the world.
+struct EdgeCrossing {
+  std::uint32_t edges = 0;  // which of a, which of b
+  Real d = 0;               // depth, m
+  Vec3 p_W, n_W;            // on the edge of a; off b
+};
+
+/// The numbers of the next axes, of three.
+inline Pack next(const Pack& a) noexcept { return shuffled<1, 2, 0, 0>(a, a); }
+/// Number j of a pack; a row.
+inline Real component(const Pack& a, int j) noexcept { return a[static_cast<std::size_t>(j)]; }
+inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
+  return rows[static_cast<std::size_t>(row)];
+}
+
+/// Box b as box a sees it. Lane j: axis j of b; the fourth is worthless.
+struct BoxOnBox {
+  Vec3 h_a, h_b;             // half extents
+  Pack p_A, p_B;             // from a to b: in the frame of a; of b
+  std::array<Pack, 3> R, E;  // rows of R_AB, and their absolute values
+
+  BoxOnBox(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB) noexcept
+      : h_a(a.half_extents), h_b(b.half_extents) {
+    const std::array<Pack, 3> a_W = rows(R_WA), b_W = rows(R_WB);
+    const Vec3 p_W = b.X_WS.p - a.X_WS.p;
+    p_A = a_W[0] * p_W[0] + a_W[1] * p_W[1] + a_W[2] * p_W[2];
+    p_B = b_W[0] * p_W[0] + b_W[1] * p_W[1] + b_W[2] * p_W[2];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = R_WA.col(static_cast<int>(k));
+      R[k] = b_W[0] * axis[0] + b_W[1] * axis[1] + b_W[2] * axis[2];
+      E[k] = abs(R[k]);
+    }
+  }
+
+ private:
+  static std::array<Pack, 3> rows(const Mat3& A) noexcept {
+    return {Pack(A(0, 0), A(0, 1), A(0, 2), A(0, 2)), Pack(A(1, 0), A(1, 1), A(1, 2), A(1, 2)),
+            Pack(A(2, 0), A(2, 1), A(2, 2), A(2, 2))};
+  }
+};
+
+/// The normal of a face of either box along which they are least deep in each other, in the frame of a; < 0: apart.
+struct LeastFace {
+  Real depth = 0;
+  Vec3 n_A;
+};
+inline LeastFace least_face(const BoxOnBox& w) noexcept {
+  const Column h_A(w.h_a), h_B(w.h_b);
+  const Pack of_b = h_B.p + w.E[0] * w.h_a[0] + w.E[1] * w.h_a[1] + w.E[2] * w.h_a[2] - abs(w.p_B);
+  const Block E_T{{Column(w.E[0]), Column(w.E[1]), Column(w.E[2])}};
+  const Pack of_a = h_A.p + times_transposed(E_T, h_B).p - abs(w.p_A);
+  const Pack least = min(of_a, of_b);
+  const int k = least[0] < least[1] ? (least[0] < least[2] ? 0 : 2) : (least[1] < least[2] ? 1 : 2);
+  const bool is_of_a = component(of_a, k) < component(of_b, k);
+  return {.depth = component(least, k),
+          .n_A = is_of_a ? Vec3(Vec3::Unit(k))
+                         : Vec3(component(w.R[0], k), component(w.R[1], k), component(w.R[2], k))};
+}
+
+/// Of edges of a box along one of its axes, those on the side to which n leads more; two of the four. Lane j: of the edges
+/// that cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
+struct EdgesToSide {
+  PackMask first;  // on either side of the next axis, along which n leads less out; or of the one after it
+  Pack h;          // half extent there
+  Pack at_other;   // along the other axis, where both are
+  Pack less;       // by how much the one on the positive side is deeper than the other
+
+  EdgesToSide(const Pack& n_1, const Pack& h_1, const Pack& n_2, const Pack& h_2) noexcept {
+    const Pack out_1 = h_1 * n_1, out_2 = h_2 * n_2;
+    first = abs(out_1) < abs(out_2);
+    h = select(first, h_1, h_2);
+    at_other = select(first, select(n_2 < 0, -h_2, h_2), select(n_1 < 0, -h_1, h_1));
+    less = 2 * select(first, out_1, out_2);
+  }
+  /// How much less deep than the deeper one the edge on this side is.
+  Pack lost(bool positive) const noexcept { return max(positive ? -less : less, Pack(0)); }
+  /// Which of the four: two bits, its sides.
+  std::uint32_t number(std::size_t j, bool positive) const noexcept {
+    const bool outer = at_other[j] > 0, is_first = (bits(first) >> j & 1) != 0;
+    return ((is_first ? positive : outer) ? 1u : 0u) | ((is_first ? outer : positive) ? 2u : 0u);
+  }
+};
+
+/// f(crossing) for the edges along axis i of box a that cross edges of box b, deeper than -reach; along normals (32) along
+/// which the boxes are no farther from each other than the reach and no deeper than `most`, or that are those of the face.
+template <class F>
+void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const Vec3& face_A, F f) noexcept {
+  const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
+  const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), &E_i = row_of(w.E, i);
+  const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
+  // a_i x b_j = -R_lj a_k + R_kj a_l
+  const Pack sine = max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
+  const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);  // a and b, times the sine
+  const Pack d = (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + next(E_i) * h_B2 +
+                  next(next(E_i)) * h_B1 - abs(between)) /
+                 sine;
+  const Pack along_face = abs(R_k * face_A[l] - R_l * face_A[k]);  // the cosine, times the sine
+  const std::uint32_t near = bits((Pack(min_edge_sine) < sine) & (Pack(-reach) < d)) &
+                             (bits(d <= Pack(most)) | bits(same_normal * sine < along_face)) & 7;
+  if (near == 0) return;
+
+  const Pack s = select(between < 0, Pack(1), Pack(-1)) / sine;
+  const Pack n_k = -s * R_l, n_l = s * R_k;  // from b to a
+  const Pack n_B1 = next(R_k) * n_k + next(R_l) * n_l, n_B2 = next(next(R_k)) * n_k + next(next(R_l)) * n_l;
+  const EdgesToSide a(-n_k, w.h_a[k], -n_l, w.h_a[l]), b(n_B1, h_B1, n_B2, h_B2);
+  const Pack a_b = select(a.first, R_k, R_l), a_b_other = select(a.first, R_l, R_k);
+  const Pack b_a = select(b.first, next(R_i), next(next(R_i))),
+             b_a_other = select(b.first, next(next(R_i)), next(R_i));
+  // of two edges the points that are nearest to each other, from their middles, times the sine squared
+  const Pack sine_sq = 1 - R_i * R_i, end = sine_sq * (1 - edge_end);
+  const Pack on_a = component(w.p_A, i) + b.at_other * b_a_other, on_b = w.p_B - a.at_other * a_b_other;
+  // on the negative and the positive side of a, and of b
+  const std::array<Pack, 2> to_a{on_b + a.h * a_b, on_b - a.h * a_b}, lost_a{a.lost(false), a.lost(true)};
+  const std::array<Pack, 2> to_b{on_a - b.h * b_a, on_a + b.h * b_a}, lost_b{b.lost(false), b.lost(true)};
+  const Pack end_a = end * w.h_a[i], end_b = end * h_B;
+  std::array<Pack, 4> t_a, depth;
+  std::array<std::uint32_t, 4> cross;
+  for (std::size_t c = 0; c < 4; ++c) {
+    const Pack &from_a = to_a[c & 1], &from_b = to_b[c >> 1];
+    t_a[c] = from_b - from_a * R_i;
+    const Pack t_b = from_b * R_i - from_a;
+    depth[c] = d - lost_a[c & 1] - lost_b[c >> 1];
+    cross[c] = bits((Pack(-reach) < depth[c]) & (abs(t_a[c]) < end_a) & (abs(t_b) < end_b)) & near;
+  }
+  for (std::uint32_t left = cross[0] | cross[1] | cross[2] | cross[3]; left != 0; left &= left - 1) {
+    const auto j = static_cast<std::size_t>(std::countr_zero(left));
+    const bool a_first = (bits(a.first) >> j & 1) != 0;
+    Vec3 n_A, p_A;
+    n_A[i] = 0;
+    n_A[k] = n_k[j];
+    n_A[l] = n_l[j];
+    for (std::size_t c = 0; c < 4; ++c) {
+      if ((cross[c] >> j & 1) == 0) continue;
+      const bool above_a = (c & 1) != 0, above_b = (c & 2) != 0;
+      p_A[i] = t_a[c][j] / sine_sq[j];
+      p_A[a_first ? k : l] = above_a ? a.h[j] : -a.h[j];
+      p_A[a_first ? l : k] = a.at_other[j];
+      f(static_cast<std::uint32_t>(i) << 6 | static_cast<std::uint32_t>(j) << 4 | b.number(j, above_b) << 2 |
+            a.number(j, above_a),
+        depth[c][j], p_A, n_A);
+    }
+  }
+}
+
+/// f(crossing) for the edges of box a that touch edges of box b, or are near to.
+template <class F>
+void each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB,
+                   F f) noexcept {
+  const BoxOnBox w(a, R_WA, b, R_WB);
+  const Real reach = edge_reach * std::min(w.h_a.minCoeff(), w.h_b.minCoeff());
+  const LeastFace face = least_face(w);
+  if (face.depth <= -reach) return;
+  const Real most = (1 + deeper_than_faces) * std::max(face.depth, Real(0)) + deeper_than_reach * reach;
+  for (int i = 0; i < 3; ++i)
+    each_crossing_along(
+        w, i, reach, most, face.n_A,
+        [&](std::uint32_t edges, Real d, const Vec3& p_A, const Vec3& n_A) noexcept {
+          f(EdgeCrossing{.edges = edges, .d = d, .p_W = a.X_WS.p + R_WA * p_A, .n_W = R_WA * n_A});
+        });
+}
+
+}  // namespace godobject

@@ -1,0 +1,76 @@
+// Which way bodies leave each other that are deep in each other.
+//
+// All spheres of such a pair, both ways round, are pushed out through the faces that look along one direction. With the
+// nearest face for each sphere they are pushed against each other, and lock.
+#pragma once
+
+#include "core/contact/find/world_geometry.h"
+
+namespace godobject {
+
+/// Four points in the frame of a shape.
+inline Vector3<Pack> in_frame(const Vec3& p_WS, const Mat3& R_WS, const Vector3<Pack>& p_W) noexcept {
+  Vector3<Pack> apart, p_S;
+  for (int k = 0; k < 3; ++k) apart[k] = p_W[k] - Pack(p_WS[k]);
+  for (int k = 0; k < 3; ++k) p_S[k] = R_WS(0, k) * apart[0] + R_WS(1, k) * apart[1] + R_WS(2, k) * apart[2];
+  return p_S;
+}
+
+/// A direction in the world, and how far to go.
+struct WayOut {
+  Vec3 n_W = Vec3::UnitZ();
+  Real distance = std::numeric_limits<Real>::infinity();
+};
+
+/// How far down these spheres reach against a direction.
+inline Real lowest_along(const Vec3& n_W, const SpherePack* packs, std::uint32_t num_packs) noexcept {
+  Pack lowest = std::numeric_limits<Real>::infinity();
+  for (std::uint32_t k = 0; k < num_packs; ++k) {
+    const Vector3<Pack>& p = packs[k].p_W;
+    lowest = min(lowest, n_W.x() * p[0] + n_W.y() * p[1] + n_W.z() * p[2] - packs[k].r);
+  }
+  return std::min({lowest[0], lowest[1], lowest[2], lowest[3]});
+}
+/// How far a shape reaches in a direction.
+inline Real reach_along(const Vec3& n_W, const ShapeParams& shape, const Mat3& R_WS) noexcept {
+  return n_W.dot(shape.X_WS.p) + (R_WS.transpose() * n_W).cwiseAbs().dot(half_extents(shape));
+}
+
+/// The shortest way by which all spheres of a body leave the surfaces [first, end) through a face of a box of theirs.
+template <class Contacts, std::size_t N>
+WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::uint32_t end,
+               std::uint32_t body) noexcept {
+  WayOut shortest;
+  const auto& owned = w.owned[body];
+  const SpherePack* const packs = &w.packs[owned.first_pack];
+  for (std::uint32_t o = first; o < end; ++o) {
+    for (int face = 0; face < 6 && w.posed[o].kind == ShapeKind::box; ++face) {
+      const Vec3 n_W = face % 2 == 0 ? w.R_WS[o].col(face / 2) : Vec3(-w.R_WS[o].col(face / 2));
+      Real up = -std::numeric_limits<Real>::infinity();
+      for (std::uint32_t k = first; k < end; ++k) up = std::max(up, reach_along(n_W, w.posed[k], w.R_WS[k]));
+      const Real distance = up - lowest_along(n_W, packs, owned.num_packs());
+      if (distance < shortest.distance) shortest = {.n_W = n_W, .distance = distance};
+    }
+  }
+  return shortest;
+}
+
+/// The shortest way of body a out of body b: of its spheres out of b's surfaces, or of b's spheres out of its own.
+template <class Contacts, std::size_t N>
+Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b) noexcept {
+  const auto out_of = [&](std::uint32_t of, std::uint32_t body) noexcept {
+    return way_out(w, w.owned[of].first_surface, w.owned[of].end_surface, body);
+  };
+  const WayOut a_moves = out_of(b, a), b_moves = out_of(a, b);
+  return a_moves.distance <= b_moves.distance ? a_moves.n_W : Vec3(-b_moves.n_W);
+}
+
+/// The face of a box that looks most in this direction: its normal, in the box's frame.
+inline Vec3 face_along(const Mat3& R_WS, const Vec3& n_W) noexcept {
+  const Vec3 n_S = R_WS.transpose() * n_W;
+  Eigen::Index k = 0;
+  n_S.cwiseAbs().maxCoeff(&k);
+  return n_S[k] < 0 ? Vec3(-Vec3::Unit(k)) : Vec3(Vec3::Unit(k));
+}
+
+}  // namespace godobject

@@ -1,0 +1,279 @@
+// Which spheres of bodies are near each other, near shapes on other bodies, and near the world.
+//
+// A body with shapes is touched at its shapes by the spheres of others, one without at its spheres. Bodies on joints
+// of one tree do not touch each other. Bound: that of the broad phase; for each pair of bodies with overlapping boxes
+// a query for each sphere in the other's box; for each body a query for each of its spheres and surface of the world.
+#pragma once
+
+#include "core/contact/find/edges.h"
+#include "core/contact/find/exit_direction.h"
+#include "core/contact/find/sphere_pairs.h"
+
+namespace godobject {
+
+/// Adds a contact of bodies, or of a body and the world: with the speed at which it opens.
+template <class Contacts, std::size_t N>
+void add_near(const ContactFinder<Contacts, N>& w, NearContact at,
+              NearContacts<Contacts::max_contacts>& near) noexcept {
+  const auto velocity = [&](std::uint32_t body, const Vec3& p) noexcept -> Vec3 {
+    if (body >= N) return Vec3::Zero();
+    const TreePlace& place = w.at[body];
+    return place.V.v + place.V.w.cross(p - place.a_W);
+  };
+  at.v_n = at.n_W.dot(velocity(at.a, at.p_W) - velocity(at.b, at.p_W));
+  near.add(at);
+}
+
+/// Four spheres and a box: bit j of the result, sphere j is near. Where its centre is inside, its depth is its radius,
+/// and it has no normal; with a way out, it is that from there.
+inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
+                              const Vec3* way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
+  const Vector3<Pack> p_S = in_frame(box.X_WS.p, R_WS, pack.p_W);
+  Vector3<Pack> n_S;
+  Pack distance;
+  if (way_out_S == nullptr) BoxShape::nearest(box.half_extents, p_S, distance, n_S);
+  else BoxShape::nearest(box.half_extents, p_S, *way_out_S, distance, n_S);
+  for (int k = 0; k < 3; ++k) n_W[k] = R_WS(k, 0) * n_S[0] + R_WS(k, 1) * n_S[1] + R_WS(k, 2) * n_S[2];
+  d = pack.r - distance;
+  return bits(-contact_reach * pack.r < d);
+}
+
+/// Four spheres and a box that their body leaves through one face: the same, of those that touch it, behind that face.
+inline std::uint32_t behind_face(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
+                                 const Vec3& way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
+  const std::uint32_t hits = near_box(box, R_WS, pack, nullptr, d, n_W) & bits(Pack(0) < d);
+  const Vec3 n = R_WS * way_out_S;
+  Pack distance = -box.half_extents.dot(way_out_S.cwiseAbs());
+  for (int k = 0; k < 3; ++k) {
+    n_W[k] = n[k];
+    distance += (pack.p_W[k] - box.X_WS.p[k]) * n[k];
+  }
+  d = pack.r - distance;
+  return hits;
+}
+
+/// Four spheres and a half-space: the same.
+inline std::uint32_t near_plane(const ShapeParams& plane, const Mat3& R_WS, const SpherePack& pack, Pack& d,
+                                Vector3<Pack>& n_W) noexcept {
+  Pack distance = 0;
+  for (int k = 0; k < 3; ++k) {
+    n_W[k] = R_WS(k, 2);
+    distance += (pack.p_W[k] - plane.X_WS.p[k]) * R_WS(k, 2);
+  }
+  d = pack.r - distance;
+  return ~bits(d <= -contact_reach * pack.r);
+}
+
+/// Of a contact between bodies, or of a body and the world: the pair, the sphere, and what it touches. Those of a pair
+/// are in a row.
+inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
+  return std::uint64_t(a) << 48 | std::uint64_t(b) << 32;
+}
+inline std::uint64_t touch_key(std::uint32_t sphere, std::uint32_t touched) noexcept {
+  return std::uint64_t(sphere) << 15 | touched;
+}
+inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
+  return static_cast<std::uint32_t>(key >> 15) & 0xffff;
+}
+
+/// Of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
+inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::uint32_t edges) noexcept {
+  return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
+}
+inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
+
+/// Says of pairs of bodies that come in rising order whether they were deep in each other by what no motion explains.
+template <class Contacts>
+class RecallDeepPairs {
+ public:
+  RecallDeepPairs(const typename Contacts::Params& par, const typename Contacts::State& of) noexcept
+      : par_(par), of_(of) {}
+  bool find(std::uint64_t pair) noexcept {
+    while (at_ < of_.size && of_.list[at_].key < pair) ++at_;
+    bool deep = false;
+    for (; at_ < of_.size && of_.list[at_].key >> 32 == pair >> 32; ++at_) {
+      const ContactMemory& m = of_.list[at_];
+      if (is_of_edges(m.key)) continue;
+      deep = deep || m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
+    }
+    return deep;
+  }
+
+ private:
+  const typename Contacts::Params& par_;
+  const typename Contacts::State& of_;
+  std::size_t at_ = 0;
+};
+
+/// Spheres of body a against the surfaces [first, end) of body b. Those of a body with shapes that are deep in a box of the
+/// world leave it through one face. leaving_W: the way by which all spheres of a leave b, if they are deep in each other.
+/// True, and worthless: they are, and it is not given.
+template <class Contacts, std::size_t N>
+bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+                      std::uint64_t pair, std::uint32_t first, std::uint32_t end, const Vec3* leaving_W,
+                      NearContacts<Contacts::max_contacts>& near) noexcept {
+  constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
+  const auto& on_a = w.owned[a];
+  for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
+    const SpherePack& pack = w.packs[k];
+    const std::uint32_t there = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
+    const std::uint32_t sought = b < N ? there & reaching(pack, w.broad.boxes[b]) : there;
+    if (sought == 0) continue;
+    for (std::uint32_t o = first; o < end; ++o) {
+      const ShapeParams& shape = w.posed[o];
+      const Mat3& R_WS = w.R_WS[o];
+      const auto found = [&](std::uint32_t j, Real d, const Vec3& n_W) noexcept {
+        add_near(w,
+                 {.key = pair | touch_key(s + j, o),
+                  .of = spheres + s + j,
+                  .on = o,
+                  .a = a,
+                  .b = b,
+                  .d = d,
+                  .p_W = lane(pack.p_W, j) - pack.r[j] * n_W,
+                  .n_W = n_W},
+                 near);
+      };
+      const auto found_all = [&](std::uint32_t hits, const Pack& d, const Vector3<Pack>& n_W) noexcept {
+        for (; hits != 0; hits &= hits - 1) {
+          const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+          found(j, d[j], lane(n_W, j));
+        }
+      };
+      Pack d;
+      Vector3<Pack> n_W;
+      if (shape.kind == ShapeKind::plane) {
+        const std::uint32_t hits = sought & near_plane(shape, R_WS, pack, d, n_W);
+        found_all(hits, d, n_W);
+        continue;
+      }
+      if (on_a.has_surfaces() && shape.kind == ShapeKind::box) {
+        std::uint32_t hits = 0;
+        if (leaving_W != nullptr) {
+          hits = sought & behind_face(shape, R_WS, pack, face_along(R_WS, *leaving_W), d, n_W);
+        } else {
+          hits = sought & near_box(shape, R_WS, pack, nullptr, d, n_W);
+          if ((hits & bits(pack.r <= d)) != 0) {
+            if (b < N) return true;
+            const Vec3 face = face_along(R_WS, way_out(w, o, o + 1, a).n_W);
+            hits = sought & near_box(shape, R_WS, pack, &face, d, n_W);
+          }
+        }
+        found_all(hits, d, n_W);
+        continue;
+      }
+      for (std::uint32_t hits = sought; hits != 0; hits &= hits - 1) {
+        const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+        const Real radius = pack.r[j], reach = contact_reach * radius;
+        const SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
+        const Real depth = radius - surface.distance;
+        if (depth <= -reach || (leaving_W != nullptr && leaving_W->dot(surface.n) < 0)) continue;
+        found(j, depth, surface.n);
+      }
+    }
+  }
+  return false;
+}
+
+/// The boxes of body a against the boxes [first, end) of body b, or the world.
+template <class Contacts, std::size_t N>
+void find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
+                   std::uint32_t first, std::uint32_t end,
+                   NearContacts<Contacts::max_contacts>& near) noexcept {
+  const auto& on_a = w.owned[a];
+  for (std::uint32_t o = on_a.first_surface; o < on_a.end_surface; ++o) {
+    for (std::uint32_t q = first; q < end; ++q) {
+      if (w.posed[o].kind != ShapeKind::box || w.posed[q].kind != ShapeKind::box) continue;
+      each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], [&](const EdgeCrossing& crossing) noexcept {
+        add_near(w,
+                 {.key = pair | edges_key(o - on_a.first_surface, q - first, crossing.edges),
+                  .of = o,
+                  .on = q,
+                  .a = a,
+                  .b = b,
+                  .d = crossing.d,
+                  .p_W = crossing.p_W,
+                  .n_W = crossing.n_W},
+                 near);
+      });
+    }
+  }
+}
+
+/// Two bodies, one at least with shapes. were_deep: in each other, in the step before.
+template <class Contacts, std::size_t N>
+void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
+                    bool were_deep, NearContacts<Contacts::max_contacts>& near) noexcept {
+  const auto &on_a = w.owned[a], &on_b = w.owned[b];
+  const auto find = [&](const Vec3* a_leaves, const Vec3* b_leaves) noexcept {
+    return find_on_surfaces(w, a, b, pair, on_b.first_surface, on_b.end_surface, a_leaves, near) ||
+           find_on_surfaces(w, b, a, pair | std::uint64_t(1) << 31, on_a.first_surface, on_a.end_surface,
+                            b_leaves, near);
+  };
+  const std::size_t before = near.size;
+  if (were_deep || find(nullptr, nullptr)) {
+    near.forget_from(before);
+    const Vec3 a_leaves = parting(w, a, b), b_leaves = -a_leaves;
+    find(&a_leaves, &b_leaves);
+  }
+  find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near);
+}
+
+/// Spheres of both bodies.
+template <class Contacts, std::size_t N>
+void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+                     std::uint64_t pair, NearContacts<Contacts::max_contacts>& near) noexcept {
+  const auto &on_a = w.owned[a], &on_b = w.owned[b];
+  const Vec3 between = w.at[a].p_W - w.at[b].p_W;
+  for (std::uint32_t s = on_a.first_sphere; s < on_a.end_sphere; ++s) {
+    const Sphere sphere_a = sphere(&w.packs[on_a.first_pack], s - on_a.first_sphere);
+    for (std::uint32_t t = on_b.first_sphere; t < on_b.end_sphere; ++t) {
+      const Sphere sphere_b = sphere(&w.packs[on_b.first_pack], t - on_b.first_sphere);
+      const Real both = sphere_a.r + sphere_b.r, reach = contact_reach * std::min(sphere_a.r, sphere_b.r);
+      const Vec3 apart = sphere_a.p_W - sphere_b.p_W;
+      const Real distance_sq = apart.squaredNorm();
+      if (distance_sq >= (both + reach) * (both + reach)) continue;
+      const Real distance = std::sqrt(distance_sq);
+      const Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
+      constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
+      add_near(w,
+               {.key = pair | touch_key(s, t),
+                .of = spheres + s,
+                .on = spheres + t,
+                .a = a,
+                .b = b,
+                .d = both - distance,
+                .p_W = sphere_a.p_W - sphere_a.r * n,
+                .n_W = n},
+               near);
+    }
+  }
+}
+
+/// The near contacts of all bodies, where w.at has them. before: what contacts carried over.
+template <class Contacts, std::size_t N>
+void find_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
+                   std::size_t num_bodies, ContactFinder<Contacts, N>& w,
+                   NearContacts<Contacts::max_contacts>& near) noexcept {
+  near.clear();
+  place_bodies(par, num_bodies, w);
+  find_overlaps(num_bodies, w.broad,
+                [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
+  RecallDeepPairs<Contacts> were_deep(par, before);
+  for (std::uint32_t a = 0; a < num_bodies; ++a) {
+    w.broad.pairs.for_each_of(a, [&](std::uint32_t b) noexcept {
+      const std::uint64_t pair = pair_key(a, b);
+      if (w.owned[a].has_surfaces() || w.owned[b].has_surfaces())
+        find_on_bodies(w, a, b, pair, were_deep.find(pair), near);
+      else find_on_spheres(w, a, b, pair, near);
+    });
+    if (w.num_fixed > 0)
+      find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0,
+                       static_cast<std::uint32_t>(w.num_fixed), nullptr, near);
+    find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, static_cast<std::uint32_t>(w.num_fixed),
+                  near);
+  }
+  near.put_in_order();
+}
+
+}  // namespace godobject

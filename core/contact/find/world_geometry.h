@@ -1,0 +1,125 @@
+// Where the spheres and shapes of bodies are during a stage: what contacts are sought on.
+#pragma once
+
+#include "core/contact/find/broad_phase.h"
+#include "core/contact/candidates.h"
+#include "core/joint/tree.h"
+
+namespace godobject {
+
+/// Half the extents of a shape that bodies carry, about the origin of its frame.
+inline Vec3 half_extents(const ShapeParams& shape) noexcept {
+  if (shape.kind == ShapeKind::sphere) return Vec3::Constant(shape.radius);
+  if (shape.kind == ShapeKind::capsule)
+    return Vec3(shape.radius, shape.radius, shape.radius + shape.half_length);
+  return shape.half_extents;
+}
+
+/// Worthless between steps.
+template <class Contacts, std::size_t N>
+struct ContactFinder {
+  static constexpr std::size_t max_spheres = std::tuple_size_v<decltype(Contacts::Params::spheres)>;
+  static constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
+  // as many as keys of contacts can tell apart (core/contact/find/find.h)
+  static_assert(max_spheres + max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 && N < 0xffff);
+  struct Owned {
+    std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
+    std::uint32_t tree = 0;  // of the bodies on joints that do not touch each other
+
+    std::uint32_t num_packs() const noexcept { return (end_sphere - first_sphere + 3) / 4; }
+    bool has_surfaces() const noexcept { return end_surface > first_surface; }
+    bool empty() const noexcept { return first_sphere == end_sphere && !has_surfaces(); }
+  };
+  std::array<Owned, N> owned;
+  std::size_t num_fixed = 0;  // surfaces of the world
+  std::array<TreePlace, N> at;
+  std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
+  std::array<ShapeParams, max_surfaces> posed;              // surfaces in the world
+  std::array<Mat3, max_surfaces> R_WS;                      // and their attitudes
+  BroadPhaseScratch<N> broad;
+};
+
+/// The spheres [s, end) of a body in the world, four to a pack from `packs` on, and the box round what they reach.
+/// Returns the number of packs.
+template <std::size_t max_spheres, std::size_t max_surfaces>
+std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par, std::uint32_t s,
+                            std::uint32_t end, const TreePlace& at, SpherePack* packs, Aabb& box) noexcept {
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(infinity)), hi = Vector3<Pack>::Constant(Pack(-infinity));
+  std::uint32_t num_packs = 0;
+  for (; s < end; s += 4, ++num_packs) {
+    const std::array<const BodySphere*, 4> spheres{&par.spheres[s], &par.spheres[std::min(s + 1, end - 1)],
+                                                   &par.spheres[std::min(s + 2, end - 1)],
+                                                   &par.spheres[std::min(s + 3, end - 1)]};
+    const auto of = [&](auto number) noexcept {
+      return Pack(number(*spheres[0]), number(*spheres[1]), number(*spheres[2]), number(*spheres[3]));
+    };
+    SpherePack& pack = packs[num_packs];
+    pack.r = of([](const BodySphere& sphere) noexcept { return sphere.radius; });
+    const Pack x = of([](const BodySphere&sphere) noexcept { return sphere.p_B.x(); }),
+               y = of([](const BodySphere&sphere) noexcept { return sphere.p_B.y(); }),
+               z = of([](const BodySphere&sphere) noexcept { return sphere.p_B.z(); });
+    const Pack reach = pack.r * (1 + contact_reach);
+    for (int k = 0; k < 3; ++k) {
+      const Pack c = at.p_W[k] + (at.R_WB(k, 0) * x + at.R_WB(k, 1) * y + at.R_WB(k, 2) * z);
+      pack.p_W[k] = c;
+      lo[k] = min(lo[k], c - reach);
+      hi[k] = max(hi[k], c + reach);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    box.lo[k] = std::min({lo[k][0], lo[k][1], lo[k][2], lo[k][3]});
+    box.hi[k] = std::max({hi[k][0], hi[k][1], hi[k][2], hi[k][3]});
+  }
+  return num_packs;
+}
+
+/// A shape of a body in the world. Of a box, whose attitude is R_WS, no more than find_on_surfaces() asks for.
+inline void place_shape(const ShapeParams& shape, const TreePlace& at, ShapeParams& posed,
+                        Mat3& R_WS) noexcept {
+  R_WS = at.R_WB * shape.X_WS.q.toRotationMatrix();
+  const Vec3 p = at.p_W + at.R_WB * shape.X_WS.p;
+  if (shape.kind == ShapeKind::box) {
+    posed.kind = shape.kind;
+    posed.half_extents = shape.half_extents;
+  } else {
+    posed = shape;
+    posed.X_WS.q = Quat(at.R_WB) * shape.X_WS.q;
+  }
+  posed.X_WS.p = p;
+}
+
+/// Who owns what, and where it all is.
+template <class Contacts, std::size_t N>
+void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
+                  ContactFinder<Contacts, N>& w) noexcept {
+  std::uint32_t s = 0, o = 0, num_packs = 0;
+  for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o) {
+    w.posed[o] = par.surfaces[o].shape;
+    w.R_WS[o] = w.posed[o].X_WS.q.toRotationMatrix();
+  }
+  w.num_fixed = o;
+  w.broad.num_entries = 0;
+  for (std::uint32_t i = 0; i < num_bodies; ++i) {
+    const TreePlace& at = w.at[i];
+    auto& owned = w.owned[i];
+    Aabb& box = w.broad.boxes[i];
+    owned.first_sphere = s;
+    while (s < par.num_spheres && par.spheres[s].body == i) ++s;
+    owned.end_sphere = s;
+    owned.first_pack = num_packs;
+    num_packs += place_spheres(par, owned.first_sphere, s, at, &w.packs[num_packs], box);
+    owned.first_surface = o;
+    for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
+      place_shape(par.surfaces[o].shape, at, w.posed[o], w.R_WS[o]);
+      const Vec3 half = w.R_WS[o].cwiseAbs() * half_extents(par.surfaces[o].shape);
+      box.lo = box.lo.cwiseMin(w.posed[o].X_WS.p - half);
+      box.hi = box.hi.cwiseMax(w.posed[o].X_WS.p + half);
+    }
+    owned.end_surface = o;
+    if (owned.empty() || !(box.lo.sum() - box.hi.sum() <= 0)) continue;
+    w.broad.entries[w.broad.num_entries++].body = i;
+  }
+}
+
+}  // namespace godobject

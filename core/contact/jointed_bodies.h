@@ -1,0 +1,206 @@
+// Bodies on joints that touch other bodies: what their joints are in a stage, and what they bear.
+//
+// The joints ask for L V = L beta (18). V_p is what obeys that with the roots at rest and no motion along the axes, and
+// the stage is solved for V - V_p: it obeys L W = 0, and (27) to (30) hold for it as they stand. The bodies' equations
+// then have b - A V_p, and the contact points the velocities of V_p to begin with.
+#pragma once
+
+#include "core/contact/line_search.h"
+#include "core/joint/tree.h"
+
+namespace godobject {
+
+/// The contacts of a scene whose bodies are on joints as well.
+template <class Contacts>
+struct OnJoints : Contacts {
+  static constexpr bool jointed = true;
+};
+
+/// What a stage is told of the joints, and what it says of them. Worthless between steps.
+template <std::size_t N, class Joints>
+struct TouchingJoints {
+  struct Node {
+    Wrench F_C;
+  };
+  std::array<Node, N> nodes;
+  std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
+  bool stiff_stop = false;  // a stop of the last stage turned its coordinate round within the stage
+};
+
+/// The same with its anchor at a_W.
+inline TreePlace anchored(const TreePlace& at, const Vec3& a_W) noexcept {
+  return {.p_W = at.p_W,
+          .R_WB = at.R_WB,
+          .a_W = a_W,
+          .V = {.w = at.V.w, .v = at.V.v + at.V.w.cross(a_W - at.a_W)}};
+}
+
+/// The axes of a joint.
+template <int turns, int slides>
+void set_axes(const JointMotion<turns, slides>& m, JointEdge& edge) noexcept {
+  edge.num_turns = turns;
+  edge.num_axes = turns + slides;
+  std::size_t k = 0;
+  if constexpr (turns == 3) {
+    for (const Column& s : Block::identity().col) edge.s[k++] = s;
+  }
+  for (const Vec3& s : m.turn) edge.s[k++] = Column(s);
+  for (const Vec3& s : m.slide) edge.s[k++] = Column(s);
+}
+
+/// (19) of the coordinates q, at the rates predicted; the stage solves for the rates beyond those.
+template <int turns, int slides>
+void set_stops(const std::array<StopParams, 2>& stops, const JointMotion<turns, slides>& m,
+               const JointCoordinates& q, const Twist& beta, Real h, JointEdge& edge) noexcept {
+  std::size_t c = 0;
+  const auto set = [&](Real rate) noexcept {
+    const AxisTerms t = stop_terms(stops[c], q[static_cast<Eigen::Index>(c)], rate, h);
+    edge.stop_D[c] = t.D;
+    edge.stop_b[c++] = t.tau + t.D * rate;
+  };
+  if constexpr (turns < 3) {
+    for (const Vec3& s : m.turn) set(s.dot(beta.w));
+    for (const Vec3& s : m.slide) set(s.dot(beta.v));
+  }
+}
+
+/// f(impulse on body i, about its centre of mass) of each stop of its joint, were the coordinate at rest.
+template <std::size_t N, class F>
+void each_stop(std::size_t i, const JointEdges<N>& joints, F f) noexcept {
+  const JointEdge& edge = joints.edges[i];
+  for (int k = 0; k < std::min(edge.num_axes, 2); ++k)
+    f(axis_wrench(edge, k, joints.p[i]) * edge.stop_b[static_cast<std::size_t>(k)]);
+}
+
+/// How the anchor of a body moves against its parent: what the joint takes back, and what it allows as predicted.
+struct JointTwists {
+  Twist across, along;
+};
+
+/// Axes and stops of the joint of body i.
+template <class Joints, class Led>
+JointTwists set_edge(const typename Joints::Params& par, const Led& led, std::size_t i, const JointAt& now,
+                     Real h, JointEdge& edge) noexcept {
+  using Stabilisation = typename Joints::Stabilisation;
+  static_assert(!Stabilisation::uses_base, "bodies that touch have their joints at the prediction");
+  JointTwists twists;
+  with_joint(par.kind, [&](auto kind) {
+    using Kind = decltype(kind);
+    const auto with_motion = [&](const auto& m) noexcept {
+      const Twist beta = Stabilisation::beta(m, now.V, par.C.p.squaredNorm(), h), V_across = across(m, now.V);
+      set_axes(m, edge);
+      if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(now.X); })
+        set_stops(par.stop.stops, m, Kind::coordinates(now.X), beta, h, edge);
+      twists = {.across = across(m, beta), .along = {.w = now.V.w - V_across.w, .v = now.V.v - V_across.v}};
+    };
+    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(now.X, led[i]); }) {
+      if (par.lead.imposed) return with_motion(FixedJoint::motion(Kind::at(now.X, led[i])));
+    }
+    with_motion(Kind::motion(now.X));
+  });
+  return twists;
+}
+
+/// The joint of body i: its edge, V_p of the body, V_0 that obeys the joint, and what tension and stops are to stages.
+template <Scene S, class Contacts>
+void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
+                 const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
+                 BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
+  auto& all = w.tree.joints;
+  JointEdge& edge = all.edges[i];
+  const std::size_t parent = edge.parent;
+  const TreePlace P = edge.on_body() ? w.finder.at[parent] : TreePlace{};
+  const JointAt now = joint_at(par.bodies[i].joint, P, anchored(w.finder.at[i], edge.a_W.vec()));
+  const JointTwists twists = set_edge<typename S::Joints>(par.bodies[i].joint, tree.led, i, now, h, edge);
+  const auto hung = [&](const std::array<AnchorTwist, S::max_bodies>& V, const Twist& rel) noexcept {
+    AnchorTwist V_C{.w = Column(rel.w), .v = Column(rel.v)};
+    if (edge.on_body()) V_C = V_C + shifted(V[parent], edge.a_W - all.p[parent]);
+    return shifted(V_C, all.p[i] - edge.a_W);
+  };
+  all.V_p[i] = hung(all.V_p, twists.across);
+  w.V_0[i] = hung(w.V_0, twists.along);
+  all.joined[i] = true;
+  if (edge.on_body()) {
+    all.joined[parent] = true;
+    w.finder.owned[i].tree = w.finder.owned[parent].tree;
+    BodyStage& stage = w.stages[parent];
+    add_tension(edge.a_W - all.edges[parent].a_W, Column(f_C), h, Column(P.V.w), stage.A_ww, stage.b_w);
+  }
+  each_stop(i, all, [&](const AnchorTwist& F) noexcept {
+    add_impulse(F, w.stages[i]);
+    if (edge.on_body()) add_impulse(moved_wrench(F, all.p[i] - all.p[parent]) * -1, w.stages[parent]);
+  });
+}
+
+/// The joints where the stage is predicted to end, and the bodies' stages for V - V_p.
+template <Scene S, class Contacts>
+void begin_joints(const Params<S>& par, const State<S>& x, Real h,
+                  const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
+                  BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
+  auto& all = w.tree.joints;
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    const typename S::Joints::Params& joint = par.bodies[i].joint;
+    const TreePlace& at = w.finder.at[i];
+    const bool is_free = joint.kind == JointKind::free;
+    JointEdge& edge = all.edges[i];
+    edge = {};
+    edge.kind = joint.kind;
+    edge.parent = is_free ? world : joint.parent;
+    edge.a_W = Column(Vec3(at.p_W + at.R_WB * joint.C.p));
+    all.p[i] = Column(at.p_W);
+    all.joined[i] = false;
+    all.V_p[i] = {.w = Column(Pack(0)), .v = Column(Pack(0))};
+  }
+  for (std::size_t i = 0; i < num_bodies(par); ++i)
+    if (all.edges[i].kind != JointKind::free) begin_joint(par, i, x.bodies[i].joint.f_C, h, tree, w);
+  for (std::size_t i = 0; i < num_bodies(par); ++i)
+    if (all.joined[i]) add_impulse(times(w.stages[i], all.V_p[i]) * -1, w.stages[i]);
+}
+
+/// The contact points of an island begin with the velocities of V.
+template <class Contacts, std::size_t N>
+void shift_contacts(const std::array<AnchorTwist, N>& V, Real h, const Island& island,
+                    BodyContactScratch<Contacts, N>& w) noexcept {
+  each_pack(V, island, w, [&](ContactPack& c, const AnchorTwist& V_rel) noexcept {
+    move(c, V_rel);
+    const Pack v_n = c.n.dot(c.v);
+    c.d_0 -= h * v_n;
+    c.F_0 -= c.eta_n * v_n;
+    c.v_xi += c.v - c.n * v_n;
+  });
+}
+
+/// V from V - V_p, and the wrenches that the joints bear: what a body's motion asks for beyond its contacts, and all that
+/// hangs on it.
+template <Scene S, class Contacts>
+void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies>& w,
+                TouchingJoints<S::max_bodies, typename S::Joints>& tree) noexcept {
+  const auto& all = w.tree.joints;
+  auto& F = w.Ap;
+  tree.stiff_stop = false;
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    if (!all.joined[i]) continue;
+    const BodyStage& stage = w.stages[i];
+    const Wrench& on_contacts = w.wrenches[i];
+    F[i] = times(stage, w.V[i]) - AnchorTwist{.w = stage.b_w + Column(on_contacts.tau) * h,
+                                              .v = stage.b_v + Column(on_contacts.f) * h};
+    w.V[i] = w.V[i] + all.V_p[i];
+    if (const JointEdge* joint = w.tree.joint_of(w.tree.bodies[i]))
+      for (std::size_t k = 0; k < 2; ++k)
+        tree.stiff_stop |= joint->stop_D[k] * all.axes[i][k].D_inverse > Real(0.2);
+  }
+  for (std::size_t i = num_bodies(par); i-- > 0;) {
+    const JointEdge& edge = all.edges[i];
+    if (edge.kind == JointKind::free) continue;
+    const Column r = all.p[i] - edge.a_W;
+    each_stop(i, all, [&](const AnchorTwist& stop) noexcept {
+      F[i] = F[i] + stop;
+      if (edge.on_body()) F[edge.parent] = F[edge.parent] - moved_wrench(stop, all.p[i] - all.p[edge.parent]);
+    });
+    const AnchorTwist F_a = moved_wrench(F[i], r) * (1 / h);
+    tree.nodes[i].F_C = {.tau = F_a.w.vec(), .f = F_a.v.vec()};
+    if (edge.on_body()) F[edge.parent] = F[edge.parent] + moved_wrench(F[i], all.p[i] - all.p[edge.parent]);
+  }
+}
+
+}  // namespace godobject

@@ -1,0 +1,152 @@
+// How far a pass goes. With the friction of each contact as it was solved for, an island's stage is the least value of
+//
+//   (29)  E(V) = V^T A V / 2 - V^T b + h sum max(F_0 - eta_n v_n, 0)^2 / (2 eta_n)
+//
+// A and b without the normal forces: convex, and a pass is a step of Newton's method. Where it changes the cases of
+// contacts it is taken only as far as E falls, so passes cannot go round in a circle; and then to the multiple of V where
+// E is least: there V^T dE/dV = 0, the balance of energy with the forces of the law itself, whatever cases were assumed.
+#pragma once
+
+#include "core/system/conjugate_gradients.h"
+
+namespace godobject {
+
+/// f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island.
+template <class Contacts, std::size_t N, class F>
+void each_pack(const std::array<AnchorTwist, N>& V, const Island& island, BodyContactScratch<Contacts, N>& w,
+               F f) noexcept {
+  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
+    for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) f(w.packs[p], V[i]);
+  });
+  w.tree.each_pair(island, [&](const TouchingPair& pair) noexcept {
+    const AnchorTwist V_rel = V[pair.child] - shifted(V[pair.parent], pair.d);
+    for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) f(w.packs[p], V_rel);
+  });
+}
+
+template <class Contacts, std::size_t N, class F>
+void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
+  w.tree.each_body(island, [&](std::uint32_t, const TouchingBody& body) noexcept {
+    for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) f(w.packs[p]);
+  });
+  w.tree.each_pair(island, [&](const TouchingPair& pair) noexcept {
+    for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) f(w.packs[p]);
+  });
+}
+
+/// The slope of E along a line in velocities, at t: slope + t curvature with the cases that were solved for, and what
+/// the law says of the contacts that leave theirs.
+struct LineSlope {
+  Real slope = 0, curvature = 0;
+};
+template <std::size_t max_packs>
+LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_packs>& packs) noexcept {
+  Pack slope{}, curvature{};  // zeros
+  for (std::size_t i = 0; i < packs.size; ++i) {
+    const LinePack& c = packs.list[i];
+    const Pack F_n = c.F_n - c.by * t;
+    slope += (c.touching * F_n - max(F_n, Pack(0))) * c.v_n;
+    curvature += (case_of(F_n) - c.touching) * c.by * c.v_n;
+  }
+  return {.slope = line.slope + t * line.curvature + h * total(slope),
+          .curvature = line.curvature + h * total(curvature)};
+}
+
+/// The contacts of an island that leave their cases on the line from 0 to `most`, at the normal velocities
+/// from(pack) + t by(pack).
+template <class Contacts, std::size_t N, class From, class By>
+void find_leaving(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
+                  By by) noexcept {
+  w.line.size = 0;
+  each_pack(island, w, [&](const ContactPack& c) noexcept {
+    const Pack v_n = by(c), F_n = c.F_0 - c.eta_n * from(c), F_by = c.eta_n * v_n;
+    if (differ(case_of(F_n), c.touching) || differ(case_of(F_n - F_by * most), c.touching))
+      w.line.list[w.line.size++] = {.F_n = F_n, .by = F_by, .v_n = v_n, .touching = c.touching};
+  });
+}
+
+/// Parts of the slope at the beginning that may be left.
+inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;
+inline constexpr int max_line_steps = 16;
+/// Where the slope, which never falls, comes to -enough, or nearer to zero, but not above: between 0, where it is below,
+/// and `most` >= 1. By Newton's method from 1, which ends where no contact changes its case any more, within what is
+/// known to hold the zero.
+template <class Slope>
+Real where_flat(Real most, Real enough, Slope slope_at) noexcept {
+  Real lo = 0, hi = most, t = 1;
+  for (int k = 0; k < max_line_steps; ++k) {
+    const LineSlope at = slope_at(t);
+    if (at.slope <= 0) {
+      lo = t;
+      if (at.slope >= -enough || t == most) break;
+    } else {
+      hi = t;
+    }
+    t -= (at.slope + enough / 2) / at.curvature;
+    if (!(t > lo && t < hi)) t = lo + (hi - lo) / 2;
+  }
+  return lo;
+}
+
+/// Some contact is not in the case that was solved for.
+inline bool has_left_its_case(const ContactPack& c) noexcept {
+  return differ(case_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
+}
+
+/// The velocities of the contact points at V; those normal to the surfaces at V_0 in v_n_0. True: some have left their
+/// cases.
+template <class Contacts, std::size_t N>
+bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  bool differs = false;
+  each_pack(w.V, island, w, [&](ContactPack& c, const AnchorTwist& V) noexcept {
+    c.v_n_0 = c.n.dot(c.v);
+    move(c, V);
+    differs = differs || has_left_its_case(c);
+  });
+  return differs;
+}
+
+/// V on the way from V_0 to V where (29) is least. A V_0 = AV_0 and A V = b - r, with the cases that were solved for;
+/// so it is after.
+template <class Contacts, std::size_t N>
+void search_line(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  TwistSum slope, end;
+  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+    const AnchorTwist d = w.V[i] - w.V_0[i];
+    slope.add(d, w.AV_0[i] - w.b[i]);
+    end.add(d, w.r[i]);
+  });
+  find_leaving(
+      1, island, w, [](const ContactPack& c) noexcept { return c.v_n_0; },
+      [](const ContactPack& c) noexcept { return c.n.dot(c.v) - c.v_n_0; });
+  const LineSlope line{.slope = slope, .curvature = -end - slope};
+  const Real t =
+      where_flat(1, line_tolerance * -slope, [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
+  if (t == 1) return;
+  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+    w.V[i] = w.V_0[i] + (w.V[i] - w.V_0[i]) * t;
+    w.r[i] = (w.b[i] - w.AV_0[i]) * (1 - t) + w.r[i] * t;
+  });
+  each_pack(w.V, island, w, [](ContactPack& c, const AnchorTwist& V) noexcept { move(c, V); });
+}
+
+/// The multiple of V where (29) is least. Returns the largest force that is left unbalanced, times h.
+template <class Contacts, std::size_t N>
+Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  TwistSum VAV, Vb;
+  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+    VAV.add(w.V[i], w.b[i] - w.r[i]);
+    Vb.add(w.V[i], w.b[i]);
+  });
+  find_leaving(
+      2, island, w, [](const ContactPack&) noexcept { return Pack(0); },
+      [](const ContactPack& c) noexcept { return c.n.dot(c.v); });
+  const LineSlope ray{.slope = -Vb, .curvature = VAV};
+  const Real s =
+      where_flat(2, scale_tolerance * VAV, [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
+  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V[i] = w.V[i] * s; });
+  each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
+  return largest_left(s, island, w);
+}
+
+}  // namespace godobject

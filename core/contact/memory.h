@@ -1,0 +1,143 @@
+// What contacts carry over from step to step, found again by what touches what.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "core/contact/contact.h"
+
+namespace godobject {
+
+/// Of one contact. The spheres of a scene are numbered, and so is what they touch.
+struct ContactMemory {
+  std::uint64_t key = 0;
+  Vec3 xi_W = Vec3::Zero();      // how far the contact point has been dragged since it stuck, m
+  Vec3 xi_dot_W = Vec3::Zero();  // how fast it was, m/s
+  Real e = 0;                    // depth that no motion explains, m
+  Real pressed = 0;              // by which it was deeper than e where the last stage ended, m
+  Vec3 F_W = Vec3::Zero();       // force in the last stage, N
+  Vec3 n_W = Vec3::Zero();       // normal
+};
+
+inline std::uint64_t contact_key(std::size_t sphere, std::size_t touched) noexcept {
+  return (std::uint64_t(sphere) << 32) | touched;
+}
+
+/// In the order of the keys.
+template <std::size_t max_contacts>
+struct ContactMemories {
+  std::array<ContactMemory, max_contacts> list;
+  std::size_t size = 0;
+
+  void assign(const ContactMemories& other) noexcept {
+    size = other.size;
+    std::copy_n(other.list.begin(), size, list.begin());
+  }
+};
+
+/// Looks keys up that come in rising order.
+template <std::size_t max_contacts>
+class Recall {
+ public:
+  explicit Recall(const ContactMemories<max_contacts>& of) noexcept : of_(of) {}
+  /// Null: there was no such contact.
+  const ContactMemory* find(std::uint64_t key) noexcept {
+    while (at_ < of_.size && of_.list[at_].key < key) ++at_;
+    return at_ < of_.size && of_.list[at_].key == key ? &of_.list[at_] : nullptr;
+  }
+
+ private:
+  const ContactMemories<max_contacts>& of_;
+  std::size_t at_ = 0;
+};
+
+/// The same contacts bear a force.
+template <std::size_t max_contacts>
+bool touch_alike(const ContactMemories<max_contacts>& a, const ContactMemories<max_contacts>& b) noexcept {
+  const auto next_touching = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
+    while (i < m.size && !(m.list[i].F_W.squaredNorm() > 0)) ++i;
+    return i;
+  };
+  std::size_t i = next_touching(a, 0), j = next_touching(b, 0);
+  for (; i < a.size && j < b.size && a.list[i].key == b.list[j].key; i = next_touching(a, i + 1))
+    j = next_touching(b, j + 1);
+  return i == a.size && j == b.size;
+}
+
+/// Where a stage starts from: the memories of the step and those of the stage before in it, and how far in time.
+struct ContactStage {
+  Real t_0 = 0, t_1 = 0;  // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
+  Real letting_out = 0;   // s, for which e is let out
+  bool goes_on =
+      false;  // after another stage of the step; otherwise that one's memories are none of this step
+
+  /// It starts where the step before has ended.
+  bool is_of_base() const noexcept { return t_0 == 0 && !goes_on; }
+};
+
+/// (35)  By which a contact spring may be pressed together without a motion that did the work, m: it holds the energy
+/// that the lighter body, of mass m, has at the speed at which it is let out. More would drive where stiff bodies are found
+/// deep in each other since they turned where nothing foresaw it.
+inline Real unpaid(const ContactLaw& law, Real m) noexcept { return law.push_out * std::sqrt(m / law.k); }
+/// What is let out in a stage presses together by at most this many times as much: bodies that are locked into each other
+/// do not move with it, and solves that stop early may not give all of it back.
+inline constexpr Real max_let_out = 30;
+/// Between bodies by no more than in this many steps: nothing winds up. The world lets out whatever presses on it.
+inline constexpr Real max_pushed_steps = 3;
+
+/// e a while later, in which it would fall by `by` if the depth d followed; most: by which d may be behind.
+inline Real let_out(Real e, Real d, Real by, Real most) noexcept {
+  return std::max(std::min(e, std::max(e - by, d - most)), Real(0));
+}
+
+/// A contact where a stage starts.
+struct ContactStart {
+  Real d_0 = 0;    // depth, m
+  Real e_new = 0;  // the part of it that no motion explains if the contact is new; less than zero: none
+  Real let_out = std::numeric_limits<Real>::infinity();  // by which e may fall, m
+  Real most = std::numeric_limits<Real>::infinity();    // by which e may be behind the depth when it falls, m
+  Real unpaid = std::numeric_limits<Real>::infinity();  // by which it may be deeper than it was left, m
+};
+
+/// The part of a depth d_0 that its speed v_n of opening does not explain in two steps h.
+inline Real unexplained(Real d_0, Real v_n, Real h) noexcept { return d_0 - 2 * h * std::max(-v_n, Real(0)); }
+
+/// What a stage knows of a contact where it begins.
+struct BegunContact {
+  Vec3 xi_W = Vec3::Zero();  // how far it has been dragged along the surface, m
+  Real e = 0;                // depth that no motion explains, m
+  Real F_n = -1;             // normal force of the stage before, N; < 0: the contact is new
+};
+
+/// Of a contact of normal n, from the memories of the step and of the stage before. Where the normal has turned round a
+/// corner the contact is another one.
+inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, const ContactMemory* of_step,
+                             const ContactMemory* of_stage, const Vec3& n_W,
+                             const ContactStart& start) noexcept {
+  const auto is_other = [&](const ContactMemory& before) noexcept { return before.n_W.dot(n_W) < Real(0.5); };
+  if (!stage.goes_on || (of_stage != nullptr && is_other(*of_stage))) of_stage = nullptr;
+  if (of_step != nullptr && is_other(*of_step)) of_step = nullptr;
+  BegunContact c;
+  if (of_step == nullptr && of_stage == nullptr) {
+    c.e = std::max(start.e_new, Real(0));
+    return c;
+  }
+  Vec3 xi = Vec3::Zero();
+  if (of_step != nullptr) xi = of_step->xi_W + stage.t_0 * of_step->xi_dot_W;
+  if (of_stage != nullptr) xi += stage.t_1 * of_stage->xi_dot_W;
+  const ContactMemory& last = of_stage != nullptr ? *of_stage : *of_step;
+  c.e = let_out(last.e, start.d_0, std::min(stage.letting_out * law.push_out, start.let_out), start.most);
+  if (stage.is_of_base()) c.e += std::max(start.d_0 - last.e - last.pressed - start.unpaid, Real(0));
+  c.xi_W = xi - n_W * n_W.dot(xi);
+  c.F_n = std::max(last.n_W.dot(last.F_W), Real(0));
+  return c;
+}
+
+/// How far the contact point is dragged at the end of a stage, the friction being F_t: spring and damper of (23) move
+/// with it, and what they do not follow has slipped.
+inline Vec3 dragged(const ContactLaw& law, const Vec3& xi, const Vec3& F_t, Real h) noexcept {
+  const Real eta = h * law.k_t + law.c_t;
+  return eta > 0 ? Vec3((law.c_t * xi - h * F_t) * (1 / eta)) : Vec3(Vec3::Zero());
+}
+
+}  // namespace godobject

@@ -1,0 +1,195 @@
+// The bodies that touch each other or the world in a stage: which they are, in pairs, and their contacts (24).
+#pragma once
+
+#include "core/system/factor.h"
+#include "core/contact/find/find.h"
+#include "core/contact/stage.h"
+
+namespace godobject {
+
+/// The contacts part of a scene whose bodies touch each other. Capacities: spheres, surfaces, contacts at a time.
+template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
+struct BodyContacts {
+  static constexpr std::size_t max_contacts = contacts_;
+  static constexpr bool between_bodies = true;
+  static constexpr bool jointed = false;  // OnJoints
+  using Params = ContactParams<spheres_, surfaces_>;
+  using State = ContactMemories<contacts_>;
+  using Output = ContactReport;
+  using BodyOutput = ContactWrench;
+};
+
+/// A body's stage, about its centre of mass, world axes. Its A has a skew part (11), which a solve by A = A^T cannot
+/// take: by itself the body moves as by the whole of it, and what it touches meets it as it moves then.
+///
+///   (34)  A_ww = (A + A^T) / 2,  b_w = A_ww A^-1 b
+struct BodyStage {
+  Block A_ww;
+  Real M = 0;
+  Column b_w, b_v;
+};
+
+inline AnchorTwist times(const BodyStage& stage, const AnchorTwist& V) noexcept {
+  return {.w = stage.A_ww * V.w, .v = V.v * stage.M};
+}
+inline void add_impulse(const AnchorTwist& F, BodyStage& stage) noexcept {
+  stage.b_w += F.w;
+  stage.b_v += F.v;
+}
+
+/// Near contacts [first, end) of a pair of bodies, or of a body and the world.
+struct NearGroup {
+  static constexpr std::uint32_t no_pair = ~std::uint32_t(0);
+  std::uint32_t first = 0, end = 0;
+  std::uint32_t pair = no_pair;  // in the tree
+};
+
+/// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
+struct LinePack {
+  Pack F_n, by, v_n, touching;
+};
+template <std::size_t max_packs>
+struct LinePacks {
+  std::array<LinePack, max_packs> list;
+  std::size_t size = 0;
+};
+
+/// Worthless between steps.
+template <class Contacts, std::size_t N>
+struct BodyContactScratch {
+  static constexpr std::size_t max_contacts = Contacts::max_contacts;
+  ContactFinder<Contacts, N> finder;
+  NearContacts<max_contacts> near;
+  std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
+  std::size_t num_groups = 0;
+  std::array<BegunContact, max_contacts> begun;  // of the near ones
+  std::array<ContactPack, max_contacts> packs;   // each of one pair, or one body with the world
+  LinePacks<max_contacts> line;                  // those that leave their cases on it
+  ContactTree<N, max_contacts, Contacts::jointed> tree;
+  ContactFactor<N, Contacts::jointed> factor;
+  bool factored = false;  // the island at hand
+  std::array<BodyStage, N> stages;
+  std::array<bool, N> touches;
+  std::array<AnchorTwist, N> V, b, r, z, p, Ap, AV_0;  // of bodies: velocities, impulses; of the iteration
+  std::array<AnchorTwist, N> V_0;                      // velocities of the pass before
+  std::array<ContactMemories<max_contacts>, 2> memories;
+  std::size_t last = 0;
+  ContactStage stage;
+  std::array<Wrench, N> wrenches;
+  ContactReport report;
+};
+
+/// Number of the near contact's pair, or that of its body with the world.
+inline std::uint32_t pair_of(const NearContact& near) noexcept {
+  return static_cast<std::uint32_t>(near.key >> 32);
+}
+
+/// The groups and pairs of the near contacts, and the tree of the stiffest.
+template <class Contacts, std::size_t N>
+void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Real h,
+                BodyContactScratch<Contacts, N>& w) noexcept {
+  w.tree.num_pairs = w.num_groups = 0;
+  for (std::size_t i = 0; i < num_bodies; ++i) w.touches[i] = false;
+  for (std::uint32_t i = 0; i < w.near.size;) {
+    const NearContact& first = w.near.list[i];
+    NearGroup& group = w.groups[w.num_groups++] = {.first = i};
+    Real stiffness = 0;
+    for (; i < w.near.size && pair_of(w.near.list[i]) == pair_of(first); ++i) {
+      const NearContact& near = w.near.list[i];
+      if (first.b >= N || !(near.d > 0)) continue;
+      const ContactLaw& law = law_of(par, near);
+      stiffness += h * law.k + law.c;
+    }
+    group.end = i;
+    w.touches[first.a] = true;
+    if (first.b >= N) continue;
+    w.touches[first.b] = true;
+    group.pair = static_cast<std::uint32_t>(w.tree.num_pairs);
+    TouchingPair& pair = w.tree.pairs[w.tree.num_pairs++];
+    pair.child = first.a;
+    pair.parent = first.b;
+    pair.stiffness = stiffness;
+  }
+  make_islands(w.touches, num_bodies, w.tree);
+}
+
+/// The normal force that a contact begins with: that of the stage before; of a new one, F_n at the predicted velocities.
+/// Bodies that hit each other are slowed down within the step: at predicted velocities too much touches, too hard.
+inline Real foreseen(const BegunContact& begun, Real F_n) noexcept {
+  return begun.F_n < 0 ? std::max(F_n, Real(0)) : begun.F_n;
+}
+
+/// A law within a stage, between bodies of which the lighter has mass m. Contacts of a group mostly have one.
+struct GroupLaw {
+  const ContactLaw* of;
+  StageLaw stage;
+  Real unpaid, let_out;
+
+  GroupLaw(const ContactLaw& law, Real m, Real h) noexcept
+      : of(&law), stage(law, h), unpaid(godobject::unpaid(law, m)), let_out(max_let_out * unpaid) {}
+  Real most(const ContactStage& at) const noexcept {
+    return std::min(max_pushed_steps * at.letting_out * of->push_out, let_out);
+  }
+};
+
+/// (24) of a group of near contacts, four to a pack, from pack `first` on. child: of the two, whose packs they are.
+template <class Contacts, std::size_t N>
+std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, std::uint32_t child,
+                          Real h, std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
+                          Recall<Contacts::max_contacts>& of_stage,
+                          BodyContactScratch<Contacts, N>& w) noexcept {
+  const NearContact& one = w.near.list[group.first];
+  const bool on_world = group.pair == NearGroup::no_pair;
+  const Real m = on_world ? w.stages[child].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
+  const Vec3& p_W = w.finder.at[child].p_W;
+  const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
+  GroupLaw law(law_of(par, one), m, h);
+  std::uint32_t n = 0;
+  for (std::uint32_t i = group.first; i < group.end; ++i, ++n) {
+    const NearContact& near = w.near.list[i];
+    if (const ContactLaw& its = law_of(par, near); &its != law.of) law = GroupLaw(its, m, h);
+    const Real d_0 = near.d + h * near.v_n;
+    const BegunContact& begun = w.begun[i] =
+        recalled(*law.of, w.stage, of_step.find(near.key),
+                 w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
+                 {.d_0 = d_0,
+                  .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.unpaid,
+                  .let_out = law.let_out,
+                  .most = on_world ? std::numeric_limits<Real>::infinity() : law.most(w.stage),
+                  .unpaid = law.unpaid});
+    ContactPack& pack = w.packs[first + n / 4];
+    const std::size_t j = n % 4;
+    const Real side = child == near.a ? 1 : -1;
+    const Vec3 n_W = side * near.n_W;
+    set_contact(law.stage, begun.e, d_0, near.p_W - p_W, n_W, side * begun.xi_W, pack, j);
+    set_lane(pack.F, j, n_W * foreseen(begun, pack.F_0[j] - pack.eta_n[j] * near.v_n));
+  }
+  for (; n % 4 != 0; ++n) put_nothing(w.packs[first + n / 4], n % 4);
+  return first + n / 4;
+}
+
+/// (24) of the near contacts.
+template <class Contacts, std::size_t N>
+void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
+                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+  Recall of_step(before), of_stage(w.memories[w.last]);
+  for (std::size_t i = 0; i < num_bodies; ++i) w.tree.bodies[i].first_pack = w.tree.bodies[i].end_pack = 0;
+  std::uint32_t packs = 0;
+  const auto begin = [&](const NearGroup& group, std::uint32_t child, auto& of) noexcept {
+    of.first_pack = packs;
+    of.end_pack = packs = begin_group(par, group, child, h, packs, of_step, of_stage, w);
+  };
+  for (std::size_t g = 0; g < w.num_groups; ++g) {
+    const NearGroup& group = w.groups[g];
+    if (group.pair == NearGroup::no_pair) {
+      const std::uint32_t body = w.near.list[group.first].a;
+      begin(group, body, w.tree.bodies[body]);
+      continue;
+    }
+    TouchingPair& pair = w.tree.pairs[group.pair];
+    pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
+    begin(group, pair.child, pair);
+  }
+}
+
+}  // namespace godobject

@@ -1,0 +1,242 @@
+// Contacts as their bodies see them during a stage, four at a time.
+//
+// At the end of a stage (22) and (23) are linear in the velocity v of the contact point, but for their cases: with the
+// geometry where the stage is predicted to end, and d_0 the depth where it starts,
+//
+//   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;   apart, F_0 = eta_n d_0 / h
+//         F_t = -eta_t s,  s = v_t + k_t xi / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
+//
+// So a contact is an impedance h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and goes into its body's A and b as a
+// mass would. Which case holds, touching or not and eta_t, is found by passes over the solve, each with the cases that
+// the one before ended in, at most max_contact_passes. The first passes take a slipping contact by its tangent,
+//
+//   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
+//
+// which ends at once where the slip keeps its direction; the next by (24) as it stands; the last ones leave eta_t as it
+// is, which cannot drive, and find what touches. What they leave is reported as the residual.
+#pragma once
+
+#include <limits>
+
+#include "core/contact/memory.h"
+#include "core/joint/tree_solve.h"
+
+namespace godobject {
+
+inline constexpr int max_contact_passes = 8;
+inline constexpr int num_tangent_passes = 4;
+inline constexpr int num_secant_passes = 2;
+/// How a pass takes the friction.
+enum class Pass { by_tangent, by_secant, as_it_was };
+constexpr Pass contact_pass(int pass) noexcept {
+  if (pass < num_tangent_passes) return Pass::by_tangent;
+  return pass < num_tangent_passes + num_secant_passes ? Pass::by_secant : Pass::as_it_was;
+}
+/// The passes end when no force misses its law by more than this part of the largest normal force.
+inline constexpr Real contact_tolerance = 1e-6;
+
+/// Four contacts of a body with the world, or with one other body.
+struct ContactPack {
+  std::size_t body = 0;  // the one they are of
+  bool changed = true;   // the case of one of them, in the last update
+  Vector3<Pack> r, n;    // from where the body's twist is taken to the contact point; off the surface
+  Pack d_0, F_0, eta_n;
+  Vector3<Pack> v_xi;
+  Pack max_eta_t, mu;
+  // case
+  Pack touching;  // 1 or 0
+  Pack eta_t;
+  Vector3<Pack> u;  // direction of the slip, if taken by its tangent; otherwise zero
+  Pack f_slip;      // and its friction
+  // solution
+  Vector3<Pack> v, F;
+  Pack v_n_0;  // of the pass before
+};
+
+/// No contact in lane j.
+inline void put_nothing(ContactPack& pack, std::size_t j) noexcept {
+  for (Vector3<Pack>* a : {&pack.r, &pack.n, &pack.v_xi, &pack.F}) set_lane(*a, j, Vec3::Zero());
+  for (Pack* a : {&pack.d_0, &pack.F_0, &pack.eta_n, &pack.max_eta_t, &pack.mu}) a->set(j, 0);
+}
+
+/// A law within a stage: what contacts of a pair of materials have in common.
+struct StageLaw {
+  Real k = 0, eta_n = 0, eta_n_h = 0, max_eta_t = 0, v_per_xi = 0, mu = 0;
+
+  StageLaw(const ContactLaw& law, Real h) noexcept
+      : k(law.k),
+        eta_n(h * law.k + law.c),
+        eta_n_h(eta_n / h),
+        max_eta_t(h * law.k_t + law.c_t),
+        v_per_xi(max_eta_t > 0 ? law.k_t / max_eta_t : 0),
+        mu(law.mu) {}
+};
+
+/// Contact j of a pack: its point at r, its normal n, xi on the side of its body, and its depth where the stage starts.
+inline void set_contact(const StageLaw& law, Real e, Real d_0, const Vec3& r, const Vec3& n, const Vec3& xi,
+                        ContactPack& pack, std::size_t j) noexcept {
+  set_lane(pack.r, j, r);
+  set_lane(pack.n, j, n);
+  set_lane(pack.v_xi, j, xi * law.v_per_xi);
+  pack.d_0.set(j, d_0);
+  pack.F_0.set(j, d_0 < 0 ? law.eta_n_h * d_0 : law.k * (d_0 - e));
+  pack.eta_n.set(j, law.eta_n);
+  pack.max_eta_t.set(j, law.max_eta_t);
+  pack.mu.set(j, law.mu);
+}
+
+/// 1: touching, with this normal force; 0: not.
+inline Pack case_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
+inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) || any(b < a); }
+
+/// How far the forces of a pass are from the law, and the largest normal force.
+struct ContactMiss {
+  Pack normal_miss = 0, friction_miss_sq = 0, normal_force = 0;
+
+  Real normal() const noexcept { return largest(normal_miss); }
+  Real friction() const noexcept { return std::sqrt(largest(friction_miss_sq)); }
+  Real worst() const noexcept { return std::max(normal(), friction()); }
+  Real F_n() const noexcept { return largest(normal_force); }
+};
+
+/// The velocities of the contact points at the twist V of the body's anchor.
+inline void move(ContactPack& c, const AnchorTwist& V) noexcept {
+  const Vector3<Pack> V_w(V.w.all<0>(), V.w.all<1>(), V.w.all<2>());
+  const Vector3<Pack> V_v(V.v.all<0>(), V.v.all<1>(), V.v.all<2>());
+  c.v = V_v + V_w.cross(c.r);
+}
+
+/// A speed of slip that can be divided by.
+inline Pack speed_of(const Vector3<Pack>& s) noexcept {
+  return max(sqrt(s.squaredNorm()), Pack(std::numeric_limits<Real>::min()));
+}
+/// eta_t of (24) at a speed of slip.
+inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) noexcept {
+  return min(c.mu * F_n / speed, c.max_eta_t);
+}
+
+/// The forces of a pass, and the cases of the next, at the velocities of the contact points. tangents: as in add();
+/// otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
+template <bool tangents>
+void settle(ContactPack& c, Pass next, Real F_small, ContactMiss& most) noexcept {
+  const Pack v_n = c.n.dot(c.v);
+  const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
+  const Pack speed = speed_of(s);
+  const Pack F_n = c.F_0 - c.eta_n * v_n;
+  const Pack law_n = max(F_n, Pack(0));
+  const Pack law_eta = friction(c, speed, law_n);
+  Vector3<Pack> F_t = s * -c.eta_t;
+  if constexpr (tangents) F_t += c.u * (c.eta_t * c.u.dot(s) - c.f_slip);
+  c.F = c.n * (c.touching * F_n) + F_t;
+  most.normal_miss = max(most.normal_miss, abs(law_n - c.touching * F_n));
+  most.friction_miss_sq = max(most.friction_miss_sq, (s * -law_eta - F_t).squaredNorm());
+  most.normal_force = max(most.normal_force, law_n);
+  const Pack touching = case_of(law_n), eta_before = c.eta_t;
+  c.changed = differ(c.touching, touching);
+  c.touching = touching;
+  Pack slip_eta = law_eta;
+  // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
+  if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, law_eta);
+  else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.touching * c.eta_t, law_eta);
+  c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
+  c.changed = c.changed || differ(c.eta_t, eta_before);
+  if constexpr (tangents) {
+    const Pack tangent = next == Pass::by_tangent ? select(c.eta_t < c.max_eta_t, Pack(1), Pack(0)) : Pack(0);
+    c.u = s * (tangent / speed);
+    c.f_slip = tangent * c.mu * law_n;
+  }
+}
+
+/// The cases of the first pass: at the normal forces that c.F foresees and the velocities of the contact points.
+inline void foresee(ContactPack& c, const AnchorTwist& V) noexcept {
+  move(c, V);
+  const Pack F_n = c.n.dot(c.F);
+  const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
+  c.touching = case_of(F_n);
+  c.eta_t = friction(c, speed_of(s), F_n);
+}
+
+/// Sums over the contacts of a body, or a pair, of what they add to its A and b.
+struct ContactSums {
+  // of W = h (eta_t (1 - u u^T) + (eta_n - eta_t) n n^T):  W;  [r]x W;  -[r]x W [r]x
+  Pack vv[6] = {0, 0, 0, 0, 0, 0}, wv[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0}, ww[6] = {0, 0, 0, 0, 0, 0};
+  Vector3<Pack> b_w = Vector3<Pack>::Constant(Pack(0)), b_v = Vector3<Pack>::Constant(Pack(0));
+};
+
+/// tangents: some contacts may be taken by their tangents.
+template <bool tangents>
+void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
+  const Pack a = h * c.eta_t, b = h * (c.touching * c.eta_n - c.eta_t);
+  const Vector3<Pack>&r = c.r, &n = c.n, &u = c.u;
+  const Vector3<Pack> m = r.cross(n), ar = r * a, bn = n * b, bm = m * b;
+  const Pack a_rr = ar.dot(r);
+  const Pack turn[9] = {0, ar.z(), -ar.y(), -ar.z(), 0, ar.x(), ar.y(), -ar.x(), 0};  // a [r]x by columns
+  Vector3<Pack> F = n * (h * c.touching * c.F_0) - c.v_xi * a;
+  int k = 0;
+  for (int col = 0; col < 3; ++col) {
+    for (int row = 0; row < 3; ++row) sums.wv[3 * col + row] += bm[row] * n[col] + turn[3 * col + row];
+    for (int row = 0; row <= col; ++row, ++k) {
+      sums.vv[k] += bn[row] * n[col];
+      sums.ww[k] += bm[row] * m[col] - ar[row] * r[col];
+      if (row == col) {
+        sums.vv[k] += a;
+        sums.ww[k] += a_rr;
+      }
+    }
+  }
+  if constexpr (tangents) {
+    const Vector3<Pack> q = r.cross(u), au = u * a, aq = q * a;
+    k = 0;
+    for (int col = 0; col < 3; ++col) {
+      for (int row = 0; row < 3; ++row) sums.wv[3 * col + row] -= aq[row] * u[col];
+      for (int row = 0; row <= col; ++row, ++k) {
+        sums.vv[k] -= au[row] * u[col];
+        sums.ww[k] -= aq[row] * q[col];
+      }
+    }
+    F += u * (a * u.dot(c.v_xi) - h * c.f_slip);
+  }
+  sums.b_v += F;
+  sums.b_w += r.cross(F);
+}
+
+/// The sums of three packs.
+inline Column sum(const Pack& x, const Pack& y, const Pack& z) noexcept {
+  const Pack xy = shuffled<0, 4, 2, 6>(x, y) + shuffled<1, 5, 3, 7>(x, y);
+  const Pack zz = z + shuffled<1, 0, 3, 2>(z, z);
+  return Column(shuffled<0, 1, 4, 5>(xy, zz) + shuffled<2, 3, 6, 7>(xy, zz));
+}
+
+/// A symmetric 6 x 6 matrix of a twist, in 3 x 3 blocks; vw is the transposed wv.
+struct TwistBlock {
+  Block ww, wv, vv;
+};
+
+inline TwistBlock total(const ContactSums& s) noexcept {
+  return {.ww = {{sum(s.ww[0], s.ww[1], s.ww[3]), sum(s.ww[1], s.ww[2], s.ww[4]),
+                  sum(s.ww[3], s.ww[4], s.ww[5])}},
+          .wv = {{sum(s.wv[0], s.wv[1], s.wv[2]), sum(s.wv[3], s.wv[4], s.wv[5]),
+                  sum(s.wv[6], s.wv[7], s.wv[8])}},
+          .vv = {{sum(s.vv[0], s.vv[1], s.vv[3]), sum(s.vv[1], s.vv[2], s.vv[4]),
+                  sum(s.vv[3], s.vv[4], s.vv[5])}}};
+}
+/// Torque and force times h.
+inline AnchorTwist total_impulse(const ContactSums& s) noexcept {
+  return {.w = sum(s.b_w[0], s.b_w[1], s.b_w[2]), .v = sum(s.b_v[0], s.b_v[1], s.b_v[2])};
+}
+
+inline Block transposed(const Block& A) noexcept { return transposed(A.col[0], A.col[1], A.col[2]); }
+
+/// What a contact of normal n carries over, d deep in the end, F its force.
+inline ContactMemory carried_over(const ContactLaw& law, std::uint64_t key, const BegunContact& begun, Real h,
+                                  const Vec3& n, Real d, const Vec3& F) noexcept {
+  ContactMemory memory{
+      .key = key, .e = begun.e, .pressed = std::max(d - begun.e, Real(0)), .F_W = F, .n_W = n};
+  const Real F_n = n.dot(F);
+  if (!(F_n > 0 && law.k_t > 0)) return memory;
+  memory.xi_W = dragged(law, begun.xi_W, F - n * F_n, h);
+  memory.xi_dot_W = (memory.xi_W - begun.xi_W) * (1 / h);
+  return memory;
+}
+
+}  // namespace godobject

@@ -1,0 +1,86 @@
+// What the hand feels: equation (8) with its own gains, bounded in size and in rate.
+#pragma once
+
+#include "core/body/coupling.h"
+#include "core/device/device.h"
+
+namespace godobject {
+
+struct FeedbackParams {
+  SpringParams gains;         // g_d, k_d, g_dr, k_dr of (8)
+  Real max_force = 10;        // N
+  Real max_torque = 0.5;      // N m
+  Real max_force_rate = 500;  // N/s
+  Real max_torque_rate = 25;  // N m/s
+};
+
+/// (9)  a wrench on a link, about its origin, as one on its parent link: f, tau + (x - x_parent) x f.
+inline Wrench moved_to_parent(const Wrench& F, const Vec3& x, const Vec3& x_parent) noexcept {
+  return {.tau = F.tau + (x - x_parent).cross(F.f), .f = F.f};
+}
+
+/// a, shortened to the length `bound`; sets `bit` if it was longer. Zero if its length is beyond all numbers.
+inline Vec3 bounded(const Vec3& a, Real bound, Limited bit, Limited& limited) noexcept {
+  const Real length_sq = a.squaredNorm();
+  if (length_sq <= bound * bound) return a;
+  limited |= bit;
+  if (!(length_sq - length_sq == 0)) return Vec3::Zero();
+  return a * (bound / std::sqrt(length_sq));
+}
+
+struct LimitedFeedback {
+  using Params = FeedbackParams;
+  struct State {
+    Wrench F_D;  // shown in the last step
+    // Of what was shown when the samples came back after a gap, N and N m:
+    Real force_then = 0;
+    Real torque_then = 0;
+  };
+  struct Output {
+    Wrench F_D;  // on the device at the target's origin, world axes
+  };
+
+  /// (8)  F = g_d (v - v_D) + k_d (x - x_D),  T = g_dr (w - w_D) - k_dr alpha u
+  static Wrench wrench(const SpringParams& gains, const RigidBodyState& x, const Target& target,
+                       const Vec3& phi_B) noexcept {
+    const Quat& q = x.X_WB.q;
+    return {.tau = gains.g_r * (to_world(q, x.w_B) - target.V_WD.w) - gains.k_r * to_world(q, phi_B),
+            .f = gains.g * (x.v_W - target.V_WD.v) + gains.k * (x.X_WB.p - target.X_WD.p)};
+  }
+
+  /// Moves the shown wrench towards `wanted` within the limits.
+  static void show(const Params& par, const Wrench& wanted, Real h, State& x, Output& out,
+                   Limited& limited) noexcept {
+    const Real shown = x.F_D.f.sum() + x.F_D.tau.sum();
+    if (!(shown - shown == 0)) x.F_D = {};  // a damaged state must not reach the hand
+    const Vec3 f = bounded(wanted.f, par.max_force, Limited::force, limited);
+    const Vec3 tau = bounded(wanted.tau, par.max_torque, Limited::torque, limited);
+    x.F_D.f += bounded(f - x.F_D.f, h * par.max_force_rate, Limited::force_rate, limited);
+    x.F_D.tau += bounded(tau - x.F_D.tau, h * par.max_torque_rate, Limited::torque_rate, limited);
+    out.F_D = x.F_D;
+  }
+
+  /// The same, as the samples of the device allow.
+  static void show(const Params& par, const Pull& pull, const Wrench& wanted, Real h, State& x, Output& out,
+                   Limited& limited) noexcept {
+    if (pull.showing == Showing::all) return show(par, wanted, h, x, out, limited);
+    show_round_gap(par, pull, wanted, h, x, out, limited);
+  }
+
+ private:
+  [[gnu::noinline]] static void show_round_gap(const Params& par, const Pull& pull, const Wrench& wanted,
+                                               Real h, State& x, Output& out, Limited& limited) noexcept {
+    if (pull.showing == Showing::still) return show(par, x.F_D, h, x, out, limited);
+    if (pull.showing == Showing::fading) return show(par, {}, h, x, out, limited);
+    if (pull.back) {
+      x.force_then = x.F_D.f.norm();
+      x.torque_then = x.F_D.tau.norm();
+    }
+    Params capped = par;
+    capped.max_force = std::min(par.max_force, x.force_then + pull.growth * par.max_force);
+    capped.max_torque = std::min(par.max_torque, x.torque_then + pull.growth * par.max_torque);
+    show(capped, wanted, h, x, out, limited);
+  }
+};
+
+}  // namespace godobject

@@ -1,0 +1,75 @@
+// A device that takes hold of a body as it is, and lets go of it, at any time: grab and release.
+#pragma once
+
+#include "core/device/device.h"
+#include "core/body/rigid_body.h"
+
+namespace godobject {
+
+/// X_AC = X_AB X_BC.
+inline Pose composed(const Pose& X_AB, const Pose& X_BC) noexcept {
+  return {.p = X_AB.p + to_world(X_AB.q, X_BC.p), .q = renormalized(X_AB.q * X_BC.q)};
+}
+
+/// X_AB = X_WA^-1 X_WB: B as A sees it.
+inline Pose seen_from(const Pose& X_WA, const Pose& X_WB) noexcept {
+  const Quat q_AW = X_WA.q.conjugate();
+  return {.p = to_world(q_AW, X_WB.p - X_WA.p), .q = renormalized(q_AW * X_WB.q)};
+}
+
+/// A pull with the grip, which carries over.
+struct HoldingPull : Pull {
+  Pose X_DB;  // the held body as the device sees it
+};
+
+struct HoldingState : DeviceState {
+  Pose X_DB;
+};
+
+inline HoldingState carried_over(const HoldingPull& pull) noexcept {
+  return {carried_over(static_cast<const Pull&>(pull)), pull.X_DB};
+}
+
+/// Gives an absolute pose, like PoseDevice, but pulls the body to the place at the device that it had when
+/// the device took hold of it. In the step in which `engaged` rises the body moves as if free and
+///
+///   (20)  X_DB = X_WD^-1 X_WB  where that takes it at the end of the step; from then on the target is
+///         X_WD X_DB, which moves with w_D and v_D + w_D x R_WD p_DB.
+///
+/// So there is no error of pose to begin with, whatever the two do at that time, and what is left, the
+/// damping of their relative velocity, rises with the ramp (14). After a gap in the samples that is longer than
+/// a grip lasts it takes hold anew. While `engaged` is false the target is the device's own
+/// pose.
+///
+/// One device that may hold any of several bodies: all of them get its sample, `engaged` for the one that is
+/// held.
+struct HoldingDevice {
+  using Params = RampParams;
+  using Input = PoseDevice::Input;
+  using Pull = HoldingPull;
+  using State = HoldingState;
+
+  static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
+                   Limited& limited) noexcept {
+    Pull d{begin_pull(par, x, in.engaged, in.valid, h, limited), {}};
+    const Pose X_WD{.p = in.X_WD.p, .q = renormalized(in.X_WD.q)};
+    const bool takes = d.fresh && !(x.held > 0 && grip_lasted(x));
+    if (d.ramp.engaged) d.X_DB = takes ? seen_from(X_WD, moved(body.X_WB, body.v_W, body.w_B, h)) : x.X_DB;
+    d.from = x.last;
+    d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
+    if (in.valid) d.to = held(X_WD, in.V_WD, d.X_DB);
+    else if (d.bridged) d.to = carried_on(x.last, h);
+    if (d.fresh) d.from = d.to;
+    d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
+    return d;
+  }
+
+ private:
+  /// (20)
+  static Target held(const Pose& X_WD, const Twist& V_WD, const Pose& X_DB) noexcept {
+    const Vec3 p_DB_W = to_world(X_WD.q, X_DB.p);
+    return {.X_WD = composed(X_WD, X_DB), .V_WD = {.w = V_WD.w, .v = V_WD.v + V_WD.w.cross(p_DB_W)}};
+  }
+};
+
+}  // namespace godobject

@@ -1,0 +1,26 @@
+// Fixed joint: the child is part of the parent.
+#pragma once
+
+#include "core/joint/joint.h"
+
+namespace godobject {
+
+/// Turn of the child's frame against the parent's, world axes, to second order in the angle.
+inline Vec3 misalignment(const JointFrames& X) noexcept {
+  Vec3 e = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) e += X.R_WP.col(i).cross(X.R_WC.col(i));
+  return Real(0.5) * e;
+}
+
+struct FixedJoint {
+  static constexpr JointKind kind = JointKind::fixed;
+
+  static JointMotion<0, 0> motion(const JointFrames& X) noexcept {
+    JointMotion<0, 0> m;
+    m.e_w = misalignment(X);
+    m.e_v = X.d_W;
+    return m;
+  }
+};
+
+}  // namespace godobject

@@ -1,0 +1,75 @@
+// Joints between bodies, or a body and the world: what they are and how they let the child move.
+//
+// A joint has a frame on the parent (P) and one on the child (C); they coincide at joint coordinate zero. Its
+// motion is a list of axes, turns about and slides along them, one per coordinate. At an instant a joint gives its
+// axes and how far it is violated, e. The solver needs nothing else: a new joint is one file like joint_hinge.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/math/rotation_error.h"
+
+namespace godobject {
+
+enum class JointKind : std::uint8_t { free, fixed, ball, hinge, slider, cylindrical, universal };
+
+inline constexpr std::size_t world = static_cast<std::size_t>(-1);
+
+/// A frame on a body, in body axes about its centre of mass; on the world, in world axes.
+struct JointFrame {
+  Vec3 p = Vec3::Zero();
+  Mat3 R = Mat3::Identity();
+};
+
+inline JointFrame joint_frame(const Pose& X) noexcept { return {.p = X.p, .R = X.q.toRotationMatrix()}; }
+
+/// How a body hangs on its parent.
+struct JointParams {
+  JointKind kind = JointKind::free;
+  std::size_t parent = world;  // index of a body before this one, or world
+  JointFrame P;                // on the parent
+  JointFrame C;                // on this body
+};
+
+/// Both frames of a joint in world axes.
+struct JointFrames {
+  Mat3 R_WP;
+  Mat3 R_WC;
+  Vec3 d_W;  // from the parent's anchor to the child's, m
+};
+
+/// Allowed motion and violation of a joint, world axes: coordinates are the turns, then the slides. Three turns are
+/// all turns: no axes are named.
+template <int turns, int slides>
+struct JointMotion {
+  static constexpr int num_turns = turns;
+  static constexpr int num_slides = slides;
+  std::array<Vec3, turns == 3 ? 0 : turns> turn{};  // unit
+  std::array<Vec3, slides> slide{};                 // unit
+  Vec3 e_w = Vec3::Zero();                          // rad: undone by turning the child by -e_w
+  Vec3 e_v = Vec3::Zero();                          // m: undone by shifting the child's anchor by -e_v
+};
+
+/// Coordinates of a joint that has at most two: turns, then slides, rad and m.
+using JointCoordinates = Eigen::Matrix<Real, 2, 1>;
+
+/// Angle in [-pi, pi] with this sine and cosine, scaled alike.
+inline Real angle_of(Real sine, Real cosine) noexcept {
+  const Real n = std::sqrt(sine * sine + cosine * cosine);
+  const Real c = n > 0 ? cosine / n : 1, s = n > 0 ? sine / n : 0;
+  // half the angle, from whichever of 1 + c and 1 - c is not small
+  const Real big = std::sqrt(Real(0.5) * (1 + std::abs(c)));
+  const Real small = std::abs(s) / (2 * big);
+  const Real w = c > 0 ? big : small, v = c > 0 ? small : big;
+  return std::copysign(log_factor(w) * v, s);
+}
+
+/// R turned about its own axis k by an angle in [-pi, pi].
+inline Mat3 turned(const Mat3& R, int k, Real angle) noexcept {
+  Vec3 a = Vec3::Zero();
+  a[k] = angle;
+  return R * exp_so3(a).toRotationMatrix();
+}
+
+}  // namespace godobject

@@ -1,0 +1,73 @@
+// How a stage takes back what a joint is violated by: a choice of the scene's Joints part, at compile time.
+#pragma once
+
+#include "core/joint/joint.h"
+
+namespace godobject {
+
+/// A joint at an instant.
+struct JointAt {
+  JointFrames X;
+  Twist V;  // of the child's anchor against the parent, world axes
+};
+
+/// V without its part along the axes of the joint.
+template <int turns, int slides>
+Twist across(const JointMotion<turns, slides>& m, Twist V) noexcept {
+  if constexpr (turns == 3) V.w.setZero();
+  for (const Vec3& s : m.turn) V.w -= s * s.dot(V.w);
+  for (const Vec3& s : m.slide) V.v -= s * s.dot(V.v);
+  return V;
+}
+
+/// What is left of a violation after taking back a length of at most `most`.
+inline Vec3 left(const Vec3& g, Real most) noexcept {
+  const Real length = std::sqrt(g.squaredNorm());
+  return length > most ? Vec3(g * (1 - most / length)) : Vec3(Vec3::Zero());
+}
+
+/// (18)  L V+ = L V^ - g / h, all of it at the pose the stage is predicted to end at: dead-beat, and second order.
+/// A joint that is far apart comes together over some stages, since a stage that turns a body far is linear in vain.
+struct AtPrediction {
+  static constexpr bool uses_base = false;
+  static constexpr Real most_rad = 0.15;    // taken back in one stage
+  static constexpr Real most_levers = 0.2;  // likewise, by the distance of the anchor from the centre of mass
+
+  /// lever_sq: zero for an anchor in the centre of mass, which turns nothing.
+  template <class M>
+  static Twist beta(const M& predicted, const Twist& V_hat, Real lever_sq, Real h) noexcept {
+    Twist e = {.w = predicted.e_w, .v = predicted.e_v};
+    const bool far_turned = M::num_turns < 3 && e.w.squaredNorm() > most_rad * most_rad;
+    const bool far_apart = lever_sq > 0 && e.v.squaredNorm() > most_levers * most_levers * lever_sq;
+    if (far_turned || far_apart) {
+      // the violation where the stage starts is e - h V
+      const Twist V = across(predicted, V_hat);
+      if (far_turned) e.w -= left(e.w - h * V.w, most_rad);
+      if (far_apart) e.v -= left(e.v - h * V.v, most_levers * std::sqrt(lever_sq));
+    }
+    return {.w = V_hat.w - e.w * (1 / h), .v = V_hat.v - e.v * (1 / h)};
+  }
+};
+
+/// (5) at acceleration level, g'' = -(a / h) g' - (b / h^2) g with g and g' where the stage starts, a = A / 100. The
+/// velocity products of g'' are in L at the predicted pose:  L^ V+ = (1 - a) L V - (b / h) g.
+template <int A, int B>
+struct Baumgarte {
+  static constexpr bool uses_base = true;
+  static constexpr Real a = Real(A) / 100, b = Real(B) / 100;
+
+  template <class M>
+  static Twist beta(const M&, const Twist&, Real h, const M& base, const Twist& V_base) noexcept {
+    const Twist V = across(base, V_base);
+    return {.w = (1 - a) * V.w - base.e_w * (b / h), .v = (1 - a) * V.v - base.e_v * (b / h)};
+  }
+};
+
+/// (5) as the paper has it, g'' + (2/h) g' + g/h^2 = 0, with g and g' of the new state: the error halves each step.
+using BaumgarteImplicit = Baumgarte<75, 25>;
+/// The same with g and g' of the old state, positions advanced by the new velocity: diverges, always. For studies.
+using BaumgarteDiverging = Baumgarte<200, 100>;
+/// Velocity level where the stage starts: L V+ = -g / h.
+using AtBase = Baumgarte<100, 100>;
+
+}  // namespace godobject

@@ -1,0 +1,291 @@
+// A tool of bodies on joints: the articulated part of a scene.
+//
+// Joints are taken where they will be at the end of the stage: L and g at the pose the base's velocity V^
+// predicts, so that
+//
+//   (18)  L V+ = L V^ - g / h
+//
+// leaves a violation of the order of the square of h (V+ - V^), not of h V. The direction of the joint forces is
+// second order for the same reason.
+#pragma once
+
+#include <limits>
+
+#include "core/math/lanes.h"
+#include "core/body/implicit_stage.h"
+#include "core/joint/imposed.h"
+#include "core/joint/list.h"
+#include "core/joint/stops.h"
+#include "core/scene.h"
+#include "core/joint/stabilisation.h"
+#include "core/joint/tree_solve.h"
+
+namespace godobject {
+
+/// The joints part of a scene: one joint for each body, to a body before it or the world. Stops: JointStops or None.
+/// Imposed: ImposedJoints or None.
+template <class Stops_ = None, class Imposed_ = None, class Stabilisation_ = AtPrediction>
+struct TreeJoints {
+  using Stops = Stops_;
+  using Imposed = Imposed_;
+  using Stabilisation = Stabilisation_;
+  struct Params : JointParams {
+    [[no_unique_address]] Slot<typename Stops::Params, 5> stop;
+    [[no_unique_address]] Slot<typename Imposed::Params, 6> lead;
+    bool driven = true;  // false: the device has no motor on this link; its feedback goes to the parent's (9)
+  };
+  struct State : Imposed::State {
+    Vec3 f_C = Vec3::Zero();  // force of the joint in the last step
+  };
+  using Input = typename Imposed::Input;
+  struct Output {
+    Wrench F_C;  // of the joint on the child at its anchor, world axes, mean of the step's last stage
+  };
+};
+
+/// Where a body of the tree is, and how it moves.
+template <class T>
+struct TreePlaceOf {
+  Vector3<T> p_W = Vector3<T>::Zero();
+  Matrix3<T> R_WB = Matrix3<T>::Identity();
+  Vector3<T> a_W = Vector3<T>::Zero();  // the anchor of the body's joint
+  TwistOf<T> V;                         // of that anchor, world axes
+};
+using TreePlace = TreePlaceOf<Real>;
+
+/// A body with its anchor at p_C, body axes.
+template <class T>
+TreePlaceOf<T> place(const Vector3<T>& p_C, const RigidBodyStateOf<T>& x) noexcept {
+  const Matrix3<T> R = x.X_WB.q.toRotationMatrix();
+  const Vector3<T> r = R * p_C, w = R * x.w_B;
+  return {.p_W = x.X_WB.p, .R_WB = R, .a_W = x.X_WB.p + r, .V = {.w = w, .v = x.v_W + w.cross(r)}};
+}
+
+template <class T>
+TreePlace lane(const TreePlaceOf<T>& at, std::size_t j) noexcept {
+  return {.p_W = lane(at.p_W, j),
+          .R_WB = lane(at.R_WB, j),
+          .a_W = lane(at.a_W, j),
+          .V = {.w = lane(at.V.w, j), .v = lane(at.V.v, j)}};
+}
+
+/// A body of the tree during a stage. Worthless between steps, but for the joint's wrench. As it stands: the world.
+struct TreeNode {
+  TreePlace at;          // predicted end of the stage
+  ArticulatedBody body;  // at the anchor of its joint
+  Column d;              // from the parent's anchor to the body's
+  AnchorTwist beta;      // (5)
+  std::array<EliminatedAxis, 2> axis;
+  AnchorTwist V;  // solution
+  Wrench F_C;
+};
+
+/// Nodes of the bodies, then of the world.
+template <std::size_t N, class Joints>
+struct Tree {
+  std::array<TreeNode, N> nodes;
+  TreeNode ground;
+  // places where the stage starts
+  std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
+  std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
+  bool stiff_stop = false;  // a stop of the last stage turned its coordinate round within the stage
+
+  TreeNode& parent(const JointParams& par) noexcept {
+    return par.parent == world ? ground : nodes[par.parent];
+  }
+};
+
+/// A stage turns a body by at most half a radian for its pose to be predicted.
+inline constexpr Real max_predicted_turn = 0.5;
+
+/// Where the velocities of the base lead to in a time h.
+template <class T>
+RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h) noexcept {
+  const T turn_sq = h * h * base.w_B.squaredNorm();
+  const T move = select(turn_sq <= max_predicted_turn * max_predicted_turn, T(1), T(0));
+  return {.X_WB = moved<T>(base.X_WB, base.v_W, base.w_B, move * h),
+          .v_W = move * base.v_W,
+          .w_B = move * base.w_B};
+}
+
+/// Puts the stage equations of a group of bodies into the tree: world axes at the predicted attitude, about the
+/// joints' anchors.
+template <Scene S, class T>
+void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
+          const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation, Real h,
+          Tree<S::max_bodies, typename S::Joints>& tree) noexcept {
+  const Group<T> group(g, num_bodies(par));
+  const Vector3<T>& p_C =
+      gathered(group, [&](std::size_t i) -> const Vec3& { return par.bodies[i].joint.C.p; });
+  const TreePlaceOf<T> at = place<T>(p_C, predicted(base, h));
+  const Matrix3<T>& R = at.R_WB;
+
+  // about the anchor, of which the centre of mass is r away and moves with v + w x r
+  const Vector3<T> r = at.p_W - at.a_W;
+  const Vector3<T> Mr = translation.M * r;
+  Matrix3<T> A_ww = R * rotation.A_B * R.transpose() - Mr * r.transpose();
+  A_ww.diagonal().array() += Mr.dot(r);
+  const Vector3<T> b_w = R * rotation.b_B + r.cross(translation.b_W);
+
+  const T zero = 0;
+  const auto A_0 = columns(A_ww.col(0).eval()), A_1 = columns(A_ww.col(1).eval()),
+             A_2 = columns(A_ww.col(2).eval());
+  const auto Mr_0 = columns(Vector3<T>(zero, Mr.z(), -Mr.y())),
+             Mr_1 = columns(Vector3<T>(-Mr.z(), zero, Mr.x())),
+             Mr_2 = columns(Vector3<T>(Mr.y(), -Mr.x(), zero));
+  const auto b_0 = columns(b_w), b_1 = columns(translation.b_W);
+  for (std::size_t j = 0; j < num_lanes<T> && g * num_lanes<T> + j < num_bodies(par); ++j) {
+    TreeNode& node = tree.nodes[g * num_lanes<T> + j];
+    node.at = lane(at, j);
+    node.body = {.A_ww = {{A_0[j], A_1[j], A_2[j]}},
+                 .A_wv = {{Mr_0[j], Mr_1[j], Mr_2[j]}},
+                 .A_vw = {{-Mr_0[j], -Mr_1[j], -Mr_2[j]}},
+                 .A_vv = Block::identity() * lane(translation.M, j),
+                 .b_w = b_0[j],
+                 .b_v = b_1[j]};
+    if constexpr (S::Joints::Stabilisation::uses_base)
+      tree.bases[g * num_lanes<T> + j] = lane(place<T>(p_C, base), j);
+  }
+}
+
+/// The joint's frames, and how its child moves against its parent.
+inline JointAt joint_at(const JointParams& par, const TreePlace& P, const TreePlace& C) noexcept {
+  const Vec3 V_P = P.V.v + P.V.w.cross(C.a_W - P.a_W);
+  return {.X = {.R_WP = P.R_WB * par.P.R, .R_WC = C.R_WB * par.C.R, .d_W = C.a_W - P.p_W - P.R_WB * par.P.p},
+          .V = {.w = C.V.w - P.V.w, .v = C.V.v - V_P}};
+}
+
+/// A joint out of the system: what is left of the child hangs on the parent. q: predicted coordinates, for stops.
+template <class Joints, class Motion>
+void eliminate(const typename Joints::Params& par, const Motion& m, const JointCoordinates& q, Real h,
+               TreeNode& child, TreeNode& parent, bool& stiff_stop) noexcept {
+  ArticulatedBody& a = child.body;
+  const bool hangs = par.parent != world;
+  const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
+  if constexpr (Motion::num_turns == 3) {
+    set_off_shift(a, child.beta.v);  // any turn is allowed: beta has none
+    eliminate_turns(a);
+    if (hangs) hang_mass(a, child.d, parent.body);
+  } else {
+    set_off(a, child.beta);
+    int c = 0;
+    constexpr int last = Motion::num_turns + Motion::num_slides - 1;
+    const auto along = [&]([[maybe_unused]] Real rate) noexcept {
+      if constexpr (uses<typename Joints::Stops>)
+        return stop_terms(par.stop.stops[static_cast<std::size_t>(c)], q[c], rate, h);
+      return AxisTerms{};
+    };
+    const auto watch = [&]([[maybe_unused]] const AxisTerms& t) noexcept {
+      if constexpr (uses<typename Joints::Stops>)
+        stiff_stop |= t.D * child.axis[static_cast<std::size_t>(c)].D_inverse > Real(0.2);
+      ++c;
+    };
+    for (const Vec3& s : m.turn) {
+      const AxisTerms t = along(s.dot(beta.w));
+      eliminate_turn(a, Column(s), t, child.axis[static_cast<std::size_t>(c)], hangs || c < last);
+      watch(t);
+    }
+    for (const Vec3& s : m.slide) {
+      const AxisTerms t = along(s.dot(beta.v));
+      eliminate_slide(a, Column(s), t, child.axis[static_cast<std::size_t>(c)], hangs || c < last);
+      watch(t);
+    }
+    if (hangs) hang(a, child.d, parent.body);
+  }
+}
+
+/// (21)  The force of a joint turns with its parent: -f at d from the parent's own anchor does a torque that changes by
+/// -h ((w+ - w^) x d) x f, a pendulum's stiffness s h^2 (d^2 1 - d d^T) for the part of f along d; none where it pushes.
+/// A_ww, b_w: of the parent, whose predicted angular velocity is w.
+inline void add_tension(const Column& d, const Column& f, Real h, const Column& w, Block& A_ww,
+                        Column& b_w) noexcept {
+  const Real pull = std::max(-dot(d, f), Real(0));
+  const Column sd = d * (h * h * pull / std::max(dot(d, d), std::numeric_limits<Real>::min()));
+  A_ww += Block::identity() * dot(sd, d) - outer(sd, d);
+  b_w += cross(sd, cross(w, d));
+}
+
+/// The twist of a child, and the wrench its joint needs, F = A_a X V_parent - b_a.
+template <class Motion>
+void solve_back(bool hangs, Real h, const TreeNode& parent, TreeNode& child) noexcept {
+  const ArticulatedBody& a = child.body;
+  const AnchorTwist V_P = shifted(parent.V, child.d);
+  AnchorTwist V = V_P, F;
+  if constexpr (Motion::num_turns == 3) {
+    V.w = a.b_w - a.A_wv * V_P.v;
+    F.v = a.A_vv * V_P.v - a.b_v;
+  } else {
+    constexpr int turns = Motion::num_turns, slides = Motion::num_slides;
+    for (int c = turns + slides; c-- > 0;) {
+      const EliminatedAxis& j = child.axis[static_cast<std::size_t>(c)];
+      (c < turns ? V.w : V.v) += j.s * rate(j, V);
+    }
+    F = {.w = -a.b_w, .v = -a.b_v};
+    if (hangs) {
+      F.w += a.A_ww * V_P.w + a.A_wv * V_P.v;
+      F.v += a.A_vw * V_P.w + a.A_vv * V_P.v;
+    }
+  }
+  child.V = {.w = V.w + child.beta.w, .v = V.v + child.beta.v};
+  child.F_C = {.tau = (F.w * (1 / h)).vec(), .f = (F.v * (1 / h)).vec()};
+}
+
+/// Joint i and its child out of the system, children before parents. f_C: of the joint in the step before.
+template <class Joints, std::size_t N>
+void eliminate(const typename Joints::Params& par, std::size_t i, const Vec3& f_C, Real h,
+               Tree<N, Joints>& tree) noexcept {
+  TreeNode& child = tree.nodes[i];
+  TreeNode& parent = tree.parent(par);
+  with_joint(par.kind, [&](auto kind) {
+    using Kind = decltype(kind);
+    const JointAt joint = joint_at(par, parent.at, child.at);
+    child.d = Column(Vec3(child.at.a_W - parent.at.a_W));
+    const auto with_motion = [&](auto motion_of) {
+      const auto m = motion_of(joint.X);
+      using Stabilisation = typename Joints::Stabilisation;
+      Twist beta;
+      if constexpr (Stabilisation::uses_base) {
+        const std::size_t p = par.parent == world ? N : par.parent;
+        const JointAt base = joint_at(par, tree.bases[p], tree.bases[i]);
+        beta = Stabilisation::beta(m, joint.V, h, motion_of(base.X), base.V);
+      } else {
+        beta = Stabilisation::beta(m, joint.V, par.C.p.squaredNorm(), h);
+      }
+      if constexpr (decltype(m)::num_turns == 3) beta.w.setZero();
+      child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
+      JointCoordinates q = JointCoordinates::Zero();
+      if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
+        q = Kind::coordinates(joint.X);
+      if (par.parent != world)
+        add_tension(child.d, Column(f_C), h, Column(parent.at.V.w), parent.body.A_ww, parent.body.b_w);
+      eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop);
+    };
+    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {
+      if (par.lead.imposed)
+        return with_motion(
+            [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, tree.led[i])); });
+    }
+    with_motion([](const JointFrames& X) { return Kind::motion(X); });
+  });
+}
+
+/// Twist of body i, parents before children.
+template <class Joints, std::size_t N>
+StageVelocity solve_back(const typename Joints::Params& par, std::size_t i, Real h,
+                         Tree<N, Joints>& tree) noexcept {
+  TreeNode& node = tree.nodes[i];
+  if (par.kind == JointKind::free) node.V = solved(node.body);
+  with_joint(par.kind, [&](auto kind) {
+    using Motion = decltype(kind.motion(JointFrames{}));
+    const bool hangs = par.parent != world;
+    if constexpr (uses<typename Joints::Imposed>) {
+      if (par.lead.imposed) return solve_back<JointMotion<0, 0>>(hangs, h, tree.parent(par), node);
+    }
+    solve_back<Motion>(hangs, h, tree.parent(par), node);
+  });
+  const Vec3 w_W = node.V.w.vec();
+  return {.v_W = node.V.v.vec() + w_W.cross(node.at.p_W - node.at.a_W),
+          .w_B = node.at.R_WB.transpose() * w_W};
+}
+
+}  // namespace godobject

@@ -1,0 +1,102 @@
+// From the structs of single bodies to those of a group of bodies, one per lane.
+#pragma once
+
+#include "core/body/coupling.h"
+#include "core/math/simd4.h"
+#include "core/body/rigid_body.h"
+#include "core/body/target.h"
+
+namespace godobject {
+
+/// The bodies in the lanes of a T; the last body again where there are none left.
+template <class T>
+struct Group {
+  std::array<std::size_t, num_lanes<T>> bodies;
+
+  Group(std::size_t g, std::size_t num_bodies) noexcept {
+    for (std::size_t j = 0; j < num_lanes<T>; ++j) bodies[j] = std::min(g * num_lanes<T> + j, num_bodies - 1);
+  }
+};
+
+template <class F>
+using Gathered = std::decay_t<std::invoke_result_t<F, std::size_t>>;
+
+/// of(i) for the bodies i of a group: for a group of one, of(i) itself.
+template <class F>
+decltype(auto) gathered(const Group<Real>& group, F of) noexcept {
+  return of(group.bodies[0]);
+}
+
+template <class F>
+requires std::is_same_v<Gathered<F>, Real> Pack gathered(const Group<Pack>& group, F of)
+noexcept { return {of(group.bodies[0]), of(group.bodies[1]), of(group.bodies[2]), of(group.bodies[3])}; }
+template <class F>
+requires std::is_base_of_v<Eigen::MatrixBase<Gathered<F>>, Gathered<F>>
+auto gathered(const Group<Pack>& group, F of) noexcept {
+  const Gathered<F>&a = of(group.bodies[0]), &b = of(group.bodies[1]), &c = of(group.bodies[2]),
+        &d = of(group.bodies[3]);
+  Eigen::Matrix<Pack, Gathered<F>::RowsAtCompileTime, Gathered<F>::ColsAtCompileTime> all;
+  for (Eigen::Index k = 0; k < all.size(); ++k)
+    all.data()[k] = Pack(a.data()[k], b.data()[k], c.data()[k], d.data()[k]);
+  return all;
+}
+template <class F>
+requires std::is_same_v<Gathered<F>, Quat> Quaternion<Pack> gathered(const Group<Pack>& group, F of)
+noexcept {
+  Quaternion<Pack> q;
+  q.coeffs() = gathered(group, [&](std::size_t i) -> decltype(auto) { return (of(i).coeffs()); });
+  return q;
+}
+template <class F>
+requires std::is_same_v<Gathered<F>, Pose> PoseOf<Pack> gathered(const Group<Pack>& group, F of)
+noexcept {
+  return {.p = gathered(group, [&](std::size_t i) -> const Vec3& { return of(i).p; }),
+          .q = gathered(group, [&](std::size_t i) -> const Quat& { return of(i).q; })};
+}
+template <class F>
+requires std::is_same_v<Gathered<F>, Twist> TwistOf<Pack> gathered(const Group<Pack>& group, F of)
+noexcept {
+  return {.w = gathered(group, [&](std::size_t i) -> const Vec3& { return of(i).w; }),
+          .v = gathered(group, [&](std::size_t i) -> const Vec3& { return of(i).v; })};
+}
+template <class F>
+requires std::is_same_v<Gathered<F>, Target> TargetOf<Pack> gathered(const Group<Pack>& group, F of)
+noexcept {
+  return {.X_WD = gathered(group, [&](std::size_t i) -> const Pose& { return of(i).X_WD; }),
+          .V_WD = gathered(group, [&](std::size_t i) -> const Twist& { return of(i).V_WD; })};
+}
+template <class F>
+requires std::is_same_v<Gathered<F>, SpringParams> SpringParamsOf<Pack> gathered(const Group<Pack>& group,
+                                                                                 F of)
+noexcept {
+  const std::array<SpringParams, 4> s{of(group.bodies[0]), of(group.bodies[1]), of(group.bodies[2]),
+                                      of(group.bodies[3])};
+  return {.k = {s[0].k, s[1].k, s[2].k, s[3].k},
+          .g = {s[0].g, s[1].g, s[2].g, s[3].g},
+          .k_r = {s[0].k_r, s[1].k_r, s[2].k_r, s[3].k_r},
+          .g_r = {s[0].g_r, s[1].g_r, s[2].g_r, s[3].g_r}};
+}
+template <class F>
+requires std::is_same_v<Gathered<F>, RigidBodyParams> RigidBodyParamsOf<Pack> gathered(
+    const Group<Pack>& group, F of)
+noexcept {
+  return {.m = gathered(group, [&](std::size_t i) { return of(i).m; }),
+          .I_B = gathered(group, [&](std::size_t i) -> const Mat3& { return of(i).I_B; }),
+          .anisotropy = gathered(group, [&](std::size_t i) { return of(i).anisotropy; })};
+}
+template <class F>
+requires std::is_same_v<Gathered<F>, RigidBodyState> RigidBodyStateOf<Pack> gathered(const Group<Pack>& group,
+                                                                                     F of)
+noexcept {
+  return {.X_WB = gathered(group, [&](std::size_t i) -> const Pose& { return of(i).X_WB; }),
+          .v_W = gathered(group, [&](std::size_t i) -> const Vec3& { return of(i).v_W; }),
+          .w_B = gathered(group, [&](std::size_t i) -> const Vec3& { return of(i).w_B; })};
+}
+
+/// Body j of a group.
+template <class T>
+RigidBodyState lane(const RigidBodyStateOf<T>& x, std::size_t j) noexcept {
+  return {.X_WB = lane(x.X_WB, j), .v_W = lane(x.v_W, j), .w_B = lane(x.w_B, j)};
+}
+
+}  // namespace godobject

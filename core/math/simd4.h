@@ -1,0 +1,205 @@
+// Four numbers that are worked on at once: the same number of four bodies. What is written for a type T does one
+// body with T = Real and four with T = Pack, operation by operation alike (docs/decisions/016).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "core/math/types.h"
+
+namespace godobject {
+
+struct PackMask;
+
+/// In vectors of the processor's size: one of four numbers, or two of two.
+struct Pack {
+#ifdef __AVX__
+  static constexpr std::size_t num_parts = 1;
+  using Part [[gnu::vector_size(32)]] = Real;
+#else
+  static constexpr std::size_t num_parts = 2;
+  using Part [[gnu::vector_size(16)]] = Real;
+#endif
+  static constexpr std::size_t size = 4;
+  static constexpr std::size_t part_size = size / num_parts;
+  std::array<Part, num_parts> parts;
+
+  Pack() = default;
+  Pack(Real a) noexcept : Pack(a, a, a, a) {}
+  Pack(Real a, Real b, Real c, Real d) noexcept {
+#ifdef __AVX__
+    parts = {Part{a, b, c, d}};
+#else
+    parts = {Part{a, b}, Part{c, d}};
+#endif
+  }
+  Real operator[](std::size_t j) const noexcept { return parts[j / part_size][j % part_size]; }
+  void set(std::size_t j, Real a) noexcept { parts[j / part_size][j % part_size] = a; }
+
+  Pack& operator+=(const Pack& b) noexcept { return *this = *this + b; }
+  Pack& operator-=(const Pack& b) noexcept { return *this = *this - b; }
+  Pack& operator*=(const Pack& b) noexcept { return *this = *this * b; }
+  Pack& operator/=(const Pack& b) noexcept { return *this = *this / b; }
+
+  /// f of the parts of both.
+  template <class F>
+  friend Pack by_parts(const Pack& a, const Pack& b, F f) noexcept {
+    Pack r;
+    for (std::size_t k = 0; k < num_parts; ++k) r.parts[k] = f(a.parts[k], b.parts[k]);
+    return r;
+  }
+  friend Pack operator+(const Pack& a, const Pack& b) noexcept {
+    return by_parts(a, b, [](const Part& x, const Part& y) { return x + y; });
+  }
+  friend Pack operator-(const Pack& a, const Pack& b) noexcept {
+    return by_parts(a, b, [](const Part& x, const Part& y) { return x - y; });
+  }
+  friend Pack operator*(const Pack& a, const Pack& b) noexcept {
+    return by_parts(a, b, [](const Part& x, const Part& y) { return x * y; });
+  }
+  friend Pack operator/(const Pack& a, const Pack& b) noexcept {
+    return by_parts(a, b, [](const Part& x, const Part& y) { return x / y; });
+  }
+  friend Pack operator-(const Pack& a) noexcept {
+    return by_parts(a, a, [](const Part& x, const Part&) { return -x; });
+  }
+};
+
+/// Where a condition holds.
+struct PackMask {
+  using Part = decltype(Pack::Part{} < Pack::Part{});
+  std::array<Part, Pack::num_parts> parts;
+};
+inline PackMask operator<(const Pack& a, const Pack& b) noexcept {
+  PackMask m;
+  for (std::size_t k = 0; k < Pack::num_parts; ++k) m.parts[k] = a.parts[k] < b.parts[k];
+  return m;
+}
+inline PackMask operator<=(const Pack& a, const Pack& b) noexcept {
+  PackMask m;
+  for (std::size_t k = 0; k < Pack::num_parts; ++k) m.parts[k] = a.parts[k] <= b.parts[k];
+  return m;
+}
+inline PackMask operator>(const Pack& a, const Pack& b) noexcept { return b < a; }
+
+/// yes where the condition holds, otherwise no; both are computed.
+inline Real select(bool condition, Real yes, Real no) noexcept { return condition ? yes : no; }
+inline Pack select(const PackMask& condition, const Pack& yes, const Pack& no) noexcept {
+  Pack r;
+  for (std::size_t k = 0; k < Pack::num_parts; ++k)
+    r.parts[k] = condition.parts[k] ? yes.parts[k] : no.parts[k];
+  return r;
+}
+
+/// Bit j: the condition holds for number j.
+inline std::uint32_t bits(const PackMask& m) noexcept {
+#if defined(__AVX__)
+  using Numbers = Pack::Part;
+  return static_cast<std::uint32_t>(__builtin_ia32_movmskpd256(std::bit_cast<Numbers>(m.parts[0])));
+#else
+  std::uint32_t b = 0;
+  for (std::size_t j = 0; j < Pack::size; ++j)
+    b |= (m.parts[j / Pack::part_size][j % Pack::part_size] != 0 ? 1u : 0u) << j;
+  return b;
+#endif
+}
+inline PackMask operator&(const PackMask& a, const PackMask& b) noexcept {
+  PackMask m;
+  for (std::size_t k = 0; k < Pack::num_parts; ++k) m.parts[k] = a.parts[k] & b.parts[k];
+  return m;
+}
+
+/// The condition holds somewhere.
+inline bool any(bool condition) noexcept { return condition; }
+inline bool any(const PackMask& m) noexcept { return bits(m) != 0; }
+
+inline Pack max(const Pack& a, const Pack& b) noexcept { return select(a < b, b, a); }
+inline Pack abs(const Pack& a) noexcept { return max(a, -a); }
+inline Pack min(const Pack& a, const Pack& b) noexcept { return select(b < a, b, a); }
+inline Real largest(const Pack& a) noexcept { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
+inline Real total(const Pack& a) noexcept { return (a[0] + a[1]) + (a[2] + a[3]); }
+inline Pack sqrt(const Pack& a) noexcept {
+#ifdef __AVX__
+  Pack r;
+  r.parts[0] = __builtin_ia32_sqrtpd256(a.parts[0]);
+  return r;
+#else
+  return {std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+#endif
+}
+
+/// Numbers i, j, k, l of the eight of a and b.
+template <int i, int j, int k, int l>
+Pack shuffled(const Pack& a, const Pack& b) noexcept {
+#ifdef __AVX__
+  Pack r;
+  r.parts[0] = __builtin_shufflevector(a.parts[0], b.parts[0], i, j, k, l);
+  return r;
+#else
+  const auto at = [&](int n) {
+    return n < 4 ? a[static_cast<std::size_t>(n)] : b[static_cast<std::size_t>(n - 4)];
+  };
+  return {at(i), at(j), at(k), at(l)};
+#endif
+}
+
+template <class T>
+inline constexpr std::size_t num_lanes = 1;
+template <>
+inline constexpr std::size_t num_lanes<Pack> = Pack::size;
+
+/// Number j of what holds one or four.
+inline Real lane(Real a, std::size_t) noexcept { return a; }
+inline Real lane(const Pack& a, std::size_t j) noexcept { return a[j]; }
+template <class T>
+Vec3 lane(const Eigen::Matrix<T, 3, 1>& a, std::size_t j) noexcept {
+  return {lane(a[0], j), lane(a[1], j), lane(a[2], j)};
+}
+template <class T>
+Mat3 lane(const Eigen::Matrix<T, 3, 3>& a, std::size_t j) noexcept {
+  Mat3 all;
+  for (int k = 0; k < 9; ++k) all.data()[k] = lane(a.data()[k], j);
+  return all;
+}
+template <class T>
+Quat lane(const Eigen::Quaternion<T, Eigen::DontAlign>& q, std::size_t j) noexcept {
+  return {lane(q.w(), j), lane(q.x(), j), lane(q.y(), j), lane(q.z(), j)};
+}
+template <class T>
+Pose lane(const PoseOf<T>& X, std::size_t j) noexcept {
+  return {.p = lane(X.p, j), .q = lane(X.q, j)};
+}
+
+/// Puts a number in place j.
+inline void set_lane(Real& a, std::size_t, Real value) noexcept { a = value; }
+inline void set_lane(Pack& a, std::size_t j, Real value) noexcept { a.set(j, value); }
+template <class T>
+void set_lane(Eigen::Matrix<T, 3, 1>& a, std::size_t j, const Vec3& value) noexcept {
+  for (int c = 0; c < 3; ++c) set_lane(a[c], j, value[c]);
+}
+
+}  // namespace godobject
+
+namespace Eigen {
+
+template <>
+struct NumTraits<godobject::Pack> : NumTraits<godobject::Real> {
+  using Real = godobject::Pack;
+  using NonInteger = godobject::Pack;
+  using Nested = godobject::Pack;
+  using Literal = godobject::Real;
+  enum { RequireInitialization = 0 };
+};
+template <class Operation>
+struct ScalarBinaryOpTraits<godobject::Real, godobject::Pack, Operation> {
+  using ReturnType = godobject::Pack;
+};
+template <class Operation>
+struct ScalarBinaryOpTraits<godobject::Pack, godobject::Real, Operation> {
+  using ReturnType = godobject::Pack;
+};
+
+}  // namespace Eigen

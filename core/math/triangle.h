@@ -1,0 +1,69 @@
+// The point of a triangle nearest to a given point, and where on the triangle it lies.
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "core/math/types.h"
+
+namespace godobject {
+
+using Corners = std::array<Vec3, 3>;
+
+enum class TriangleFeature : unsigned char { face, edge, corner };
+
+struct TrianglePoint {
+  Vec3 p = Vec3::Zero();
+  Real distance_sq = std::numeric_limits<Real>::infinity();  // m^2
+  TriangleFeature feature = TriangleFeature::face;
+  std::size_t k = 0;  // edge from corner k to corner k + 1, or corner k
+};
+
+/// Square of the distance from p to the triangle's bounding box: it is not nearer than that.
+inline Real box_distance_sq(const Corners& t, const Vec3& p) noexcept {
+  const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+  return (p - p.cwiseMax(low).cwiseMin(high)).squaredNorm();
+}
+
+/// The point of the segment from corner k to the next one that is nearest to p.
+inline TrianglePoint nearest_on_edge(const Corners& t, std::size_t k, const Vec3& p) noexcept {
+  const Vec3& a = t[k];
+  const Vec3& b = t[(k + 1) % 3];
+  const Vec3 e = b - a;
+  const Real s = e.dot(p - a), length_sq = e.squaredNorm();
+  TrianglePoint q{.p = a, .feature = TriangleFeature::corner, .k = k};
+  if (s >= length_sq) {
+    q.p = b;
+    q.k = (k + 1) % 3;
+  } else if (s > 0) {
+    q.p = a + s / length_sq * e;
+    q.feature = TriangleFeature::edge;
+  }
+  q.distance_sq = (p - q.p).squaredNorm();
+  return q;
+}
+
+/// n: unit normal of the triangle, corners counter-clockwise about it. Of points equally near, the first
+/// edge's.
+inline TrianglePoint nearest_on_triangle(const Corners& t, const Vec3& n, const Vec3& p) noexcept {
+  TrianglePoint best;
+  bool outside = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    // Seen along n, p lies beyond edge k; the nearest point is on an edge that p lies beyond.
+    if (!((t[(k + 1) % 3] - t[k]).cross(p - t[k]).dot(n) < 0)) continue;
+    outside = true;
+    const TrianglePoint q = nearest_on_edge(t, k, p);
+    if (q.distance_sq < best.distance_sq) best = q;
+  }
+  if (outside) return best;
+  const Real d = n.dot(p - t[0]);
+  return {.p = p - d * n, .distance_sq = d * d, .feature = TriangleFeature::face};
+}
+
+/// Nearer to the triangle than this, the direction from its nearest point to p is rounding error.
+inline bool is_touching(const Corners& t, const Vec3& p, Real distance) noexcept {
+  const Real size = p.cwiseAbs().maxCoeff() + (t[1] - t[0]).cwiseAbs().maxCoeff();
+  return !(distance > Real(1e-12) * size);
+}
+
+}  // namespace godobject

@@ -1,0 +1,68 @@
+// Fixed obstacles: solids at rest in the world, asked one question: how far is a point from the surface?
+//
+// A kind of shape answers it in its own frame S; a new one is one file like shape_sphere.h. A sphere of
+// radius r about p touches a shape where the distance of p is below r.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "core/math/so3.h"
+
+namespace godobject {
+
+enum class ShapeKind : std::uint8_t { plane, box, sphere, capsule, height_field, mesh };
+
+struct HeightField;   // core/shape/height_field.h
+struct TriangleMesh;  // core/shape/mesh.h
+
+/// A fixed obstacle. Each kind reads its own dimensions only.
+struct ShapeParams {
+  ShapeKind kind = ShapeKind::plane;
+  Pose X_WS{};
+  Vec3 half_extents = Vec3::Zero();           // box: half its edges along x, y, z, m, > 0
+  Real radius = 0;                            // sphere, capsule: m, > 0
+  Real half_length = 0;                       // capsule: half the axis between the two centres, m, >= 0
+  const HeightField* height_field = nullptr;  // owned by the caller
+  const TriangleMesh* mesh = nullptr;         // owned by the caller
+};
+
+/// Where a surface is seen from a point p: the nearest point of the surface is p - distance * n.
+struct SurfacePoint {
+  Real distance = 0;       // m, negative inside
+  Vec3 n = Vec3::UnitZ();  // unit, outward
+};
+
+/// Shorter vectors (m) have no direction: their squares leave the range of normal numbers.
+inline constexpr Real min_length = 1e-150;
+
+/// a / length for a of this length; `otherwise` if a has no direction.
+inline Vec3 direction(const Vec3& a, Real length, const Vec3& otherwise) noexcept {
+  return length > min_length ? Vec3(a / length) : otherwise;
+}
+
+/// The surface seen from p_W, n in world axes. Exact where |distance| < reach (m, >= 0); beyond, |distance|
+/// is at least reach, n is a unit vector, and inside a mesh the sign is lost (core/shape/mesh.h). The work of
+/// a height field or mesh grows with reach, that of the others is constant. A position that is not finite
+/// gives the distance NaN.
+template <class Shape>
+SurfacePoint nearest_on(const ShapeParams& par, const Vec3& p_W, Real reach) noexcept {
+  const Vec3 p_S = to_body(par.X_WS.q, p_W - par.X_WS.p);
+  // Before a kind clamps a coordinate or makes an index of it.
+  if (!(p_S.sum() - p_S.sum() == 0)) return {.distance = std::numeric_limits<Real>::quiet_NaN()};
+  const SurfacePoint s = Shape::nearest(par, p_S, reach);
+  return {.distance = s.distance, .n = to_world(par.X_WS.q, s.n)};
+}
+
+/// A dimension that may be used: positive and finite.
+inline bool is_dimension(Real a) noexcept { return a > 0 && a - a == 0; }
+
+/// The cell of `num` along an axis that holds x; the first or last one for an x outside. Never decreases with
+/// x.
+inline std::uint32_t grid_cell(Real x, Real spacing, std::uint32_t num) noexcept {
+  const Real c = x / spacing;
+  if (!(c > 0)) return 0;
+  return c < num ? std::uint32_t(c) : num - 1;
+}
+
+}  // namespace godobject
