@@ -1,10 +1,10 @@
-// An encoder board on a serial port as a bus of CiA 406 encoders: `board:/dev/ttyACM0`. See hal/board_nodes.h.
+// An encoder board on a serial port as a bus of CiA 406 encoders: `board:/dev/ttyACM0`. See hal/board/nodes.h.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "hal/board_nodes.h"
+#include "hal/board/nodes.h"
 #include "platform/linux_bus.h"
 #include "platform/serial_port.h"
 

@@ -4,7 +4,7 @@
 #include <cerrno>
 #include <ctime>
 
-#include "hal/can_frame.h"
+#include "hal/can/frame.h"
 
 namespace godobject {
 

@@ -3,7 +3,7 @@
 
 #include "platform/histogram.h"
 
-#include "hal/can_frame.h"
+#include "hal/can/frame.h"
 
 namespace godobject {
 

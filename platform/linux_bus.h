@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "hal/can_bus.h"
+#include "hal/can/bus.h"
 
 namespace godobject {
 
@@ -58,7 +58,7 @@ enum class BusKind : std::uint8_t {
   socketcan,  // socketcan:can0
   slcan,      // slcan:/dev/ttyACM0, at another baud rate than 115200 slcan:/dev/ttyUSB0,3000000
   pty,        // pty: makes a pseudo-terminal that speaks SLCAN, and says its name
-  board,  // board:/dev/ttyACM0, an encoder board, see hal/board_nodes.h; at 921600 baud, or what follows a comma
+  board,  // board:/dev/ttyACM0, an encoder board, see hal/board/nodes.h; at 921600 baud, or what follows a comma
   replay,  // replay:run.log, one interface of it replay:run.log,can0
 };
 

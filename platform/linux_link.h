@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "hal/rig_link.h"
-#include "hal/transmit_slots.h"
+#include "hal/rig/link.h"
+#include "hal/can/transmit_slots.h"
 #include "platform/histogram.h"
 #include "platform/watched_bus.h"
 

@@ -3,7 +3,7 @@
 
 #include <sys/socket.h>
 
-#include "hal/stamp_clock.h"
+#include "hal/base/stamp_clock.h"
 
 namespace godobject {
 

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "hal/candump.h"
+#include "hal/can/candump.h"
 #include "platform/clock.h"
 
 namespace godobject {

@@ -1,6 +1,6 @@
 #include "platform/rig_filters.h"
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 
 namespace godobject {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 #include "platform/linux_bus.h"
 
 namespace godobject {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "hal/can_frame.h"
+#include "hal/can/frame.h"
 
 namespace godobject {
 

@@ -1,5 +1,5 @@
 // A CAN bus behind an SLCAN adapter on a serial port, in user space: no driver of the kernel is needed.
-// hal/slcan.h tells what the protocol cannot do; docs/buses.md what that means for a rig.
+// hal/can/slcan.h tells what the protocol cannot do; docs/buses.md what that means for a rig.
 #pragma once
 
 #include <string>

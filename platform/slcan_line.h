@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "hal/slcan.h"
+#include "hal/can/slcan.h"
 #include "platform/serial_port.h"
 
 namespace godobject {

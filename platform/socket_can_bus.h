@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/can_error.h"
+#include "hal/can/error.h"
 #include "platform/can_link.h"
 #include "platform/receive_stamp.h"
 #include "platform/socket_can_frame.h"

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "hal/can_frame.h"
+#include "hal/can/frame.h"
 
 namespace godobject {
 

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "hal/tracker_link.h"
+#include "hal/tracker/link.h"
 #include "platform/clock.h"
 #include "platform/ring.h"
 #include "platform/serial_port.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "hal/rig_link.h"
+#include "hal/rig/link.h"
 #include "platform/clock.h"
 #include "platform/linux_bus.h"
 

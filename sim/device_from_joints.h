@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 #include "sim/scene.h"
 
 namespace godobject {

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <set>
 
-#include "hal/drive_link.h"
-#include "hal/kinematic_tree.h"
+#include "hal/drive/link.h"
+#include "hal/joint/kinematic_tree.h"
 #include "sim/device_from_joints.h"
 #include "sim/hold_keys.h"
 #include "sim/scene.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "hal/cia402_homing.h"
+#include "hal/drive/cia402_homing.h"
 
 namespace godobject {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 #include "sim/sim_canopen_node.h"
 
 namespace godobject {

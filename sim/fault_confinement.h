@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "hal/can_bus.h"
+#include "hal/can/bus.h"
 
 namespace godobject {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "hal/rig_fault.h"
-#include "hal/rig_params.h"
+#include "hal/rig/fault.h"
+#include "hal/rig/params.h"
 #include "sim/fault_verb.h"
 
 namespace godobject {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 #include "sim/key.h"
 
 namespace godobject {

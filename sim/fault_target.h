@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "hal/can_frame.h"
-#include "hal/rig_params.h"
+#include "hal/can/frame.h"
+#include "hal/rig/params.h"
 #include "sim/fault_verb.h"
 #include "sim/scene.h"
 

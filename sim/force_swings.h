@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "hal/rig.h"
-#include "hal/swing_watch.h"
+#include "hal/rig/rig.h"
+#include "hal/rig/swing_watch.h"
 #include "sim/scene.h"
 
 namespace godobject {

@@ -2,7 +2,7 @@
 // a pose is played through joint encoders.
 #pragma once
 
-#include "hal/kinematic_tree.h"
+#include "hal/joint/kinematic_tree.h"
 
 namespace godobject {
 

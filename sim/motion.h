@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/kinematic_tree.h"
+#include "hal/joint/kinematic_tree.h"
 #include "sim/csv.h"
 #include "sim/curve.h"
 #include "sim/scene.h"

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "hal/sdo.h"
+#include "hal/canopen/sdo.h"
 
 namespace godobject {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/kinematic_tree.h"
+#include "hal/joint/kinematic_tree.h"
 #include "sim/motion.h"
 #include "sim/scene.h"
 

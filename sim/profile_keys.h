@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "hal/pdo_map.h"
+#include "hal/canopen/pdo_map.h"
 #include "sim/toml_reader.h"
 #include "sim/visit.h"
 

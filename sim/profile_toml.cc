@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <set>
 
-#include "hal/profile_validate.h"
+#include "hal/canopen/profile_validate.h"
 #include "shipped_profiles.h"
 #include "sim/key_reference.h"
 #include "sim/profile_keys.h"

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/node_profile.h"
-#include "hal/rig_params.h"
+#include "hal/canopen/node_profile.h"
+#include "hal/rig/params.h"
 
 namespace godobject {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/joint/joint.h"
-#include "hal/rig_params.h"
-#include "hal/tracker_params.h"
+#include "hal/rig/params.h"
+#include "hal/tracker/params.h"
 #include "sim/contact_config.h"
 
 namespace godobject {

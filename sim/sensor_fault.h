@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 
 namespace godobject {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/rig.h"
+#include "hal/rig/rig.h"
 #include "sim/engine.h"
 #include "sim/force_swings.h"
 #include "sim/grip.h"

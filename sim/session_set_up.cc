@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/rig_validate.h"
+#include "hal/rig/validate.h"
 #include "sim/session.h"
 #include "sim/sim_tracker_link.h"
 

@@ -1,7 +1,7 @@
 // A simulated digital input node (CiA 401): the device's buttons.
 #pragma once
 
-#include "hal/cia401.h"
+#include "hal/canopen/cia401.h"
 #include "sim/sim_canopen_node.h"
 
 namespace godobject {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "hal/can_bus.h"
-#include "hal/can_timing.h"
-#include "hal/fixed_queue.h"
+#include "hal/can/bus.h"
+#include "hal/can/timing.h"
+#include "hal/base/fixed_queue.h"
 #include "sim/fault_confinement.h"
 #include "sim/random.h"
 

@@ -5,7 +5,7 @@
 #include <deque>
 #include <vector>
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 #include "sim/sdo_server.h"
 #include "sim/sim_lss.h"
 #include "sim/sim_node.h"

@@ -1,8 +1,8 @@
 // A simulated CiA 402 motor drive in the cyclic synchronous modes.
 #pragma once
 
-#include "hal/cia402_homing.h"
-#include "hal/rig_params.h"
+#include "hal/drive/cia402_homing.h"
+#include "hal/rig/params.h"
 #include "sim/drive_objects.h"
 #include "sim/sim_canopen_node.h"
 

@@ -1,7 +1,7 @@
 // A simulated CiA 406 absolute encoder.
 #pragma once
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 #include "sim/sim_canopen_node.h"
 
 namespace godobject {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <span>
 
-#include "hal/encoder_board.h"
+#include "hal/board/encoder_board.h"
 #include "sim/random.h"
 
 namespace godobject {

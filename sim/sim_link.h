@@ -1,7 +1,7 @@
 // The buses of a simulated rig, on a clock of their own.
 #pragma once
 
-#include "hal/rig_link.h"
+#include "hal/rig/link.h"
 #include "sim/sim_rig.h"
 
 namespace godobject {

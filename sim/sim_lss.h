@@ -1,7 +1,7 @@
 // The LSS slave of a simulated node (CiA 305): node-ID and bit rate set over the bus.
 #pragma once
 
-#include "hal/lss.h"
+#include "hal/canopen/lss.h"
 
 namespace godobject {
 

@@ -1,7 +1,7 @@
 // A simulated moteus controller: registers over CAN FD, torque by feed-forward.
 #pragma once
 
-#include "hal/moteus.h"
+#include "hal/drive/moteus.h"
 #include "sim/sim_node.h"
 
 namespace godobject {

@@ -6,9 +6,9 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "hal/codec.h"
-#include "hal/crc16.h"
-#include "hal/ndi_tracker.h"
+#include "hal/base/codec.h"
+#include "hal/base/crc16.h"
+#include "hal/tracker/ndi_tracker.h"
 
 namespace godobject {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "hal/ndi.h"
-#include "hal/ndi_reply.h"
+#include "hal/tracker/ndi.h"
+#include "hal/tracker/ndi_reply.h"
 #include "sim/sim_tracker.h"
 
 namespace godobject {

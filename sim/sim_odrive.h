@@ -1,7 +1,7 @@
 // A simulated ODrive: CAN Simple, in torque control.
 #pragma once
 
-#include "hal/odrive.h"
+#include "hal/drive/odrive.h"
 #include "sim/sim_node.h"
 
 namespace godobject {

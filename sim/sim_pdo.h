@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "hal/pdo_map.h"
+#include "hal/canopen/pdo_map.h"
 #include "sim/object_dictionary.h"
 
 namespace godobject {

@@ -1,8 +1,8 @@
 // The mechanics of a simulated device: what its encoders and drives sit on, and the hand that holds it.
 #pragma once
 
-#include "hal/can_frame.h"
-#include "hal/kinematic_tree.h"
+#include "hal/can/frame.h"
+#include "hal/joint/kinematic_tree.h"
 #include "sim/scene.h"
 
 namespace godobject {

@@ -1,7 +1,7 @@
 // A simulated Polhemus tracker: Fastrak or Liberty. It answers nothing and sends records once it is told to.
 #pragma once
 
-#include "hal/polhemus.h"
+#include "hal/tracker/polhemus.h"
 #include "sim/sim_tracker.h"
 
 namespace godobject {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/commissioning_steps.h"
+#include "hal/canopen/commissioning_steps.h"
 #include "sim/sim_drive.h"
 #include "sim/sim_moteus.h"
 #include "sim/sim_odrive.h"

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "hal/bus_load.h"
-#include "hal/node_profile.h"
-#include "hal/rig_link.h"
+#include "hal/can/bus_load.h"
+#include "hal/canopen/node_profile.h"
+#include "hal/rig/link.h"
 #include "sim/fault_injector.h"
 #include "sim/inverse_kinematics.h"
 #include "sim/motion.h"

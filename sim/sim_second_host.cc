@@ -1,8 +1,8 @@
 #include "sim/sim_second_host.h"
 
-#include "hal/drive_link.h"
-#include "hal/moteus.h"
-#include "hal/odrive.h"
+#include "hal/drive/link.h"
+#include "hal/drive/moteus.h"
+#include "hal/drive/odrive.h"
 
 namespace godobject {
 

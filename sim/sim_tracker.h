@@ -8,8 +8,8 @@
 #include <memory>
 #include <span>
 
-#include "hal/fixed_queue.h"
-#include "hal/tracker.h"
+#include "hal/base/fixed_queue.h"
+#include "hal/tracker/tracker.h"
 #include "sim/random.h"
 
 namespace godobject {

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "hal/tracker_link.h"
+#include "hal/tracker/link.h"
 #include "sim/sim_tracker.h"
 
 namespace godobject {

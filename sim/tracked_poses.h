@@ -1,5 +1,5 @@
 // What trackers tell of the bodies of a scene, ready for every step of the core: the samples of each tool, filtered where
-// the scene asks for it, in the world, and played back without stairs (hal/pose_track.h).
+// the scene asks for it, in the world, and played back without stairs (hal/tracker/pose_track.h).
 #pragma once
 
 #include <memory>
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "hal/one_euro.h"
-#include "hal/pose_track.h"
-#include "hal/tracker_link.h"
+#include "hal/base/one_euro.h"
+#include "hal/tracker/pose_track.h"
+#include "hal/tracker/link.h"
 
 namespace godobject {
 

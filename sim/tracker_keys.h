@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "hal/tracker.h"
+#include "hal/tracker/tracker.h"
 #include "sim/scene.h"
 #include "sim/visit.h"
 

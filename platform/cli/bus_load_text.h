@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/bus_load.h"
+#include "hal/can/bus_load.h"
 
 namespace godobject {
 

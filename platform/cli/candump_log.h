@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/candump.h"
+#include "hal/can/candump.h"
 
 namespace godobject {
 

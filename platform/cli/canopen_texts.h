@@ -1,7 +1,7 @@
 // States, modes and error codes of CANopen devices in words.
 #pragma once
 
-#include "hal/cia402_modes.h"
+#include "hal/drive/cia402_modes.h"
 
 namespace godobject {
 

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "hal/rig_validate.h"
+#include "hal/rig/validate.h"
 #include "platform/cli/bus_load_text.h"
 #include "platform/cli/verbs.h"
 #include "sim/scene_toml.h"

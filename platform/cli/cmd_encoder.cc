@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "hal/cia406.h"
+#include "hal/canopen/cia406.h"
 #include "platform/cli/node_dialogue.h"
 
 namespace godobject {

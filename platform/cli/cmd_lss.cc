@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "hal/lss.h"
-#include "hal/sdo.h"
+#include "hal/canopen/lss.h"
+#include "hal/canopen/sdo.h"
 #include "platform/cli/bus_dialogue.h"
 #include "platform/cli/option_checks.h"
 #include "platform/clock.h"

@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "hal/sdo_client.h"
-#include "hal/sdo_sequence.h"
+#include "hal/canopen/sdo_client.h"
+#include "hal/canopen/sdo_sequence.h"
 #include "platform/cli/bus_dialogue.h"
 #include "platform/cli/object_text.h"
 #include "platform/cli/option_checks.h"

@@ -1,7 +1,7 @@
 // A CiA 402 drive commanded by SDO: for bringing it up, not for running it.
 #pragma once
 
-#include "hal/cia402_modes.h"
+#include "hal/drive/cia402_modes.h"
 #include "platform/cli/node_dialogue.h"
 #include "platform/last_resort.h"
 

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <optional>
 
-#include "hal/cia402_homing.h"
+#include "hal/drive/cia402_homing.h"
 #include "platform/cli/drive_dialogue.h"
 
 namespace godobject {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/fault.h"
-#include "hal/rig_fault.h"
+#include "hal/rig/fault.h"
 
 namespace godobject {
 

@@ -1,6 +1,6 @@
 #include "platform/cli/last_frames.h"
 
-#include "hal/rig.h"
+#include "hal/rig/rig.h"
 
 namespace godobject {
 std::vector<LastWords> last_words(const RigParams& params, LinuxLink& link) {

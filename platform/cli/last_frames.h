@@ -1,7 +1,7 @@
 // The last frames of a rig, ready for when the program dies.
 #pragma once
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 #include "platform/last_resort.h"
 #include "platform/linux_link.h"
 

@@ -1,9 +1,9 @@
 #include "platform/cli/message_decoder.h"
 
-#include "hal/cia402.h"
-#include "hal/cia406.h"
-#include "hal/format.h"
-#include "hal/sdo.h"
+#include "hal/drive/cia402.h"
+#include "hal/canopen/cia406.h"
+#include "hal/base/format.h"
+#include "hal/canopen/sdo.h"
 #include "platform/cli/canopen_texts.h"
 
 namespace godobject {

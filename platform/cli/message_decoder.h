@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "hal/drive_link.h"
+#include "hal/drive/link.h"
 
 namespace godobject {
 

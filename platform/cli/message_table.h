@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "hal/can_timing.h"
+#include "hal/can/timing.h"
 #include "platform/cli/message_decoder.h"
 
 namespace godobject {

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "hal/sdo_sequence.h"
+#include "hal/canopen/sdo_sequence.h"
 #include "platform/cli/last_frames.h"
 #include "platform/clock.h"
 

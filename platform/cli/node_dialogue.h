@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "hal/sdo_client.h"
+#include "hal/canopen/sdo_client.h"
 #include "platform/cli/bus_dialogue.h"
 #include "platform/last_resort.h"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/object.h"
+#include "hal/canopen/object.h"
 
 namespace godobject {
 

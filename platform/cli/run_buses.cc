@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 #include "platform/cli/named_address.h"
 #include "platform/rig_filters.h"
 

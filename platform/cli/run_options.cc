@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "hal/drive_watchdog.h"
+#include "hal/drive/watchdog.h"
 #include "platform/cli/bus_load_text.h"
 #include "platform/cli/start_check.h"
 #include "platform/clock.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/bus_load.h"
-#include "hal/node_profile.h"
+#include "hal/can/bus_load.h"
+#include "hal/canopen/node_profile.h"
 #include "platform/cli/run_buses.h"
 #include "platform/cli/run_cycle.h"
 #include "platform/cli/run_files.h"

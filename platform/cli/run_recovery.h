@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/commissioning.h"
+#include "hal/canopen/commissioning.h"
 #include "platform/cli/run_buses.h"
 #include "platform/cli/run_cycle.h"
 

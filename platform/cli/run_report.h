@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/bus_load.h"
+#include "hal/can/bus_load.h"
 #include "platform/cli/run_loop.h"
 #include "platform/cli/run_options.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "hal/rig_validate.h"
+#include "hal/rig/validate.h"
 #include "sim/fault_file.h"
 #include "sim/scene_toml.h"
 

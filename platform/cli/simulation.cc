@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 
 namespace godobject {
 namespace {

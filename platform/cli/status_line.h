@@ -1,7 +1,7 @@
 // The line a real-time run shows while it goes.
 #pragma once
 
-#include "hal/can_frame.h"
+#include "hal/can/frame.h"
 #include "platform/background_file.h"
 #include "sim/session.h"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdio>
 
-#include "hal/drive_watchdog.h"
+#include "hal/drive/watchdog.h"
 
 namespace godobject {
 namespace {

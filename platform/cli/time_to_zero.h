@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/node_profile.h"
-#include "hal/rig_params.h"
+#include "hal/canopen/node_profile.h"
+#include "hal/rig/params.h"
 
 namespace godobject {
 

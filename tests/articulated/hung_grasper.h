@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "core/godobject.h"
-#include "hal/kinematic_tree.h"
+#include "hal/joint/kinematic_tree.h"
 
 namespace godobject {
 

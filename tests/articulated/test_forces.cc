@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/godobject.h"
-#include "hal/kinematic_tree.h"
+#include "hal/joint/kinematic_tree.h"
 #include "tests/articulated/hung_grasper.h"
 
 namespace godobject::test_forces {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/can_frame.h"
+#include "hal/can/frame.h"
 
 namespace godobject::fuzz {
 

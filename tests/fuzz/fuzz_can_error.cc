@@ -1,7 +1,7 @@
 // Error frames of CAN drivers, one after the other.
 #include <cstdlib>
 
-#include "hal/can_error.h"
+#include "hal/can/error.h"
 #include "tests/fuzz/decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

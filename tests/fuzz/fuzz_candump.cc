@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "hal/candump.h"
+#include "hal/can/candump.h"
 #include "tests/fuzz/decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

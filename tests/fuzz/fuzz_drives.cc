@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "hal/drive_link.h"
-#include "hal/moteus.h"
+#include "hal/drive/link.h"
+#include "hal/drive/moteus.h"
 #include "tests/fuzz/decode.h"
 
 namespace {

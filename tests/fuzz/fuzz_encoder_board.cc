@@ -1,7 +1,7 @@
 // COBS and the frames of encoder boards, from any bytes at any times; a frame made of them is read back the same.
 #include <cstdlib>
 
-#include "hal/board_nodes.h"
+#include "hal/board/nodes.h"
 #include "tests/fuzz/decode.h"
 
 namespace {

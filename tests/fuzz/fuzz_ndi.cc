@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "hal/ndi_tracker.h"
+#include "hal/tracker/ndi_tracker.h"
 #include "tests/fuzz/decode.h"
 
 namespace {

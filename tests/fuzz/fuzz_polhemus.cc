@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "hal/polhemus.h"
+#include "hal/tracker/polhemus.h"
 #include "tests/fuzz/decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // A whole rig on a bus that says anything: frames of all kinds at any time, in every state.
 #include <array>
 
-#include "hal/rig.h"
+#include "hal/rig/rig.h"
 #include "tests/fuzz/taking_bus.h"
 
 namespace godobject {

@@ -1,7 +1,7 @@
 // SLCAN from both sides: any bytes as lines of an adapter and of a host; a frame that was read is written the same.
 #include <cstdlib>
 
-#include "hal/slcan.h"
+#include "hal/can/slcan.h"
 #include "tests/fuzz/decode.h"
 
 namespace {

@@ -1,7 +1,7 @@
 // A bus that takes, or refuses, what it is given, and hands over what the input says.
 #pragma once
 
-#include "hal/can_bus.h"
+#include "hal/can/bus.h"
 #include "tests/fuzz/decode.h"
 
 namespace godobject::fuzz {

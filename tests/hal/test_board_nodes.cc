@@ -1,11 +1,11 @@
 // An encoder board as the nodes that a rig sees.
-#include "hal/board_nodes.h"
+#include "hal/board/nodes.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "hal/cia406.h"
+#include "hal/canopen/cia406.h"
 
 namespace godobject::test_board_nodes {
 namespace {

@@ -1,4 +1,4 @@
-#include "hal/bus_load.h"
+#include "hal/can/bus_load.h"
 
 #include <gtest/gtest.h>
 

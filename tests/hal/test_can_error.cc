@@ -1,4 +1,4 @@
-#include "hal/can_error.h"
+#include "hal/can/error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/can_timing.h"
+#include "hal/can/timing.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/candump.h"
+#include "hal/can/candump.h"
 
 #include <gtest/gtest.h>
 

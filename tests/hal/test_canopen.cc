@@ -1,8 +1,8 @@
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 
 #include <gtest/gtest.h>
 
-#include "hal/cia406.h"
+#include "hal/canopen/cia406.h"
 
 namespace godobject::test_canopen {
 namespace {

@@ -1,4 +1,4 @@
-#include "hal/cia402.h"
+#include "hal/drive/cia402.h"
 
 #include <gtest/gtest.h>
 

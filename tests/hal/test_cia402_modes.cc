@@ -1,8 +1,8 @@
 // CSV, CSP, homing, quick stop and fault reset of CiA 402: codecs and state logic.
 #include <gtest/gtest.h>
 
-#include "hal/cia402_homing.h"
-#include "hal/cia402_link.h"
+#include "hal/drive/cia402_homing.h"
+#include "hal/drive/cia402_link.h"
 
 namespace godobject::test_cia402_modes {
 namespace {

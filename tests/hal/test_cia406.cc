@@ -1,9 +1,9 @@
 // CiA 406 encoders and CiA 401 inputs.
-#include "hal/cia406.h"
+#include "hal/canopen/cia406.h"
 
 #include <gtest/gtest.h>
 
-#include "hal/cia401.h"
+#include "hal/canopen/cia401.h"
 
 namespace godobject::test_cia406 {
 namespace {

@@ -1,4 +1,4 @@
-#include "hal/clock_map.h"
+#include "hal/base/clock_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/cobs.h"
+#include "hal/base/cobs.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/codec.h"
+#include "hal/base/codec.h"
 
 #include <gtest/gtest.h>
 

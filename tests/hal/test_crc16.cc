@@ -1,4 +1,4 @@
-#include "hal/crc16.h"
+#include "hal/base/crc16.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "hal/drive.h"
+#include "hal/drive/drive.h"
 
-#include "hal/cia402.h"
+#include "hal/drive/cia402.h"
 
 #include <gtest/gtest.h>
 

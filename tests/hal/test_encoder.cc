@@ -1,4 +1,4 @@
-#include "hal/encoder.h"
+#include "hal/joint/encoder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/encoder_board.h"
+#include "hal/board/encoder_board.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/encoder_board.h"
+#include "hal/board/encoder_board.h"
 
 namespace godobject::test_encoder_sketch {
 namespace sketch {

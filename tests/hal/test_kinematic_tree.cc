@@ -1,4 +1,4 @@
-#include "hal/kinematic_tree.h"
+#include "hal/joint/kinematic_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/lss.h"
+#include "hal/canopen/lss.h"
 
 #include <gtest/gtest.h>
 

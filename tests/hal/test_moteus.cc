@@ -1,5 +1,5 @@
 // moteus sub-frames: the example of its documentation, what the rig sends, and any bytes at all.
-#include "hal/moteus.h"
+#include "hal/drive/moteus.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/can_timing.h"
+#include "hal/can/timing.h"
 
 namespace godobject::test_moteus {
 namespace {

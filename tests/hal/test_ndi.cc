@@ -1,4 +1,4 @@
-#include "hal/ndi.h"
+#include "hal/tracker/ndi.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/ndi_reply.h"
+#include "hal/tracker/ndi_reply.h"
 #include "tests/support/ndi_stream.h"
 #include "tests/support/shared_data.h"
 

@@ -1,5 +1,5 @@
 // CAN Simple: the bytes, and the way of a drive to enabled.
-#include "hal/odrive.h"
+#include "hal/drive/odrive.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/one_euro.h"
+#include "hal/base/one_euro.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/pdo_map.h"
+#include "hal/canopen/pdo_map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

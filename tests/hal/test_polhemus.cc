@@ -1,4 +1,4 @@
-#include "hal/polhemus.h"
+#include "hal/tracker/polhemus.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "hal/polhemus_tracker.h"
+#include "hal/tracker/polhemus_tracker.h"
 #include "tests/support/polhemus_recording.h"
 #include "tests/support/shared_data.h"
 

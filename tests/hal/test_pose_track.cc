@@ -1,4 +1,4 @@
-#include "hal/pose_track.h"
+#include "hal/tracker/pose_track.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/cia402.h"
+#include "hal/drive/cia402.h"
 #include "tests/support/shared_data.h"
 
 namespace godobject::test_recorded_can {

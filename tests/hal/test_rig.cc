@@ -1,5 +1,5 @@
 // The rig against a scripted bus: what is sent, how frames are attributed, how faults come up.
-#include "hal/rig.h"
+#include "hal/rig/rig.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <limits>
 #include <set>
 
-#include "hal/cia401.h"
-#include "hal/cia402.h"
-#include "hal/cia406.h"
+#include "hal/canopen/cia401.h"
+#include "hal/drive/cia402.h"
+#include "hal/canopen/cia406.h"
 
 namespace godobject::test_rig {
 namespace {

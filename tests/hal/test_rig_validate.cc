@@ -1,4 +1,4 @@
-#include "hal/rig_validate.h"
+#include "hal/rig/validate.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // The SLCAN codec: golden lines, what it refuses, round trips, and any bytes at all.
-#include "hal/slcan.h"
+#include "hal/can/slcan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hal/stamp_clock.h"
+#include "hal/base/stamp_clock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What counts as a force that swings between its bounds, and what does not.
-#include "hal/swing_watch.h"
+#include "hal/rig/swing_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // Scripted receive stamps at 1 Mbit/s: 1 us per bit.
-#include "hal/sync_attribution.h"
+#include "hal/joint/sync_attribution.h"
 
 #include <gtest/gtest.h>
 
-#include "hal/cia402.h"
-#include "hal/cia406.h"
+#include "hal/drive/cia402.h"
+#include "hal/canopen/cia406.h"
 
 namespace godobject::test_sync_attribution {
 namespace {

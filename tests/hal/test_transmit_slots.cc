@@ -1,4 +1,4 @@
-#include "hal/transmit_slots.h"
+#include "hal/can/transmit_slots.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "hal/velocity_estimator.h"
+#include "hal/joint/velocity_estimator.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/candump.h"
+#include "hal/can/candump.h"
 #include "sim/csv.h"
 #include "sim/scene_toml.h"
 #include "sim/trace.h"

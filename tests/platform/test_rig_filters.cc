@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 
 namespace godobject::test_rig_filters {
 namespace {

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "hal/candump.h"
+#include "hal/can/candump.h"
 #include "platform/cli/run_loop.h"
 #include "sim/scene_toml.h"
 #include "tests/support/allocation_guard.h"

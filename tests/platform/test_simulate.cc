@@ -4,7 +4,7 @@
 
 #include <deque>
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 #include "platform/cli/simulate_control.h"
 #include "platform/cli/simulation.h"
 #include "tests/support/faulty_rig.h"

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-#include "hal/rig.h"
+#include "hal/rig/rig.h"
 #include "platform/board_bus.h"
 #include "platform/linux_link.h"
 #include "sim/sim_encoder_board.h"

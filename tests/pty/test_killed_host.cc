@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 #include "platform/linux_bus.h"
 #include "tests/support/background_program.h"
 #include "tests/support/faulty_rig.h"

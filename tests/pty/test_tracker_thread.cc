@@ -8,7 +8,7 @@
 
 #include <functional>
 
-#include "hal/crc16.h"
+#include "hal/base/crc16.h"
 
 namespace godobject::test_tracker_thread {
 namespace {
@@ -152,7 +152,7 @@ TEST(TrackerThread, APortThatIsNotThereSaysSo) {
 TEST(ToolDefinitions, FilesAreNamedWhenTheyAreNotThatOrNotThere) {
   TrackerParams params;
   params.name = "polaris";
-  for (const char* const tool : {"0A", "none.rom", "hal/tracker_params.h"})
+  for (const char* const tool : {"0A", "none.rom", "hal/tracker/params.h"})
     params.tools.push_back({.body = "tool", .tool = tool, .X_TH = {}});
   std::vector<std::string> errors;
   static_cast<void>(read_tool_definitions(params, GODOBJECT_SOURCE_DIR, errors));

@@ -1,15 +1,15 @@
 // The master sets up simulated nodes as they leave the factory; the rig then works with them.
-#include "hal/commissioning.h"
+#include "hal/canopen/commissioning.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "hal/commissioning_steps.h"
-#include "hal/pdo_map.h"
-#include "hal/profile_validate.h"
-#include "hal/sdo_sequence.h"
+#include "hal/canopen/commissioning_steps.h"
+#include "hal/canopen/pdo_map.h"
+#include "hal/canopen/profile_validate.h"
+#include "hal/canopen/sdo_sequence.h"
 #include "sim/diagnostics.h"
 #include "sim/profile_toml.h"
 #include "sim/scene_toml.h"

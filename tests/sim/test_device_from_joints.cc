@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "hal/kinematic_tree.h"
+#include "hal/joint/kinematic_tree.h"
 #include "sim/joint_params.h"
 #include "tests/support/tool_scene.h"
 

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hal/kinematic_tree.h"
-#include "hal/rig_validate.h"
+#include "hal/joint/kinematic_tree.h"
+#include "hal/rig/validate.h"
 #include "sim/scene_toml.h"
 
 namespace godobject::test_device_keys {

@@ -2,7 +2,7 @@
 // with answers that are lost, late or left out for a while.
 #include <gtest/gtest.h>
 
-#include "hal/slip.h"
+#include "hal/joint/slip.h"
 #include "sim/scene_toml.h"
 #include "tests/support/faulty_rig.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/sdo_client.h"
+#include "hal/canopen/sdo_client.h"
 #include "sim/sim_drive.h"
 #include "sim/sim_encoder.h"
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hal/cia402.h"
+#include "hal/drive/cia402.h"
 #include "tests/support/faulty_rig.h"
 
 namespace godobject::test_second_host {

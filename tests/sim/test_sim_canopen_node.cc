@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "hal/cia406.h"
+#include "hal/canopen/cia406.h"
 #include "sim/sim_encoder.h"
 
 namespace godobject::test_sim_canopen_node {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hal/cia406.h"
+#include "hal/canopen/cia406.h"
 
 namespace godobject::test_sim_encoder {
 namespace {

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 #include "sim/csv.h"
 #include "sim/diagnostics.h"
 #include "sim/motion.h"

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "hal/candump.h"
+#include "hal/can/candump.h"
 #include "tests/socketcan/can_test.h"
 #include "tests/support/allocation_guard.h"
 

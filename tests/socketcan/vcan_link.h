@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/rig_link.h"
+#include "hal/rig/link.h"
 #include "platform/rig_filters.h"
 #include "sim/sim_rig.h"
 #include "tests/socketcan/can_test.h"

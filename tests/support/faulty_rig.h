@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hal/rig.h"
+#include "hal/rig/rig.h"
 #include "sim/profile_toml.h"
 #include "sim/scene_toml.h"
 #include "sim/sim_link.h"

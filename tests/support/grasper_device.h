@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 
 namespace godobject::test {
 

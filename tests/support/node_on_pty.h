@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "hal/canopen.h"
+#include "hal/canopen/canopen.h"
 #include "platform/clock.h"
 #include "platform/pty_bus.h"
 #include "tests/support/program.h"

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "hal/rig_params.h"
+#include "hal/rig/params.h"
 
 namespace godobject::test {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/rig.h"
+#include "hal/rig/rig.h"
 #include "sim/sim_can_bus.h"
 #include "sim/sim_drive.h"
 #include "sim/sim_encoder.h"

@@ -1,0 +1,114 @@
+#include "hal/can/bus_load.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "hal/can/timing.h"
+#include "hal/canopen/cia401.h"
+#include "hal/canopen/cia406.h"
+#include "hal/drive/link.h"
+
+namespace godobject {
+namespace {
+
+/// The messages of one bus.
+class Messages {
+ public:
+  Messages(const BusParams& bus, const RigParams& rig, const BusLoadParams& params)
+      : rates_{.nominal = bus.bit_rate, .data = bus.data_bit_rate > 0 ? bus.data_bit_rate : bus.bit_rate},
+        cycle_s_(rig.cycle_s),
+        params_(params) {}
+
+  void add_host() {
+    add("SYNC", canopen::make_sync(), cycle_s_);
+    add("host heartbeat", heartbeat(params_.host_node_id),
+        params_.host_heartbeat_period_s.value_or(params_.heartbeat_period_s));
+  }
+
+  void add_encoder(const EncoderParams& encoder) {
+    add(encoder.joint + " position", cia406::make_position(encoder.node_id, 0), cycle_s_);
+    add(encoder.joint + " encoder heartbeat", heartbeat(encoder.node_id), params_.heartbeat_period_s);
+  }
+
+  void add_button(const ButtonParams& button) {
+    const std::string name = "button node " + std::to_string(button.node_id);
+    add(name + " inputs", cia401::make_inputs(button.node_id, 0), params_.button_event_period_s);
+    add(name + " heartbeat", heartbeat(button.node_id), params_.heartbeat_period_s);
+  }
+
+  void add_drive(const DriveParams& drive) {
+    const auto link = make_drive_link(drive, cycle_s_);
+    for (const CyclicMessage& m : link->messages(cycle_s_, params_.drive_event_period_s))
+      add(drive.joint + " " + m.what, m.frame, m.period_s);
+    if (bus_protocol(drive.protocol).canopen)
+      add(drive.joint + " drive heartbeat", heartbeat(drive.node_id), params_.heartbeat_period_s);
+  }
+
+  BusLoad sum(const std::string& name) && {
+    // arbitration compares the first 11 bits, then a standard frame goes before an extended one
+    std::ranges::stable_sort(messages_, {}, [](const BusMessage& m) {
+      return m.extended ? std::tuple(m.cob_id >> 18, 1, m.cob_id & 0x3FFFFu) : std::tuple(m.cob_id, 0, 0u);
+    });
+    BusLoad load{.bus = name};
+    for (const BusMessage& m : messages_) {
+      load.nominal_percent += 100 * m.nominal_s / m.period_s;
+      load.worst_percent += 100 * m.worst_s / m.period_s;
+    }
+    load.messages = std::move(messages_);
+    return load;
+  }
+
+ private:
+  /// Period 0: never sent.
+  void add(std::string name, const CanFrame& frame, double period_s) {
+    if (!(period_s > 0)) return;
+    const FrameBits nominal = nominal_bits(frame), worst = worst_bits(frame);
+    messages_.push_back({.name = std::move(name),
+                         .cob_id = frame.id,
+                         .period_s = period_s,
+                         .nominal_bits = nominal.total(),
+                         .worst_bits = worst.total(),
+                         .extended = frame.extended,
+                         .nominal_s = seconds(nominal),
+                         .worst_s = seconds(worst)});
+  }
+
+  double seconds(const FrameBits& bits) const {
+    return bits.nominal_rate / rates_.nominal + bits.data_rate / rates_.data;
+  }
+
+  static CanFrame heartbeat(std::uint8_t node) {
+    return canopen::make_heartbeat(node, canopen::NmtState::operational);
+  }
+
+  BitRates rates_;
+  double cycle_s_;
+  BusLoadParams params_;
+  std::vector<BusMessage> messages_;
+};
+
+bool first_of_its_node(const RigParams& rig, const ButtonParams& button) {
+  const auto same = [&](const ButtonParams& b) { return b.bus == button.bus && b.node_id == button.node_id; };
+  return &*std::ranges::find_if(rig.buttons, same) == &button;
+}
+
+}  // namespace
+
+std::vector<BusLoad> bus_load(const RigParams& rig, const BusLoadParams& params) {
+  std::vector<BusLoad> loads;
+  for (std::size_t bus = 0; bus < rig.buses.size(); ++bus) {
+    Messages messages(rig.buses[bus], rig, params);
+    if (bus_protocol(protocol_of_bus(rig, bus)).canopen) messages.add_host();
+    for (const EncoderParams& encoder : rig.encoders)
+      if (encoder.bus == bus) messages.add_encoder(encoder);
+    for (const DriveParams& drive : rig.drives)
+      if (drive.bus == bus) messages.add_drive(drive);
+    for (const ButtonParams& button : rig.buttons)
+      if (button.bus == bus && first_of_its_node(rig, button)) messages.add_button(button);
+    loads.push_back(std::move(messages).sum(rig.buses[bus].name));
+  }
+  return loads;
+}
+
+}  // namespace godobject

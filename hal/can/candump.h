@@ -1,0 +1,38 @@
+// Lines of candump's log format: "(1631416514.717133) can0 0D2#0000FFFF10000000".
+//   (seconds.microseconds) interface ID#DATA    classic; three digits of ID: standard, eight: extended
+//   ... ID#R or ID#R<size>                      remote
+//   ... ID##<flags>DATA                         FD; flag 1: bit-rate switch, 2: error state, 4: FD (newer kernels)
+// The fraction has exactly six digits: can-utils takes any other count for a wrong number of microseconds.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "hal/can/frame.h"
+
+namespace godobject {
+
+enum class CandumpResult : std::uint8_t {
+  ok,
+  ignored,           // parse: the line does not begin with "(", which readers skip
+  bad_time,          // parse: not "(digits.six digits)"; format: before 0
+  bad_interface,     // missing, longer than 15 characters or with white space in it
+  bad_identifier,    // not three or eight hexadecimal digits, or out of range
+  bad_data,          // odd number of digits, not hexadecimal, or a size the format does not have
+  error_frame,       // parse: a controller's error report, which is not a frame on the wire
+  buffer_too_small,  // format
+};
+
+/// Longest line, an FD frame of 64 bytes, without the line end.
+inline constexpr std::size_t max_candump_line = 192;
+
+/// Writes the line, without line end, to `out` and its length to `length`. Time is cut to the microsecond.
+[[nodiscard]] CandumpResult format_candump(const ReceivedFrame& received, std::string_view interface,
+                                           std::span<char> out, std::size_t& length) noexcept;
+
+/// Parses a line, with or without line end and with or without the direction " R"/" T" some writers append.
+/// `interface` points into `line`. Outputs are written on `ok` only. The FD error state indicator is dropped.
+[[nodiscard]] CandumpResult parse_candump(std::string_view line, ReceivedFrame& received,
+                                          std::string_view& interface) noexcept;
+
+}  // namespace godobject

@@ -1,0 +1,122 @@
+// SLCAN, the ASCII protocol of Lawicel's CAN232 and CANUSB and of their many clones: lines that end with CR,
+// or with BEL where a command was refused. Host to adapter:
+//   S0..S8                    bit rate, see bit_rates; only while the channel is closed
+//   O, L, C                   open, open for listening only, close the channel
+//   tIIILDD..                 send: three digits of identifier, size, data (hexadecimal)
+//   TIIIIIIIILDD..            the same with eight digits of identifier (29 bits)
+//   rIIIL, RIIIIIIIIL         the same as remote frames
+//   F, V, N, Z0, Z1           status flags, version, serial number, time stamps off and on
+// Adapter to host: received frames in the same form, with four digits of milliseconds at the end after Z1; z
+// or Z for a frame taken; F and two digits. Linux's slcan driver also understands sSRRRTTT and eNXX.. from
+// the adapter: the controller's state with its receive and transmit error counters, and N kinds of error.
+//
+// What it cannot do: CAN FD; the controller's state beyond the flags of F, so no bus-off and no restart
+// (except in the dialect of Linux's driver); time stamps better than a millisecond, and no hardware ones that
+// could be told from the host's clock; back-pressure other than BEL. A frame of 8 bytes takes 22 characters:
+// 1.9 ms on a line of 115 200 baud, 0.24 ms at 921 600. Good for encoders and tests, not for motors at 1 kHz.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "hal/can/error.h"
+#include "hal/can/frame.h"
+#include "hal/base/codec.h"
+
+namespace godobject::slcan {
+
+/// Longest line with its CR: an extended frame of 8 bytes with a time stamp.
+inline constexpr std::size_t max_line = 1 + 8 + 1 + 16 + 4 + 1;
+
+/// Bit rates of S0 to S8, bit/s.
+inline constexpr std::array bit_rates{10e3, 20e3, 50e3, 100e3, 125e3, 250e3, 500e3, 800e3, 1e6};
+
+inline constexpr std::string_view open_command = "O\r", listen_command = "L\r", close_command = "C\r",
+                                  flags_command = "F\r", version_command = "V\r",
+                                  serial_number_command = "N\r", timestamps_on_command = "Z1\r",
+                                  timestamps_off_command = "Z0\r";
+
+inline constexpr std::string_view ok_reply = "\r", refused_reply = "\a", taken_reply = "z\r",
+                                  taken_extended_reply = "Z\r";
+
+/// "S8\r" for 1e6; empty: no adapter has this bit rate.
+std::string_view bit_rate_command(double bit_rate) noexcept;
+
+/// Writes the line of a frame, CR included, and returns its length; 0: the protocol cannot carry the frame
+/// (CAN FD, or not is_valid), or `out` is too small. max_line is always enough.
+[[nodiscard]] std::size_t format_frame(const CanFrame& frame, std::span<char> out,
+                                       std::optional<std::uint16_t> timestamp_ms = std::nullopt) noexcept;
+
+/// Status flags of F (CANUSB manual). Reading them clears them in the adapter.
+namespace status {
+inline constexpr std::uint8_t receive_queue_full = 1u << 0, transmit_queue_full = 1u << 1,
+                              error_warning = 1u << 2, data_overrun = 1u << 3, error_passive = 1u << 5,
+                              arbitration_lost = 1u << 6, bus_error = 1u << 7;
+}
+
+enum class ReplyKind : std::uint8_t {
+  ok,            // CR alone: the command was done
+  refused,       // BEL
+  taken,         // z or Z: a frame of ours will be sent
+  frame,         // received on the bus
+  flags,         // F
+  identity,      // V or N: version or serial number, as text
+  error_report,  // s or e
+};
+
+struct Reply {
+  ReplyKind kind = ReplyKind::ok;
+  CanFrame frame{};
+  std::optional<std::uint16_t> timestamp_ms{};  // 0..59999, then from 0 again
+  std::uint8_t flags = 0;
+  CanErrorReport report{};
+};
+
+/// A line of an adapter, without its CR; "\a" for BEL.
+[[nodiscard]] ParseResult parse_reply(std::string_view line, Reply& out) noexcept;
+
+enum class RequestKind : std::uint8_t {
+  set_bit_rate,
+  open,
+  listen,
+  close,
+  send,
+  flags,
+  version,
+  serial_number,
+  timestamps,
+};
+
+struct Request {
+  RequestKind kind = RequestKind::close;
+  CanFrame frame{};
+  std::uint8_t value = 0;  // index into bit_rates; 0 or 1 of timestamps
+};
+
+/// A line of a host, without its CR. other_message: a command that is not in the list above.
+[[nodiscard]] ParseResult parse_request(std::string_view line, Request& out) noexcept;
+
+/// Cuts the stream of bytes into lines. Whatever is between two line ends and is too long to be a line is
+/// dropped and counted; so reading recovers from garbage at the next line end.
+class LineReader {
+ public:
+  /// Takes one byte. True: line() is a complete line, until the next call.
+  [[nodiscard]] bool put(std::uint8_t byte) noexcept;
+  /// Without CR; "\a" where the line ended with BEL. What came before a BEL belongs to no line and is
+  /// dropped.
+  std::string_view line() const noexcept { return {text_.data(), size_}; }
+  std::uint64_t num_overlong() const noexcept { return num_overlong_; }
+
+ private:
+  std::array<char, max_line> text_{};
+  std::size_t size_ = 0;
+  bool complete_ = false;
+  bool overlong_ = false;
+  std::uint64_t num_overlong_ = 0;
+};
+
+}  // namespace godobject::slcan

@@ -1,0 +1,132 @@
+#include "hal/canopen/profile_validate.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "hal/canopen/commissioning_steps.h"
+
+namespace godobject {
+
+namespace {
+
+/// Bits of the objects in a PDO that the rig takes apart or puts together.
+struct Layout {
+  PdoDirection direction;
+  int number;
+  std::vector<std::uint8_t> bits;
+};
+
+/// What a profile is for.
+struct Kind {
+  const char* name;
+  std::int64_t device_profile;  // 1000h, low word
+  std::vector<Layout> layouts;
+};
+
+const Kind& encoder_kind() {
+  static const Kind kind{"encoder", 406, {{PdoDirection::transmit, 1, {32}}}};
+  return kind;
+}
+const Kind& drive_kind() {
+  static const Kind kind{"drive",
+                         402,
+                         {{PdoDirection::receive, 1, {16, 16}},
+                          {PdoDirection::transmit, 1, {16, 32, 16}},
+                          {PdoDirection::transmit, 2, {32, 8, 16}}}};
+  return kind;
+}
+
+class Validation {
+ public:
+  explicit Validation(const RigParams& rig) : rig_(rig) {}
+
+  void check(const NodeProfile& profile, const Kind& kind, const std::string& joint) {
+    if (!is_of_kind(profile, kind, joint)) return;
+    check_heartbeats(profile);
+    check_deadlines(profile);
+    if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(rig_.cycle_s))
+      error(profile, profile.interpolation_time->line,
+            "60C2h cannot carry the scene's step: it takes 1 to 255 times a power of ten, from 1 us");
+    for (const PdoProfile& pdo : profile.pdos)
+      for (const Layout& layout : kind.layouts)
+        if (pdo.direction == layout.direction && pdo.number == layout.number) check_map(profile, pdo, layout);
+  }
+
+  std::vector<std::string> take() { return std::move(errors_); }
+
+ private:
+  /// An encoder's profile on a drive makes no sense beyond that.
+  bool is_of_kind(const NodeProfile& profile, const Kind& kind, const std::string& joint) {
+    for (const ProfileObject& object : profile.identity) {
+      if (object.address != canopen::ObjectAddress{0x1000, 0} || object.value == kind.device_profile)
+        continue;
+      error(profile, object.line,
+            "device_profile is " + std::to_string(object.value) + ", but the " + kind.name + " of joint '" +
+                joint + "' is a node of CiA " + std::to_string(kind.device_profile) +
+                ": give it a profile of that");
+      return false;
+    }
+    return true;
+  }
+
+  void check_heartbeats(const NodeProfile& profile) {
+    const auto& period_ms = profile.heartbeat_ms;
+    if (period_ms && (period_ms->value == 0 || 2e-3 * period_ms->value > rig_.heartbeat_timeout_s))
+      error(
+          profile, period_ms->line,
+          "the node's heartbeat must come at least twice within the scene's heartbeat_timeout, and not be 0");
+    const auto& timeout_ms = profile.host_timeout_ms;
+    if (timeout_ms && 1e-3 * timeout_ms->value < 2 * rig_.heartbeat_period_s)
+      error(profile, timeout_ms->line,
+            "the node would stop between two heartbeats of the host: give it twice the scene's "
+            "heartbeat_period "
+            "or more, or the scene [device.supervision] heartbeat_period = " +
+                number(0.25e-3 * timeout_ms->value));
+  }
+
+  void check_deadlines(const NodeProfile& profile) {
+    for (const PdoProfile& pdo : profile.pdos)
+      if (pdo.direction == PdoDirection::receive && pdo.timer_ms && pdo.timer_ms->value > 0 &&
+          1e-3 * pdo.timer_ms->value < 2 * rig_.cycle_s)
+        error(profile, pdo.timer_ms->line,
+              "the node would stop between two commands of the host: give it twice the scene's step or more");
+  }
+
+  static std::string number(double value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
+  }
+
+  void check_map(const NodeProfile& profile, const PdoProfile& pdo, const Layout& layout) {
+    const auto same_bits = [](const MappedObject& object, std::uint8_t bits) { return object.bits == bits; };
+    if (std::ranges::equal(pdo.map, layout.bits, same_bits)) return;
+    std::string expected;
+    for (const std::uint8_t bits : layout.bits)
+      expected += (expected.empty() ? "" : ", ") + std::to_string(bits);
+    error(profile, pdo.map.empty() ? pdo.line : pdo.map.front().line,
+          "the rig takes this PDO for objects of " + expected + " bits: see docs/canopen.md");
+  }
+
+  // Nodes that share a profile share its errors.
+  void error(const NodeProfile& profile, unsigned line, const std::string& what) {
+    std::string text = profile.file + ":" + std::to_string(line) + ": " + what;
+    if (std::ranges::find(errors_, text) == errors_.end()) errors_.push_back(std::move(text));
+  }
+
+  const RigParams& rig_;
+  std::vector<std::string> errors_;
+};
+
+}  // namespace
+
+std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles) {
+  Validation validation(rig);
+  for (std::size_t i = 0; i < profiles.encoders.size(); ++i)
+    if (profiles.encoders[i]) validation.check(*profiles.encoders[i], encoder_kind(), rig.encoders[i].joint);
+  for (std::size_t i = 0; i < profiles.drives.size(); ++i)
+    if (profiles.drives[i]) validation.check(*profiles.drives[i], drive_kind(), rig.drives[i].joint);
+  return validation.take();
+}
+
+}  // namespace godobject

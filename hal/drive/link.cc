@@ -1,0 +1,54 @@
+#include "hal/drive/link.h"
+
+#include <algorithm>
+
+#include "hal/drive/cia402_link.h"
+#include "hal/drive/moteus.h"
+#include "hal/drive/odrive.h"
+
+namespace godobject {
+namespace {
+
+struct Protocol {
+  std::unique_ptr<DriveLink> (*make)(const DriveParams& params, double cycle_s);
+  BusProtocol bus;
+};
+
+template <class Link>
+std::unique_ptr<DriveLink> make(const DriveParams& params, double cycle_s) {
+  return std::make_unique<Link>(params, cycle_s);
+}
+
+// In the order of DriveProtocol.
+constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
+    {make<Cia402Link>, {.sender = canopen::sender, .commanded = canopen::commanded}},
+    {make<OdriveLink>,
+     {.canopen = false,
+      .max_node_id = odrive::max_node_id,
+      .sender = odrive::sender,
+      .commanded = odrive::commanded,
+      .describe = odrive::describe}},
+    {make<MoteusLink>,
+     {.canopen = false,
+      .fd = true,
+      .sender = moteus::sender,
+      .commanded = moteus::commanded,
+      .describe = moteus::describe}},
+}};
+
+}  // namespace
+
+BusProtocol bus_protocol(DriveProtocol protocol) noexcept {
+  return protocols[static_cast<std::size_t>(protocol)].bus;
+}
+
+DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept {
+  const auto drive = std::ranges::find(rig.drives, bus, &DriveParams::bus);
+  return drive == rig.drives.end() ? DriveProtocol::cia402 : drive->protocol;
+}
+
+std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s) {
+  return protocols[static_cast<std::size_t>(params.protocol)].make(params, cycle_s);
+}
+
+}  // namespace godobject

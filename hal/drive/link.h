@@ -1,0 +1,116 @@
+// What a drive speaks: the part of a drive that differs from protocol to protocol. A new protocol is one file
+// that implements DriveLink and one line in drive_link.cc (docs/new-device.md).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/canopen/canopen.h"
+#include "hal/rig/params.h"
+
+namespace godobject {
+
+/// What a drive can do for us now, whatever its own states are.
+enum class MotorState : std::uint8_t {
+  unknown,  // it has not said
+  off,      // makes no torque; DriveGoal::enable leads out of it
+  enabled,  // follows torque commands
+  fault,    // makes no torque because of an error, which DriveGoal::enable resets
+};
+
+/// Where the rig wants a drive.
+enum class DriveGoal : std::uint8_t {
+  off,         // power stage off, now
+  hold,        // stay enabled; one that is not enabled is left off
+  enable,      // towards enabled, errors reset on the way
+  quick_stop,  // the fastest stop the drive itself has
+};
+
+struct DriveOrder {
+  DriveGoal goal = DriveGoal::off;
+  double torque_Nm = 0;  // at the motor shaft; finite
+};
+
+/// What a drive last said.
+struct DriveTelemetry {
+  std::uint32_t position_counts = 0;  // two's complement where signed
+  double velocity_counts_per_s = 0;   // as the drive measures it; 0 until it says
+  double torque_Nm = 0;               // at the motor shaft; 0 until it says
+  MotorState state = MotorState::unknown;
+  bool internal_limit = false;   // the drive itself limits
+  std::uint32_t error_code = 0;  // in the drive's own numbers; 0: none
+};
+
+/// What one frame was for a drive.
+struct DriveMessage {
+  ParseResult result = ParseResult::other_message;
+  bool position = false;  // holds a new position: the answer to SYNC or to the request
+  bool alive = false;     // is what the drive is supervised by, where it is no CANopen node
+};
+
+/// A frame to send, if any; `step` is the protocol's own and comes back in DriveLink::sent.
+struct DriveFrame {
+  std::optional<CanFrame> frame{};
+  std::uint16_t step = 0;
+};
+
+/// Drives that report turns instead of counts have this many counts per turn of the motor.
+inline constexpr double counts_per_motor_turn = 1e5;
+
+/// A message that a drive's protocol puts on the bus again and again.
+struct CyclicMessage {
+  const char* what;
+  CanFrame frame;  // of its size; the data do not matter
+  double period_s = 0;
+};
+
+class DriveLink {
+ public:
+  virtual ~DriveLink() = default;
+
+  /// A frame of this drive's node. `out` changes on ok only.
+  [[nodiscard]] virtual DriveMessage decode(const CanFrame& frame, DriveTelemetry& out) noexcept = 0;
+  /// Goes out at the beginning of the cycle, where a drive has to be asked; none where SYNC asks it.
+  /// order: the last one given.
+  virtual std::optional<CanFrame> request(const DriveOrder& order) const noexcept = 0;
+  /// Goes out at the end of the cycle; none where nothing is to be said, or the next request says it.
+  virtual DriveFrame command(const DriveOrder& order, Nanoseconds now) const noexcept = 0;
+  /// That frame has left.
+  virtual void sent(const DriveFrame& command, Nanoseconds now) noexcept = 0;
+  /// What the enabled drive and its host send, without heartbeats of CANopen. event_period_s: of messages that
+  /// an event timer sends; 0: there are none. Set-up only: allocates.
+  virtual std::vector<CyclicMessage> messages(double cycle_s, double event_period_s) const = 0;
+};
+
+/// A frame of a drive's protocol in words, for people.
+struct DriveText {
+  std::uint8_t node = 0;                          // from or to; 0: no message of the protocol
+  std::string name;                               // "torque command"
+  std::optional<std::int64_t> position_counts{};  // as DriveTelemetry's
+  std::string value{};                            // what else it says
+};
+
+/// What the drives of a bus make of it.
+struct BusProtocol {
+  bool canopen = true;  // SYNC, NMT and heartbeats; encoders and buttons can be on it
+  bool fd = false;      // needs a data_bit_rate
+  std::uint8_t max_node_id = canopen::max_node_id;
+  /// Node id 1..127, 0: no node of this protocol.
+  std::uint8_t (*sender)(const CanFrame&) noexcept = nullptr;
+  /// The drive that a frame commands, which none but its host sends; 0: it is no command.
+  std::uint8_t (*commanded)(const CanFrame&) noexcept = nullptr;
+  /// Of any frame; allocates. Null: the messages are those of CANopen.
+  DriveText (*describe)(const CanFrame&) = nullptr;
+};
+
+BusProtocol bus_protocol(DriveProtocol protocol) noexcept;
+
+/// Of a bus: that of its drives; CANopen where it has none. All drives of a bus speak the same (validate).
+DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept;
+
+/// Allocates: for set-up.
+std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s);
+
+}  // namespace godobject

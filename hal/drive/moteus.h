@@ -1,0 +1,164 @@
+// moteus motor controllers: registers read and written in sub-frames of CAN FD frames with bit-rate switch.
+//
+// id = source << 8 | destination, extended above 7FFh; bit 7 of the source asks for a reply. The host is 0. A
+// frame is a row of sub-frames, one byte each for kind, type and count, then the first register and, for a
+// write or reply, the values, little-endian; 50h fills up. Integers are multiples of a quantum that depends on
+// type and register; the most negative one is NaN.
+#pragma once
+
+#include "hal/drive/link.h"
+
+namespace godobject::moteus {
+
+enum Register : std::uint32_t {
+  mode = 0x000,
+  position = 0x001,            // rev
+  velocity = 0x002,            // rev/s
+  torque = 0x003,              // N m
+  voltage = 0x00D,             // V
+  temperature = 0x00E,         // degC
+  fault = 0x00F,               // meaning in mode 1; 96..105: what limits the output
+  command_position = 0x020,    // rev
+  command_velocity = 0x021,    // rev/s
+  feedforward_torque = 0x022,  // N m
+  kp_scale = 0x023,            // 0..1
+  kd_scale = 0x024,            // 0..1
+  max_torque = 0x025,          // N m
+  watchdog_timeout = 0x027,    // s without a command, then mode 11
+};
+
+// Values of `mode`.
+inline constexpr int mode_stopped = 0;
+inline constexpr int mode_fault = 1;
+inline constexpr int mode_position = 10;
+inline constexpr int mode_timeout = 11;  // stays until it is stopped
+
+inline constexpr int first_limit_code = 96, last_limit_code = 105;
+
+enum class ValueType : std::uint8_t { int8, int16, int32, real };  // their codes on the wire
+
+enum class SubframeKind : std::uint8_t {
+  write = 0,
+  read = 1,
+  reply = 2,
+};
+
+struct Subframe {
+  SubframeKind kind = SubframeKind::read;
+  ValueType type = ValueType::int8;
+  std::uint32_t first = 0;  // register
+  std::uint32_t count = 0;
+  std::span<const std::uint8_t> bytes{};  // of the values; none of a read
+
+  /// In the register's unit; NaN where the wire says so. index: below count, of a write or reply.
+  double value(std::uint32_t index) const noexcept;
+};
+
+/// Walks a frame. Every sub-frame it gives lies within the frame's bytes.
+class SubframeReader {
+ public:
+  explicit SubframeReader(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}
+
+  /// False at the end, and at the first byte that is none of read, write, reply and filling.
+  bool next(Subframe& out) noexcept;
+  /// False when it stopped before the end.
+  bool ok() const noexcept { return ok_; }
+
+ private:
+  bool take_varuint(std::uint32_t& value) noexcept;
+
+  std::span<const std::uint8_t> bytes_;
+  bool ok_ = true;
+};
+
+/// Writes sub-frames one after the other into a frame; full() when one did not fit.
+class SubframeWriter {
+ public:
+  void read(ValueType type, Register first, std::uint8_t count) noexcept;
+  /// Of one byte each, in their quanta.
+  void write(std::span<const std::uint8_t> values, Register first) noexcept;
+  void write(float value, Register reg) noexcept;
+  /// Values of registers whose quantum is this one's, saturated; NaN as the type has it.
+  void reply(ValueType type, Register first, std::span<const double> values) noexcept;
+
+  bool full() const noexcept { return full_; }
+  /// Filled up to a size that FD has.
+  CanFrame frame(std::uint32_t id) const noexcept;
+
+ private:
+  void put(std::span<const std::uint8_t> bytes) noexcept;
+  void head(SubframeKind kind, ValueType type, Register first, std::uint8_t count) noexcept;
+
+  std::array<std::uint8_t, 64> bytes_{};
+  std::uint8_t size_ = 0;
+  bool full_ = false;
+};
+
+/// Host to controller.
+constexpr std::uint32_t request_id(std::uint8_t node) noexcept { return 0x8000u | node; }
+constexpr std::uint32_t command_id(std::uint8_t node) noexcept { return node; }
+/// Controller to host.
+constexpr std::uint32_t reply_id(std::uint8_t node) noexcept { return std::uint32_t{node} << 8; }
+
+/// Of a frame to the host: node 1..127; 0: none.
+constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
+  const bool to_host = frame.fd && (frame.id & ~0x7F00u) == 0;
+  return to_host ? static_cast<std::uint8_t>(frame.id >> 8) : std::uint8_t{0};
+}
+
+/// Node 1..127 that a host, source 0, asks and commands; 0: none.
+constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
+  const bool from_host = frame.fd && (frame.id & ~0x807Fu) == 0;
+  return from_host ? static_cast<std::uint8_t>(frame.id & 0x7Fu) : std::uint8_t{0};
+}
+
+/// moteus_text.cc
+DriveText describe(const CanFrame& frame);
+
+/// Asks for what Reply holds: a frame of 8 bytes.
+CanFrame make_query(std::uint8_t node) noexcept;
+/// The same, and pure torque control: position mode with both gains scaled to zero. 24 bytes.
+CanFrame make_torque(std::uint8_t node, float torque_Nm, float watchdog_s) noexcept;
+/// 20 ms, or four cycles where those are longer: more than a few lost frames, less than a hand notices.
+double watchdog_s(double cycle_s) noexcept;
+/// Mode 0. 8 bytes.
+CanFrame make_stop(std::uint8_t node, bool with_query) noexcept;
+
+struct Reply {
+  int mode = mode_stopped;
+  double position_rev = 0;
+  double velocity_rev_per_s = 0;
+  double torque_Nm = 0;
+  int fault = 0;
+};
+
+/// Any reply that holds mode, position, velocity and torque, each a number: else bad_value.
+[[nodiscard]] ParseResult parse_reply(const CanFrame& frame, std::uint8_t node, Reply& out) noexcept;
+/// What a controller answers make_query with: 24 bytes.
+CanFrame make_reply(std::uint8_t node, const Reply& reply) noexcept;
+
+}  // namespace godobject::moteus
+
+namespace godobject {
+
+/// One frame per cycle commands the torque of the cycle before and asks for the state: the torque takes effect
+/// when the cycle begins, as with synchronous RPDOs. It sets the watchdog too, so that the motor stops soon
+/// after the frames do.
+class MoteusLink final : public DriveLink {
+ public:
+  MoteusLink(const DriveParams& params, double cycle_s) noexcept;
+
+  DriveMessage decode(const CanFrame& frame, DriveTelemetry& out) noexcept override;
+  std::optional<CanFrame> request(const DriveOrder& order) const noexcept override;
+  DriveFrame command(const DriveOrder& order, Nanoseconds now) const noexcept override;
+  void sent(const DriveFrame&, Nanoseconds) noexcept override {}
+  std::vector<CyclicMessage> messages(double cycle_s, double event_period_s) const override;
+
+ private:
+  std::uint8_t node_;
+  float watchdog_s_;
+  int mode_ = moteus::mode_stopped;
+  bool heard_ = false;
+};
+
+}  // namespace godobject

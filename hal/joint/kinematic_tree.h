@@ -1,0 +1,99 @@
+// The device's kinematic tree: from joint coordinates to the handles and back.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "core/math/types.h"
+#include "hal/rig/params.h"
+
+namespace godobject {
+
+inline constexpr std::size_t max_joints = 16;
+inline constexpr std::size_t max_handles = 8;
+
+/// One number per joint, in the order of the parameters (rad or m, their rates, N m or N). On the stack.
+using JointVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, Eigen::ColMajor, static_cast<int>(max_joints), 1>;
+/// 6 x n: V_WH = J q_dot, rows angular first. On the stack.
+using HandleJacobian =
+    Eigen::Matrix<Real, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(max_joints)>;
+
+/// The link that joint `index` sits on: 0 is the base, k + 1 the link of joint k. None where the parent is
+/// not an earlier joint.
+std::optional<std::size_t> parent_link(std::span<const DeviceJoint> joints, std::size_t index) noexcept;
+
+/// The tree at one configuration: everything the loop needs of it. Handles and joints are counted as in the
+/// parameters. World axes throughout; twists and wrenches are those of the handle's origin.
+class TreeConfiguration {
+ public:
+  std::size_t num_joints() const noexcept { return num_joints_; }
+  std::size_t num_handles() const noexcept { return num_handles_; }
+
+  const Pose& X_WH(std::size_t handle) const noexcept { return handles_[handle].X_WH; }
+  /// Geometric Jacobian; the column of a joint that does not move the handle is zero.
+  HandleJacobian jacobian(std::size_t handle) const noexcept;
+  /// V_WH = J q_dot
+  Twist twist(std::size_t handle, const JointVector& q_dot) const noexcept;
+  /// tau = sum over the handles of J^T F: the wrenches of (8), moved to the parents by (9) and projected on
+  /// the joint axes. F_H_W: one per handle; handles without one are not loaded, further ones are ignored.
+  JointVector joint_torques(std::span<const Wrench> F_H_W) const noexcept;
+
+ private:
+  friend class KinematicTree;
+  struct Joint {
+    Vec3 axis_W = Vec3::Zero();
+    Vec3 p_WJ = Vec3::Zero();
+    bool hinge = true;
+  };
+  struct Handle {
+    Pose X_WH;
+    std::uint32_t movers = 0;  // bit j: joint j moves it
+  };
+
+  bool moves(std::size_t joint, std::size_t handle) const noexcept {
+    return (handles_[handle].movers >> joint & 1u) != 0;
+  }
+  Twist column(std::size_t handle, std::size_t joint) const noexcept;
+
+  std::array<Joint, max_joints> joints_{};
+  std::array<Handle, max_handles> handles_{};
+  std::size_t num_joints_ = 0, num_handles_ = 0;
+};
+
+class KinematicTree {
+ public:
+  /// tree: as Rig's validation wants it; joints and handles beyond the capacities are ignored, what names no
+  /// earlier joint hangs on the base.
+  explicit KinematicTree(const KinematicTreeParams& tree) noexcept;
+
+  std::size_t num_joints() const noexcept { return num_joints_; }
+  std::size_t num_handles() const noexcept { return num_handles_; }
+  /// Whether the handle depends on the joint's coordinate.
+  bool moves(std::size_t joint, std::size_t handle) const noexcept {
+    return (handles_[handle].movers >> joint & 1u) != 0;
+  }
+  /// q: num_joints() numbers.
+  TreeConfiguration at(const JointVector& q) const noexcept;
+
+ private:
+  struct Joint {
+    DeviceJointKind kind = DeviceJointKind::hinge;
+    std::size_t parent_link = 0;  // as parent_link() counts
+    Pose X_PJ;
+    Vec3 axis_J = Vec3::UnitZ();
+  };
+  struct Handle {
+    std::size_t link = 0;
+    Pose X_LH;
+    std::uint32_t movers = 0;
+  };
+
+  Pose X_WB_;
+  std::array<Joint, max_joints> joints_{};
+  std::array<Handle, max_handles> handles_{};
+  std::size_t num_joints_ = 0, num_handles_ = 0;
+};
+
+}  // namespace godobject

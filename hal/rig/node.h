@@ -1,0 +1,26 @@
+// What a rig knows of one node on its buses.
+#pragma once
+
+#include "hal/canopen/canopen.h"
+
+namespace godobject {
+
+enum class NodeKind : std::uint8_t { encoder, drive, button };
+
+struct RigNode {
+  std::size_t bus = 0;
+  std::uint8_t id = 0;
+  NodeKind kind = NodeKind::encoder;
+  std::size_t device = 0;  // index into the rig's encoders, drives or (the node's first) buttons
+  bool canopen = true;     // takes part in NMT; any other node is supervised by what it sends of itself
+
+  canopen::NmtState state = canopen::NmtState::pre_operational;
+  bool heard = false;            // a heartbeat has come: its consumer runs from the first one on (CiA 301)
+  Nanoseconds heartbeat_ns = 0;  // or what stands for it (DriveMessage::alive)
+  bool start_sent = false;
+  Nanoseconds start_sent_ns = 0;
+
+  bool operational() const noexcept { return heard && (!canopen || state == canopen::NmtState::operational); }
+};
+
+}  // namespace godobject

@@ -1,0 +1,155 @@
+// Rig: from received frames to nodes, encoders and drives.
+#include "hal/canopen/cia401.h"
+#include "hal/canopen/cia406.h"
+#include "hal/rig/rig.h"
+
+namespace godobject {
+
+namespace {
+
+constexpr bool is_emergency(std::uint32_t cob_id) noexcept {
+  return cob_id > canopen::emcy_cob_id(0) && cob_id <= canopen::emcy_cob_id(canopen::max_node_id);
+}
+constexpr bool is_tpdo(std::uint32_t cob_id, int number) noexcept {
+  return cob_id > canopen::tpdo_cob_id(number, 0) &&
+         cob_id <= canopen::tpdo_cob_id(number, canopen::max_node_id);
+}
+constexpr bool is_heartbeat(std::uint32_t cob_id) noexcept {
+  return cob_id > canopen::heartbeat_cob_id(0) && cob_id <= canopen::heartbeat_cob_id(canopen::max_node_id);
+}
+
+}  // namespace
+
+void Rig::receive(Nanoseconds now) noexcept {
+  now_ns_ = now;
+  ReceivedFrame received;
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    int num_frames = 0;
+    while (num_frames < max_frames_per_receive && buses_[i].bus->try_receive(received)) {
+      ++num_frames;
+      decode(i, received, now);
+    }
+    counters_.frames += static_cast<std::uint64_t>(num_frames);
+    if (num_frames == max_frames_per_receive) ++counters_.receive_truncated;
+  }
+}
+
+void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept {
+  const CanFrame& frame = received.frame;
+  Bus& on = buses_[bus];
+  const SyncAttribution::Answer answer = on.syncs.on_frame(received);
+  const std::size_t node_plus_1 = on.node_of_id[on.protocol.sender(frame)];
+  if (from_second_host(bus, frame) || node_plus_1 == 0) {
+    ++counters_.foreign;
+    return;
+  }
+  RigNode& node = nodes_[node_plus_1 - 1];
+  const bool is_pdo = is_tpdo(frame.id, 1) || (node.kind == NodeKind::drive && is_tpdo(frame.id, 2));
+  if (!node.canopen || (is_pdo && node.kind == NodeKind::drive)) {
+    on_drive(node, frame, answer, now);
+  } else if (is_pdo && node.kind == NodeKind::button) {
+    on_inputs(node, frame);
+  } else if (is_pdo) {
+    on_position(node, frame, answer);
+  } else if (is_heartbeat(frame.id)) {
+    on_heartbeat(node, frame, now);
+  } else if (is_emergency(frame.id)) {
+    on_emergency(node, frame);
+  }
+}
+
+/// What this host alone may send, and it does not hear itself.
+bool Rig::from_second_host(std::size_t bus, const CanFrame& frame) noexcept {
+  const Bus& on = buses_[bus];
+  if (on.protocol.canopen && canopen::is_from_master(frame, params_.host_node_id)) {
+    raise({.fault = RigFault::second_host, .bus = bus}, frame.id);
+    return true;
+  }
+  const std::size_t node_plus_1 = on.node_of_id[on.protocol.commanded(frame)];
+  if (node_plus_1 == 0 || nodes_[node_plus_1 - 1].kind != NodeKind::drive) return false;
+  raise({.fault = RigFault::second_host, .bus = bus, .node_id = nodes_[node_plus_1 - 1].id}, frame.id);
+  return true;
+}
+
+void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept {
+  if (answer.sync == 0) return;
+  EncoderOnBus& encoder = encoders_[node.device];
+  std::uint32_t position_counts = 0;
+  if (cia406::parse_position(frame, node.id, position_counts) != ParseResult::ok) {
+    ++counters_.malformed;
+    return;
+  }
+  // a frame that came twice is no second measurement: its time is, and that would make it a jump
+  if (answer.sync <= encoder.answered_sync) {
+    ++counters_.repeated;
+    return;
+  }
+  encoder.encoder.update(position_counts, answer.t_ns);
+  encoder.answered_sync = answer.sync;
+}
+
+void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer,
+                   Nanoseconds now) noexcept {
+  if (answer.sync == 0) return;
+  DriveOnBus& drive = drives_[node.device];
+  const bool answered = answer.sync <= drive.answered_sync;
+  const DriveMessage message = drive.drive.on_frame(frame, answer.t_ns, answered);
+  if (message.result == ParseResult::other_message) return;
+  if (message.result != ParseResult::ok) {
+    ++counters_.malformed;
+    return;
+  }
+  if (message.position && answered) ++counters_.repeated;
+  if (message.position && !answered) drive.answered_sync = answer.sync;
+  if (node.canopen || !message.alive) return;
+  node.heard = true;
+  node.heartbeat_ns = now;
+  if (drives_were_up() && drive.drive.state() == MotorState::fault && drive.drive.error_code() != 0)
+    raise({.fault = RigFault::drive_error,
+           .bus = node.bus,
+           .node_id = node.id,
+           .drive_code = drive.drive.error_code()});
+}
+
+void Rig::on_inputs(const RigNode& node, const CanFrame& frame) noexcept {
+  std::uint8_t inputs = 0;
+  if (cia401::parse_inputs(frame, node.id, inputs) != ParseResult::ok) {
+    ++counters_.malformed;
+    return;
+  }
+  for (ButtonOnBus& button : buttons_) {
+    if (&nodes_[button.node] != &node) continue;
+    button.heard = true;
+    button.pressed = (((inputs >> button.params.bit) & 1u) != 0) != button.params.active_low;
+  }
+}
+
+void Rig::on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept {
+  canopen::Heartbeat heartbeat;
+  if (canopen::parse_heartbeat(frame, heartbeat) != ParseResult::ok) {
+    ++counters_.malformed;
+    return;
+  }
+  node.heard = true;
+  node.heartbeat_ns = now;
+  node.state = heartbeat.state;
+  if (heartbeat.state == canopen::NmtState::boot_up) node.start_sent = false;
+  if (nodes_were_up() && heartbeat.state != canopen::NmtState::operational)
+    raise(RigFault::node_restarted, node);
+}
+
+void Rig::on_emergency(RigNode& node, const CanFrame& frame) noexcept {
+  canopen::Emergency emergency;
+  if (canopen::parse_emergency(frame, emergency) != ParseResult::ok) {
+    ++counters_.malformed;
+    return;
+  }
+  // while booting, nodes report what happened before; what still holds shows in their state
+  if (nodes_were_up() && emergency.error_code != canopen::emcy_no_error)
+    raise({.fault = RigFault::emergency,
+           .bus = node.bus,
+           .node_id = node.id,
+           .emcy_code = emergency.error_code});
+}
+
+}  // namespace godobject

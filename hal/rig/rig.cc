@@ -1,0 +1,306 @@
+#include "hal/rig/rig.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "hal/joint/slip.h"
+
+namespace godobject {
+
+namespace {
+
+constexpr int max_refused_in_a_row = 3;
+
+std::string device_text(const RigParams& params, const RigNode& node) {
+  switch (node.kind) {
+    case NodeKind::encoder: return "encoder of " + params.encoders[node.device].joint;
+    case NodeKind::drive: return "drive of " + params.drives[node.device].joint;
+    case NodeKind::button: break;
+  }
+  return "button";
+}
+
+}  // namespace
+
+Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), tree_(params.tree) {
+  assert(validate(params).empty() && buses.size() == params.buses.size());
+  for (std::size_t i = 0; i < buses.size(); ++i) {
+    buses_.push_back({.bus = buses[i],
+                      .protocol = bus_protocol(protocol_of_bus(params, i)),
+                      .syncs = SyncAttribution(params.buses[i])});
+  }
+  const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
+  for (const EncoderParams& encoder : params.encoders) {
+    const std::size_t node = add_node(encoder.bus, encoder.node_id, NodeKind::encoder, encoders_.size());
+    encoders_.push_back(
+        {.encoder = Encoder(encoder.calibration, encoder.max_speed, stale_after_ns), .node = node});
+  }
+  for (const DriveParams& drive : params.drives) {
+    const std::size_t node = add_node(drive.bus, drive.node_id, NodeKind::drive, drives_.size());
+    drives_.push_back({.drive = Drive(drive, params.cycle_s, stale_after_ns),
+                       .node = node,
+                       .joint = joint_named(drive.joint),
+                       .every_nth_sync = drive.status_every_nth_sync,
+                       .max_slip = allowed_slip(params, drive)});
+  }
+  add_buttons();
+  // an encoder on the joint goes before the drive's own position
+  for (DriveOnBus& drive : drives_) {
+    sensors_[static_cast<std::size_t>(drive.joint)] = &drive.drive.position();
+    measured_[static_cast<std::size_t>(drive.joint)].every_nth_sync = drive.every_nth_sync;
+  }
+  for (std::size_t i = 0; i < encoders_.size(); ++i) {
+    const auto joint = static_cast<std::size_t>(joint_named(params.encoders[i].joint));
+    sensors_[joint] = &encoders_[i].encoder;
+    measured_[joint].every_nth_sync = 1;
+  }
+  configuration_ = tree_.at(JointVector::Zero(static_cast<Eigen::Index>(num_joints())));
+}
+
+std::size_t Rig::add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device) {
+  nodes_.push_back(
+      {.bus = bus, .id = id, .kind = kind, .device = device, .canopen = buses_[bus].protocol.canopen});
+  buses_[bus].node_of_id[id] = static_cast<std::uint8_t>(nodes_.size());
+  return nodes_.size() - 1;
+}
+
+// Several buttons may be bits of one node.
+void Rig::add_buttons() {
+  for (const ButtonParams& button : params_.buttons) {
+    const std::size_t known = buses_[button.bus].node_of_id[button.node_id];
+    const std::size_t node =
+        known != 0 ? known - 1 : add_node(button.bus, button.node_id, NodeKind::button, buttons_.size());
+    buttons_.push_back({.params = button, .node = node});
+  }
+}
+
+Eigen::Index Rig::joint_named(const std::string& name) const {
+  const auto& joints = params_.tree.joints;
+  return std::ranges::find(joints, name, &DeviceJoint::name) - joints.begin();
+}
+
+void Rig::start(Nanoseconds now) noexcept {
+  if (state_ != RigState::off) return;
+  state_ = RigState::booting;
+  now_ns_ = now;
+  boot_started_ns_ = now;
+  heartbeat_due_ns_ = now;
+}
+
+bool Rig::arm() noexcept {
+  if (state_ != RigState::ready) return false;
+  state_ = RigState::armed;
+  return true;
+}
+
+void Rig::disarm() noexcept {
+  if (state_ == RigState::armed) state_ = RigState::ready;
+}
+
+void Rig::clear_faults(Nanoseconds now) noexcept {
+  if (state_ != RigState::fault) return;
+  fault_log_.clear();
+  for (Bus& bus : buses_) bus.refused_in_a_row = 0;
+  state_ = RigState::booting;
+  boot_started_ns_ = now;
+}
+
+void Rig::quick_stop() noexcept { raise({.fault = RigFault::quick_stop}); }
+
+void Rig::deadlines_missed() noexcept { raise({.fault = RigFault::deadlines_missed}); }
+
+void Rig::force_oscillates(std::optional<std::size_t> drive) noexcept {
+  if (state_ != RigState::armed) return;
+  if (drive) raise(RigFault::force_oscillates, nodes_[drives_[*drive].node]);
+  else raise({.fault = RigFault::force_oscillates});
+}
+
+void Rig::stop() noexcept {
+  if (state_ == RigState::off) return;
+  for (DriveOnBus& drive : drives_) {
+    const DriveCommand command = drive.drive.plan(0, DriveGoal::off, 0);
+    if (!command.out.frame || send(nodes_[drive.node].bus, *command.out.frame)) drive.drive.sent(command, 0);
+  }
+  for (const RigNode& node : nodes_) {
+    if (!node.canopen) continue;
+    send(node.bus, canopen::make_nmt(canopen::NmtCommand::enter_pre_operational, node.id));
+  }
+  state_ = RigState::off;
+}
+
+void Rig::sync(Nanoseconds now) noexcept {
+  if (state_ == RigState::off) return;
+  now_ns_ = now;
+  const bool last_was_complete = complete();
+  bool queued = false;
+  for (std::size_t i = 0; i < buses_.size(); ++i) queued = queue_sync(i, now) || queued;
+  if (queued) ++counters_.syncs;
+  if (queued && running() && !last_was_complete) ++counters_.incomplete_syncs;
+  if (now >= heartbeat_due_ns_) {
+    heartbeat_due_ns_ = now + to_ns(params_.heartbeat_period_s);
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+      if (!buses_[i].protocol.canopen) continue;
+      send(i, canopen::make_heartbeat(params_.host_node_id, canopen::NmtState::operational));
+    }
+  }
+}
+
+// SYNC, or the requests; true when the cycle has begun on this bus.
+bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
+  if (buses_[bus].protocol.canopen) {
+    const bool queued = send(bus, canopen::make_sync());
+    if (queued) buses_[bus].syncs.sync_queued(now);
+    return queued;
+  }
+  bool queued = false;
+  for (DriveOnBus& drive : drives_) {
+    if (nodes_[drive.node].bus != bus) continue;
+    const std::optional<CanFrame> request = drive.drive.request();
+    if (!request) continue;
+    drive.request_refused = !send(bus, *request);
+    if (drive.request_refused) continue;
+    drive.drive.request_sent();
+    if (!queued) buses_[bus].syncs.sync_queued(now, *request);
+    queued = true;
+  }
+  return queued;
+}
+
+bool Rig::complete() const noexcept {
+  const auto last_sync = [this](std::size_t node) { return buses_[nodes_[node].bus].syncs.num_syncs(); };
+  const auto encoder_answered = [&](const EncoderOnBus& e) { return e.answered_sync == last_sync(e.node); };
+  // a drive may leave out every_nth_sync - 1 of them, in a phase of its own
+  const auto drive_answered = [&](const DriveOnBus& d) {
+    return last_sync(d.node) - d.answered_sync < d.every_nth_sync;
+  };
+  return std::ranges::all_of(encoders_, encoder_answered) && std::ranges::all_of(drives_, drive_answered);
+}
+
+DeviceSample Rig::read(Nanoseconds now) noexcept {
+  supervise(now);
+  const auto n = static_cast<Eigen::Index>(num_joints());
+  DeviceSample out;
+  out.q.resize(n);
+  out.q_dot.resize(n);
+  out.valid = std::ranges::none_of(drives_, [now](const DriveOnBus& d) { return d.drive.silent(now); });
+  out.fresh = true;
+  out.t_ns = now;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const JointSample joint = sensors_[static_cast<std::size_t>(i)]->sample(now);
+    out.q(i) = joint.q;
+    out.q_dot(i) = joint.q_dot;
+    out.valid = out.valid && joint.valid;
+    out.fresh = measured_anew(static_cast<std::size_t>(i), joint) && out.fresh;
+    out.t_ns = std::min(out.t_ns, joint.t_ns);
+  }
+  configuration_ = tree_.at(out.q);
+  for (std::size_t i = 0; i < num_handles(); ++i) {
+    out.handles[i] = {configuration_.X_WH(i), configuration_.twist(i, out.q_dot)};
+  }
+  out.buttons = buttons();
+  out.age = now - out.t_ns;
+  out.faults = faults();
+  return out;
+}
+
+bool Rig::measured_anew(std::size_t joint, const JointSample& sample) noexcept {
+  Measured& measured = measured_[joint];
+  measured.reads_ago = sample.t_ns > measured.t_ns ? 0 : measured.reads_ago + 1;
+  measured.t_ns = sample.t_ns;
+  return measured.reads_ago < measured.every_nth_sync;
+}
+
+CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept {
+  assert(F_hand_W.size() <= num_handles());
+  CommandReport report;
+  if (state_ == RigState::off) return report;
+  now_ns_ = now;
+  JointVector tau = configuration_.joint_torques(F_hand_W);
+  if (!tau.allFinite()) raise({.fault = RigFault::command_not_finite});
+  if (state_ != RigState::armed) tau.setZero();
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    DriveOnBus& drive = drives_[i];
+    const DriveCommand planned = drive.drive.plan(tau(drive.joint), goal(), now);
+    const bool sent = !planned.out.frame || send(nodes_[drive.node].bus, *planned.out.frame);
+    if (sent) drive.drive.sent(planned, now);
+    const auto bit = [i](bool on) { return (on ? 1u : 0u) << i; };
+    report.torque_limited |= bit(planned.torque_limited);
+    report.rate_limited |= bit(planned.rate_limited);
+    report.drive_limited |= bit(drive.drive.feedback(now).internal_limit);
+    report.not_sent |= bit(!sent || drive.request_refused);
+  }
+  return report;
+}
+
+DriveGoal Rig::goal() const noexcept {
+  if (any(faults() & RigFault::quick_stop)) return DriveGoal::quick_stop;
+  return state_ == RigState::enabling ? DriveGoal::enable : DriveGoal::hold;
+}
+
+DeviceButtons Rig::buttons() const noexcept {
+  DeviceButtons out;
+  for (const ButtonOnBus& button : buttons_) {
+    bool& use = button.params.use == ButtonUse::hold ? out.hold : out.clutch;
+    use = use || button.pressed;
+  }
+  return out;
+}
+
+bool Rig::has_button(ButtonUse use) const noexcept {
+  return std::ranges::any_of(buttons_, [use](const ButtonOnBus& b) { return b.params.use == use; });
+}
+
+DriveFeedback Rig::drive_feedback(std::size_t index, Nanoseconds now) const noexcept {
+  return drives_[index].drive.feedback(now);
+}
+
+bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
+  Bus& to = buses_[bus];
+  if (to.bus->try_send(frame) == SendResult::queued) {
+    to.refused_in_a_row = 0;
+    return true;
+  }
+  ++to.refused_in_a_row;
+  // what a bus that is cut off refuses is told by bus_down
+  if (to.refused_in_a_row >= max_refused_in_a_row && !is_cut_off(to.bus->state()))
+    raise({.fault = RigFault::send_refused, .bus = bus});
+  return false;
+}
+
+void Rig::raise(const RigFaultPlace& place, std::uint32_t identifier) noexcept {
+  if (state_ == RigState::off) return;
+  fault_log_.raise(place, now_ns_, identifier);
+  before_fault_ = reached();
+  state_ = RigState::fault;
+}
+
+std::string Rig::fault_text() const {
+  std::ostringstream out;
+  for (const RigFaultRecord& record : fault_log_.records()) {
+    const RigFaultText& text = text_of(record.place.fault);
+    out << text.name << " (" << place_text(record) << "): " << text.meaning << "; " << text.remedy << ".\n";
+  }
+  if (fault_log_.left_out() > 0) out << "and at " << fault_log_.left_out() << " more places.\n";
+  return out.str();
+}
+
+std::string Rig::place_text(const RigFaultRecord& record) const {
+  const RigFaultPlace& place = record.place;
+  std::ostringstream out;
+  out << (place.bus ? params_.buses[*place.bus].name : "host");
+  if (place.bus && place.node_id != 0) {
+    const RigNode& node = nodes_[buses_[*place.bus].node_of_id[place.node_id] - std::size_t{1}];
+    out << " node " << int{place.node_id} << ", " << device_text(params_, node);
+  }
+  if (place.fault == RigFault::drive_error) out << ", code " << place.drive_code;
+  out << std::hex;
+  if (place.fault == RigFault::emergency) out << ", code 0x" << place.emcy_code;
+  if (place.fault == RigFault::second_host)
+    out << ", identifier 0x" << std::setw(3) << std::setfill('0') << record.identifier;
+  return out.str();
+}
+
+}  // namespace godobject

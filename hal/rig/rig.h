@@ -1,0 +1,255 @@
+// A device on its buses: boots the nodes, reads the handles' poses from the joint sensors, sends joint
+// torques to the drives. One object per device; the caller owns the buses and the clock.
+//
+// Every cycle, in this order: sync(now); receive(now) until complete() or the caller's deadline;
+// read(now); command(F, now). Nothing here waits, allocates after construction, throws or reads a clock.
+//
+// A bus speaks one protocol, that of its drives (hal/drive/link.h). CANopen buses, also those without a drive,
+// have SYNC, NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/can/bus.h"
+#include "hal/drive/drive.h"
+#include "hal/joint/encoder.h"
+#include "hal/joint/kinematic_tree.h"
+#include "hal/rig/fault.h"
+#include "hal/rig/node.h"
+#include "hal/rig/validate.h"
+#include "hal/joint/sync_attribution.h"
+
+namespace godobject {
+
+enum class RigState : std::uint8_t {
+  off,       // nothing is sent
+  booting,   // waiting for every node to be operational and every sensor to have spoken
+  enabling,  // drives on their way to enabled, then some cycles there; target torque 0
+  ready,     // all of it works; torque 0
+  armed,     // torque follows command()
+  fault,     // a fault bit is set; torque runs down to 0 and stays there
+};
+
+/// What the user presses. Without such a button: false.
+struct DeviceButtons {
+  bool hold = false;
+  bool clutch = false;
+};
+
+struct HandleSample {
+  Pose X_WH;
+  Twist V_WH;  // joints whose sample is stale count as at rest
+};
+
+/// The device as the joint sensors have it.
+struct DeviceSample {
+  std::array<HandleSample, max_handles> handles{};  // the first num_handles() of them
+  JointVector q, q_dot;                             // one number per joint
+  DeviceButtons buttons;
+  bool valid =
+      false;  // every joint's sample is good, and every drive was heard; else the last good values are held
+  bool fresh = false;    // every joint was measured anew since the read() before, as far as that was due
+  Nanoseconds t_ns = 0;  // of the oldest joint sample
+  Nanoseconds age = 0;   // of the oldest joint sample, at the time of read()
+  RigFault faults = RigFault::none;
+};
+
+/// What became of the commanded wrenches; bit i stands for RigParams::drives[i].
+struct CommandReport {
+  std::uint32_t torque_limited = 0;  // raise torque_max_Nm to allow more
+  std::uint32_t rate_limited = 0;    // raise torque_rate_Nm_per_s to allow more
+  std::uint32_t drive_limited = 0;   // the drive reports an internal limit
+  std::uint32_t not_sent = 0;        // the bus refused the frame; the drive keeps its last target
+};
+
+struct RigCounters {
+  std::uint64_t syncs = 0;             // queued on one bus at least
+  std::uint64_t incomplete_syncs = 0;  // not every expected answer had come before the next SYNC
+  std::uint64_t frames = 0;
+  std::uint64_t malformed = 0;          // wrong size or an undefined value
+  std::uint64_t repeated = 0;           // further answers of a joint sensor to the same SYNC: not used
+  std::uint64_t foreign = 0;            // from no node of this rig
+  std::uint64_t receive_truncated = 0;  // receive() stopped at max_frames_per_receive on a bus
+};
+
+class Rig {
+ public:
+  /// Per bus: bounds the work of a cycle on a bus that babbles.
+  static constexpr int max_frames_per_receive = 512;
+  /// Cycles at zero torque in which every drive must say that it follows its command, before ready.
+  static constexpr int settle_cycles = 10;
+
+  /// params: validate(params) is empty. buses: one per params.buses, open, outliving the rig.
+  /// Allocates; nothing later does.
+  Rig(const RigParams& params, std::span<CanBus* const> buses);
+  Rig(Rig&&) noexcept = default;
+  Rig& operator=(Rig&&) noexcept = default;
+
+  /// off -> booting: NMT start to all nodes.
+  void start(Nanoseconds now) noexcept;
+  /// ready -> armed: from here command() reaches the motors. False in any other state.
+  [[nodiscard]] bool arm() noexcept;
+  /// armed -> ready: torque runs down to 0 at the slew limit.
+  void disarm() noexcept;
+  /// fault -> booting: sticky bits cleared; the way to armed is walked again, with an explicit arm().
+  void clear_faults(Nanoseconds now) noexcept;
+  /// any but off -> fault: the next command() has every drive stop by its own fastest means (CiA 402: quick
+  /// stop, by option code 605Ah; ODrive: idle; moteus: stopped). clear_faults() is the way back.
+  void quick_stop() noexcept;
+  /// any but off -> fault: the host was too late too often.
+  void deadlines_missed() noexcept;
+  /// armed -> fault: what command() is told swings between its bounds; in the command of this drive, if it is
+  /// known.
+  void force_oscillates(std::optional<std::size_t> drive) noexcept;
+  /// any -> off: drives disabled, nodes pre-operational.
+  void stop() noexcept;
+
+  /// SYNC on every bus, or a request to each drive where its protocol has none: the first frames of the cycle.
+  /// Positions are measured when it ends. now: in the clock of the buses' receive stamps. A bus that refuses
+  /// it has no SYNC in this cycle.
+  void sync(Nanoseconds now) noexcept;
+  /// Decodes what has arrived so far, up to max_frames_per_receive on each bus; the next call carries on.
+  void receive(Nanoseconds now) noexcept;
+  /// Every answer expected to the last SYNC of each bus has arrived.
+  bool complete() const noexcept;
+  /// Supervises (state changes and faults happen here, once the answers are in: a host that woke late is
+  /// no fault of the device), then gives the handles.
+  DeviceSample read(Nanoseconds now) noexcept;
+  /// F_hand_W: for each handle the wrench of the device on the hand, world axes, about the handle's origin;
+  /// handles beyond its end get none. tau = sum of J^T F at the pose of the last read(), one command to every
+  /// drive; what falls on a joint without a drive is not shown. Zero unless armed. Call it in every cycle
+  /// and state: it also carries the controlwords.
+  CommandReport command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept;
+
+  RigState state() const noexcept { return state_; }
+  bool ready() const noexcept { return state_ == RigState::ready || state_ == RigState::armed; }
+  RigFault faults() const noexcept { return fault_log_.faults(); }
+  const RigFaultLog& fault_log() const noexcept { return fault_log_; }
+  /// The set faults in words, one line for each place, in the order in which they came up: name, bus, node, meaning,
+  /// remedy. Not for the loop: allocates.
+  std::string fault_text() const;
+  /// Where: "can0 node 4, drive of elbow". Any thread: it is of the parameters alone. Allocates.
+  std::string place_text(const RigFaultRecord& record) const;
+  const RigCounters& counters() const noexcept { return counters_; }
+
+  std::size_t num_joints() const noexcept { return tree_.num_joints(); }
+  std::size_t num_handles() const noexcept { return tree_.num_handles(); }
+  std::size_t num_encoders() const noexcept { return encoders_.size(); }
+  std::size_t num_drives() const noexcept { return drives_.size(); }
+  bool has_button(ButtonUse use) const noexcept;
+  const Encoder& encoder(std::size_t index) const noexcept { return encoders_[index].encoder; }
+  /// The drive's position and torque as it reports them.
+  DriveFeedback drive_feedback(std::size_t index, Nanoseconds now) const noexcept;
+  double commanded_torque_Nm(std::size_t drive) const noexcept {
+    return drives_[drive].drive.commanded_torque_Nm();
+  }
+
+ private:
+  struct Bus {
+    CanBus* bus = nullptr;
+    BusProtocol protocol;
+    SyncAttribution syncs;
+    int refused_in_a_row = 0;
+    std::array<std::uint8_t, canopen::max_node_id + 1> node_of_id{};  // index into nodes_ plus 1; 0: none
+  };
+  struct EncoderOnBus {
+    Encoder encoder;
+    std::size_t node;
+    std::uint64_t answered_sync = 0;
+    Nanoseconds t_good_ns = 0;  // when its sample was last young enough
+  };
+  struct DriveOnBus {
+    Drive drive;
+    std::size_t node;
+    Eigen::Index joint;
+    std::uint64_t every_nth_sync;
+    std::uint64_t answered_sync = 0;
+    bool request_refused = false;  // in this cycle
+    double max_slip = 0;           // rad or m; 0: not compared with an encoder
+    double apart = 0;              // the joint's encoder minus its position, as it was before ready; rad or m
+    Nanoseconds t_agreed_ns = 0;   // when they were last as far apart as that
+    Nanoseconds t_good_ns = 0;     // when its status was last young enough
+  };
+  struct ButtonOnBus {
+    ButtonParams params;
+    std::size_t node;
+    bool heard = false;
+    bool pressed = false;
+  };
+
+  std::size_t add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device);
+  void add_buttons();
+  Eigen::Index joint_named(const std::string& name) const;
+
+  bool queue_sync(std::size_t bus, Nanoseconds now) noexcept;
+  bool send(std::size_t bus, const CanFrame& frame) noexcept;
+  void raise(const RigFaultPlace& place, std::uint32_t identifier = 0) noexcept;
+  void raise(RigFault fault, const RigNode& node) noexcept {
+    raise({.fault = fault, .bus = node.bus, .node_id = node.id});
+  }
+
+  // rig_receive.cc
+  void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
+  bool from_second_host(std::size_t bus, const CanFrame& frame) noexcept;
+  void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
+  void on_emergency(RigNode& node, const CanFrame& frame) noexcept;
+  void on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept;
+  void on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer,
+                Nanoseconds now) noexcept;
+  void on_inputs(const RigNode& node, const CanFrame& frame) noexcept;
+
+  // rig_supervise.cc
+  void supervise(Nanoseconds now) noexcept;
+  void check_buses() noexcept;
+  void check_nodes(Nanoseconds now) noexcept;
+  void check_samples(Nanoseconds now) noexcept;
+  bool lost(const Encoder& encoder, Nanoseconds t_good, Nanoseconds now) const noexcept;
+  bool measured_anew(std::size_t joint, const JointSample& sample) noexcept;
+  void check_slip(DriveOnBus& drive, Nanoseconds now) noexcept;
+  void check_drives() noexcept;
+  void boot(Nanoseconds now) noexcept;
+  void wait_for_drives(Nanoseconds now) noexcept;
+  bool boot_is_over(Nanoseconds now) const noexcept;
+  bool booted(const RigNode& node, Nanoseconds now) const noexcept;
+  bool silent(const RigNode& node, Nanoseconds now) const noexcept;
+  bool running() const noexcept { return state_ >= RigState::enabling && state_ <= RigState::armed; }
+  /// How far it was when the first fault came; without one how far it is. What was there then is still looked after.
+  RigState reached() const noexcept { return state_ == RigState::fault ? before_fault_ : state_; }
+  bool nodes_were_up() const noexcept { return reached() >= RigState::enabling; }
+  bool drives_were_up() const noexcept { return reached() >= RigState::ready; }
+
+  DriveGoal goal() const noexcept;
+  DeviceButtons buttons() const noexcept;
+
+  RigParams params_;
+  KinematicTree tree_;
+  std::vector<Bus> buses_;
+  std::vector<RigNode> nodes_;
+  std::vector<EncoderOnBus> encoders_;
+  std::vector<DriveOnBus> drives_;
+  std::vector<ButtonOnBus> buttons_;
+  /// What measures a joint, and what the last read() had of it.
+  struct Measured {
+    std::uint64_t every_nth_sync = 1;
+    Nanoseconds t_ns = 0;         // of the sample
+    std::uint64_t reads_ago = 0;  // that it was new
+  };
+  std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, else its drive's
+  std::array<Measured, max_joints> measured_{};
+
+  RigState state_ = RigState::off;
+  RigState before_fault_ = RigState::off;  // while in fault: the state in which the first one came up
+  Nanoseconds now_ns_ = 0;                 // of the call at hand
+  Nanoseconds boot_started_ns_ = 0;
+  Nanoseconds heartbeat_due_ns_ = 0;
+  int settled_cycles_ = 0;
+  TreeConfiguration configuration_;  // of the last read()
+  RigFaultLog fault_log_;
+  RigCounters counters_;
+};
+
+}  // namespace godobject

@@ -1,0 +1,143 @@
+// Rig: the way from off to ready, and what takes it to fault.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "hal/rig/rig.h"
+
+namespace godobject {
+
+namespace {
+
+constexpr Nanoseconds nmt_retry_ns = 250'000'000;
+
+bool is_enabled(const Drive& drive) noexcept { return drive.state() == MotorState::enabled; }
+
+}  // namespace
+
+void Rig::supervise(Nanoseconds now) noexcept {
+  if (state_ == RigState::off) return;
+  now_ns_ = now;
+  check_buses();
+  if (nodes_were_up()) {
+    check_nodes(now);
+    check_samples(now);
+  }
+  if (drives_were_up()) check_drives();
+  if (state_ == RigState::booting) boot(now);
+  if (state_ == RigState::enabling) wait_for_drives(now);
+}
+
+void Rig::check_buses() noexcept {
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    if (is_cut_off(buses_[i].bus->state())) raise({.fault = RigFault::bus_down, .bus = i});
+  }
+}
+
+void Rig::check_nodes(Nanoseconds now) noexcept {
+  for (const RigNode& node : nodes_) {
+    if (silent(node, now)) raise(RigFault::heartbeat_lost, node);
+  }
+}
+
+void Rig::check_samples(Nanoseconds now) noexcept {
+  for (EncoderOnBus& encoder : encoders_) {
+    if (!encoder.encoder.stale(now)) encoder.t_good_ns = now;
+    if (lost(encoder.encoder, encoder.t_good_ns, now)) raise(RigFault::sample_stale, nodes_[encoder.node]);
+    if (!encoder.encoder.trusted()) raise(RigFault::sample_implausible, nodes_[encoder.node]);
+  }
+  for (DriveOnBus& drive : drives_) {
+    check_slip(drive, now);
+    const Encoder& position = drive.drive.position();
+    if (!drive.drive.silent(now) && !position.stale(now)) drive.t_good_ns = now;
+    if (drive.drive.silent(now) && lost(position, drive.t_good_ns, now))
+      raise(RigFault::drive_silent, nodes_[drive.node]);
+    const bool is_sensor = sensors_[static_cast<std::size_t>(drive.joint)] == &position;
+    if (!is_sensor) continue;
+    if (position.stale(now) && lost(position, drive.t_good_ns, now))
+      raise(RigFault::sample_stale, nodes_[drive.node]);
+    if (!position.trusted()) raise(RigFault::sample_implausible, nodes_[drive.node]);
+  }
+}
+
+// Until then the pose is held and the force fades; where the turn would not be known any more that is not waited for.
+bool Rig::lost(const Encoder& encoder, Nanoseconds t_good, Nanoseconds now) const noexcept {
+  return now - t_good > to_ns(std::max(params_.lost_after_s, params_.stale_after_s)) ||
+         encoder.turn_is_lost(now);
+}
+
+// A drive's zero may be where it was switched on: what counts is how the two have parted since it was enabled. Samples
+// that are missing or not plausible have faults of their own.
+void Rig::check_slip(DriveOnBus& drive, Nanoseconds now) noexcept {
+  if (drive.max_slip <= 0) return;
+  const Encoder* const sensor = sensors_[static_cast<std::size_t>(drive.joint)];
+  const JointSample joint = sensor->sample(now), motor = drive.drive.position().sample(now);
+  const double later_s = 1e-9 * static_cast<double>(joint.t_ns - motor.t_ns);
+  const double apart = joint.q - joint.q_dot * later_s - motor.q;
+  const double travel = std::max(std::abs(joint.q_dot), std::abs(motor.q_dot)) * params_.stale_after_s;
+  const bool known = joint.valid && motor.valid;
+  if (known && !drives_were_up()) drive.apart = apart;
+  if (!known || std::abs(apart - drive.apart) <= drive.max_slip + travel) drive.t_agreed_ns = now;
+  else if (static_cast<double>(now - drive.t_agreed_ns) > 1e9 * params_.stale_after_s)
+    raise(RigFault::sensors_disagree, nodes_[drive.node]);
+}
+
+void Rig::check_drives() noexcept {
+  if (goal() == DriveGoal::quick_stop) return;  // they are to leave it
+  for (const DriveOnBus& drive : drives_) {
+    if (!is_enabled(drive.drive)) raise(RigFault::drive_not_enabled, nodes_[drive.node]);
+  }
+}
+
+// NMT start to every node that is not operational, at most one frame per bus and cycle.
+void Rig::boot(Nanoseconds now) noexcept {
+  std::array<bool, max_buses> start_sent{};
+  for (RigNode& node : nodes_) {
+    const bool due = !node.start_sent || now - node.start_sent_ns >= nmt_retry_ns;
+    if (!node.canopen || !due || start_sent[node.bus]) continue;
+    if (node.operational() && !silent(node, now)) continue;
+    node.start_sent = send(node.bus, canopen::make_nmt(canopen::NmtCommand::start, node.id));
+    node.start_sent_ns = now;
+    start_sent[node.bus] = true;
+  }
+  if (std::ranges::all_of(nodes_, [&](const RigNode& node) { return booted(node, now); })) {
+    state_ = RigState::enabling;
+    settled_cycles_ = 0;
+    for (EncoderOnBus& encoder : encoders_) encoder.t_good_ns = now;
+    for (DriveOnBus& drive : drives_) drive.t_good_ns = now;
+    return;
+  }
+  if (!boot_is_over(now)) return;
+  for (const RigNode& node : nodes_)
+    if (!booted(node, now)) raise(RigFault::boot_timeout, node);
+}
+
+void Rig::wait_for_drives(Nanoseconds now) noexcept {
+  if (std::ranges::all_of(drives_, [](const DriveOnBus& d) { return is_enabled(d.drive); })) {
+    ++settled_cycles_;
+    if (drives_.empty() || settled_cycles_ > settle_cycles) state_ = RigState::ready;
+    return;
+  }
+  settled_cycles_ = 0;
+  if (!boot_is_over(now)) return;
+  for (const DriveOnBus& drive : drives_)
+    if (!is_enabled(drive.drive)) raise(RigFault::boot_timeout, nodes_[drive.node]);
+}
+
+bool Rig::boot_is_over(Nanoseconds now) const noexcept {
+  return static_cast<double>(now - boot_started_ns_) > 1e9 * params_.boot_timeout_s;
+}
+
+bool Rig::booted(const RigNode& node, Nanoseconds now) const noexcept {
+  if (!node.operational() || silent(node, now)) return false;
+  if (node.kind == NodeKind::drive) return !drives_[node.device].drive.silent(now);
+  if (node.kind == NodeKind::button) return buttons_[node.device].heard;
+  const Encoder& encoder = encoders_[node.device].encoder;
+  return !encoder.stale(now) && encoder.trusted();
+}
+
+bool Rig::silent(const RigNode& node, Nanoseconds now) const noexcept {
+  return !node.heard || static_cast<double>(now - node.heartbeat_ns) > 1e9 * params_.heartbeat_timeout_s;
+}
+
+}  // namespace godobject

@@ -1,0 +1,244 @@
+#include "hal/tracker/ndi_tracker.h"
+
+#include <algorithm>
+
+namespace godobject {
+namespace {
+
+constexpr Nanoseconds ms = 1'000'000;
+constexpr Nanoseconds reset_patience = 2500 * ms;
+constexpr Nanoseconds setup_patience = 5000 * ms;  // INIT and PINIT take seconds on some trackers
+constexpr Nanoseconds most_poll_patience = 500 * ms;
+constexpr Nanoseconds poll_margin = 3 * ms;  // between a reply that is still to come and one that is lost
+constexpr Nanoseconds poll_silence = 1500 * ms;
+constexpr Nanoseconds settle = 200 * ms;      // after a change of the bit rate; the API asks for 100
+constexpr Nanoseconds quiet = 8 * ms;         // after a broken reply: its rest may follow
+constexpr Nanoseconds most_quiet = 300 * ms;  // the longest reply at 9600 bit/s
+constexpr Nanoseconds poll_period = 1 * ms;   // at least, so that a fast line is not flooded
+constexpr Nanoseconds retry_period = 5000 * ms;
+
+constexpr std::array step_names{"slow down", "break", "COMM",   "set rate", "INIT",  "PHSR:01",
+                                "PHF",       "PHRQ",  "PVWR",   "PHSR:02",  "PINIT", "PHSR:03",
+                                "PHINF",     "PENA",  "TSTART", "poll"};
+
+std::optional<unsigned> hex_digit(char c) noexcept {
+  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
+  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::uint8_t> ndi_handle(std::string_view tool) noexcept {
+  if (tool.size() != 2) return std::nullopt;
+  const auto high = hex_digit(tool[0]), low = hex_digit(tool[1]);
+  if (!high || !low) return std::nullopt;
+  return static_cast<std::uint8_t>(*high << 4 | *low);
+}
+
+const char* NdiTracker::name_of(Step step) noexcept { return step_names[static_cast<std::size_t>(step)]; }
+
+std::unique_ptr<Tracker> make_ndi_tracker(const TrackerParams& params, ToolDefinitions definitions,
+                                          std::vector<std::string>& errors) {
+  const std::string where = "tracker '" + params.name + "': ";
+  if (!ndi::comm_digit(params.baud))
+    errors.push_back(where + "no NDI tracker has " + std::to_string(params.baud) +
+                     " bit/s: choose 9600, 14400, 19200, 38400, 57600, 115200, 230400, 921600 or 1228739");
+  for (std::size_t i = 0; i < params.tools.size(); ++i) {
+    const std::string& tool = params.tools[i].tool;
+    if (!ndi_handle(tool) && (definitions[i].empty() || definitions[i].size() > 0x10000))
+      errors.push_back(
+          where + "tool '" + tool +
+          "' is neither the two digits of a port handle nor a tool definition file that can be read");
+  }
+  if (!errors.empty()) return nullptr;
+  return std::make_unique<NdiTracker>(params, std::move(definitions));
+}
+
+NdiTracker::NdiTracker(const TrackerParams& params, ToolDefinitions definitions)
+    : Tracker(params), definitions_(std::move(definitions)) {
+  for (std::size_t i = 0; i < params_.tools.size(); ++i) {
+    if (definitions_[i].empty()) handles_[i] = ndi_handle(params_.tools[i].tool);
+  }
+}
+
+void NdiTracker::opened(Nanoseconds now) noexcept {
+  use_text_ = plain_start_ = false;
+  by_default_rate_ = true;
+  boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
+  restart(now);
+}
+
+/// From the beginning, with the line as it is.
+void NdiTracker::restart(Nanoseconds now) noexcept {
+  for (std::size_t i = 0; i < params_.tools.size(); ++i) {
+    if (!definitions_[i].empty()) handles_[i].reset();
+  }
+  enabled_ = {};
+  refused_[0] = '\0';
+  tool_ = address_ = 0;
+  longest_answer_ = 0;
+  passes_ = 0;
+  go(by_default_rate_ ? Step::slow_down : Step::follow_rate);
+  not_before_ = now;
+  if (report_.state != TrackerState::failed)
+    enter(TrackerState::initialising, "resetting the tracker on %.60s", params_.port.c_str());
+}
+
+/// An attempt has failed. The next one takes the other way to begin: a line without breaks (USB, a network port) is
+/// left at its rate.
+void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
+  if (was_tracking()) {
+    ++report_.counters.restarts;
+    boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
+  }
+  by_default_rate_ = !by_default_rate_ || was_tracking();
+  const Step at = step_;
+  if (now < boot_deadline_) {
+    report_.state = TrackerState::initialising;
+    restart(now);
+    return;
+  }
+  enter(TrackerState::failed, "%s: %s; tried again every 5 s", name_of(at), why);
+  restart(now);
+  not_before_ = now + retry_period;
+}
+
+void NdiTracker::go(Step step) noexcept {
+  step_ = step;
+  tries_ = 0;
+  awaiting_ = false;
+}
+
+ndi::Command NdiTracker::command() const noexcept {
+  const std::uint8_t handle = at_ < listed_.size ? listed_.handles[at_].handle : std::uint8_t{0};
+  switch (step_) {
+    case Step::set_rate: {
+      const std::array<char, 5> rate{*ndi::comm_digit(params_.baud), '0', '0', '0', '0'};
+      return ndi::make_command("COMM", {rate.data(), rate.size()});
+    }
+    case Step::initialise: return ndi::make_command("INIT", "");
+    case Step::list_used: return ndi::make_command("PHSR", "01");
+    case Step::free_handle: return ndi::make_handle_command("PHF", handle);
+    case Step::request_handle: return ndi::make_command("PHRQ", "*********1****");  // any passive tool
+    case Step::write_definition:
+      return ndi::make_write_command(*handles_[tool_], address_, definitions_[tool_]);
+    case Step::list_uninitialised: return ndi::make_command("PHSR", "02");
+    case Step::initialise_handle: return ndi::make_handle_command("PINIT", handle);
+    case Step::list_disabled: return ndi::make_command("PHSR", "03");
+    case Step::read_plate: return ndi::make_handle_command("PHINF", handle, "0001");
+    case Step::enable_handle: return ndi::make_handle_command("PENA", handle, "D");  // a moving tool
+    case Step::start: return ndi::make_command("TSTART", plain_start_ ? "" : "80");  // frames from zero
+    case Step::poll: return ndi::make_command(use_text_ ? "TX" : "BX", "0801");
+    default: return {};
+  }
+}
+
+Nanoseconds NdiTracker::patience() const noexcept {
+  if (step_ == Step::send_break) return reset_patience;
+  return step_ == Step::poll ? poll_patience() : setup_patience;
+}
+
+/// How long a reply takes is known from those before: the time of both on the line, and the tracker's own, which with some
+/// ends with a measurement. One that is not there soon after is lost, and asked for again at once; after some in a row
+/// less and less often.
+Nanoseconds NdiTracker::poll_patience() const noexcept {
+  constexpr int eager_tries = 4;
+  if (longest_answer_ == 0) return most_poll_patience;
+  const Nanoseconds soon = longest_answer_ + longest_answer_ / 4 + poll_margin;
+  return std::min(soon << std::clamp(tries_ - eager_tries, 0, 6), most_poll_patience);
+}
+
+LineRequest NdiTracker::send(Nanoseconds now) noexcept {
+  receiver_.reset();
+  awaiting_ = true;
+  reply_began_ = false;
+  deadline_ = now + patience();
+  if (tries_ == 0) {
+    num_asked_ = 0;
+    t_first_asked_ = now;
+  }
+  ++num_asked_;
+  t_asked_ = now;
+  ++tries_;
+  if (step_ == Step::send_break) return {.kind = LineRequest::Kind::serial_break};
+  command_ = command();
+  not_before_ = now + poll_period;
+  return {.kind = LineRequest::Kind::send, .bytes = command_.bytes()};
+}
+
+LineRequest NdiTracker::next(Nanoseconds now) noexcept {
+  expire(now);
+  if (awaiting_ && now >= deadline_) on_silence(now);
+  if (awaiting_ || now < not_before_) return {};
+  switch (step_) {
+    case Step::slow_down:
+      go(Step::send_break);
+      return {.kind = LineRequest::Kind::set_baud, .baud = ndi::default_baud};
+    case Step::follow_rate:
+      go(Step::initialise);
+      not_before_ = now + settle;
+      return {.kind = LineRequest::Kind::set_baud, .baud = params_.baud};
+    default: return send(now);
+  }
+}
+
+void NdiTracker::on_silence(Nanoseconds now) noexcept {
+  awaiting_ = false;
+  if (step_ == Step::send_break) {
+    go(Step::set_rate);  // perhaps it has not understood the break, but listens
+    return;
+  }
+  if (step_ == Step::poll && tries_ == 0) return;  // it was answered, once for the two that were sent
+  ++report_.counters.timeouts;
+  if (step_ == Step::poll && now - t_first_asked_ < poll_silence) return;
+  const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;
+  if (tries_ >= allowed) give_up_or_restart("no reply: is the tracker switched on, and this its port?", now);
+}
+
+/// A poll that was sent again may be answered twice: its second answer is waited for, or it would be taken for that to
+/// the next one. When all of them come nothing was lost: the tracker is as slow as the first.
+void NdiTracker::on_poll_answered(Nanoseconds now) noexcept {
+  if (tries_ == 1) longest_answer_ -= (longest_answer_ - (now - t_asked_)) / 64;
+  if (tries_ > 0) took_ = now - t_first_asked_;
+  tries_ = 0;
+  awaiting_ = --num_asked_ > 0;
+  reply_began_ = false;
+  if (awaiting_) deadline_ = std::max(deadline_, t_asked_ + took_ + poll_margin);
+  else
+    longest_answer_ = std::max(longest_answer_, took_);
+}
+
+void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
+  awaiting_ = false;
+  not_before_ = now + quiet;
+  quiet_until_ = now + most_quiet;
+  if (step_ == Step::send_break) return go(Step::set_rate);
+  if (step_ == Step::poll) {
+    tries_ = 0;  // it does answer
+  } else if (tries_ >= max_tries) {
+    give_up_or_restart("replies are not readable: check cable and baud", now);
+  }
+}
+
+void NdiTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
+  using Event = ndi::ReplyReceiver::Event;
+  for (const std::uint8_t byte : bytes) {
+    if (awaiting_ && !reply_began_) t_reply_ = now;
+    reply_began_ = true;
+    if (awaiting_ && step_ == Step::poll) deadline_ = std::max(deadline_, now + poll_margin);  // it is coming
+    if (!awaiting_ && now < quiet_until_) not_before_ = std::max(not_before_, now + quiet);
+    const Event event = receiver_.push(byte);
+    if (event == Event::more || !awaiting_) continue;
+    if (event == Event::bad_crc || event == Event::too_long) {
+      ++report_.counters.bad_crc;
+      on_lost_reply(now);
+    } else if (event == Event::binary) {
+      on_poses(event, receiver_.content(), now);
+    } else {
+      on_text(receiver_.content(), now);
+    }
+  }
+}
+
+}  // namespace godobject

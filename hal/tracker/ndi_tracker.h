@@ -1,0 +1,107 @@
+// An NDI tracker (Polaris, Vega, Aurora) from the opened line to poses: reset, bit rate, tools, tracking, polling.
+// t_ns of a sample is when the first byte of the reply that brought it arrived.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "hal/tracker/ndi.h"
+#include "hal/tracker/ndi_reply.h"
+#include "hal/tracker/tracker.h"
+
+namespace godobject {
+
+/// The port handle that the two digits name; none for anything else, which is the name of a definition file.
+std::optional<std::uint8_t> ndi_handle(std::string_view tool) noexcept;
+
+std::unique_ptr<Tracker> make_ndi_tracker(const TrackerParams& params, ToolDefinitions definitions,
+                                          std::vector<std::string>& errors);
+
+class NdiTracker final : public Tracker {
+ public:
+  NdiTracker(const TrackerParams& params, ToolDefinitions definitions);
+
+  std::uint32_t first_baud() const noexcept override { return ndi::default_baud; }
+  void opened(Nanoseconds now) noexcept override;
+  void receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept override;
+  LineRequest next(Nanoseconds now) noexcept override;
+
+ private:
+  /// In the order in which they are gone through.
+  enum class Step : std::uint8_t {
+    slow_down,           // the line to 9600 bit/s
+    send_break,          // answered with RESET
+    set_rate,            // COMM
+    follow_rate,         // the line to that rate
+    initialise,          // INIT
+    list_used,           // PHSR:01, handles of an earlier run or of tools that were unplugged
+    free_handle,         // PHF
+    request_handle,      // PHRQ, of a tool with a definition
+    write_definition,    // PVWR, block by block
+    list_uninitialised,  // PHSR:02
+    initialise_handle,   // PINIT
+    list_disabled,       // PHSR:03
+    read_plate,          // PHINF
+    enable_handle,       // PENA
+    start,               // TSTART
+    poll,                // BX or TX, until the line is lost
+  };
+
+  static constexpr int max_tries = 3;  // of a step
+  static const char* name_of(Step step) noexcept;
+
+  ndi::Command command() const noexcept;
+  Nanoseconds patience() const noexcept;
+  Nanoseconds poll_patience() const noexcept;
+  LineRequest send(Nanoseconds now) noexcept;
+  void go(Step step) noexcept;
+  void restart(Nanoseconds now) noexcept;
+  void give_up_or_restart(const char* why, Nanoseconds now) noexcept;
+  void on_silence(Nanoseconds now) noexcept;
+  void on_poll_answered(Nanoseconds now) noexcept;
+  void on_lost_reply(Nanoseconds now) noexcept;
+  void on_text(std::span<const std::uint8_t> text, Nanoseconds now) noexcept;
+  void on_error(std::uint8_t code, Nanoseconds now) noexcept;
+  void on_okay(Nanoseconds now) noexcept;
+  void on_data(std::span<const std::uint8_t> text, Nanoseconds now) noexcept;
+  void on_handles(std::span<const std::uint8_t> text, Nanoseconds now) noexcept;
+  void on_poses(ndi::ReplyReceiver::Event event, std::span<const std::uint8_t> content,
+                Nanoseconds now) noexcept;
+  void take(const ndi::HandlePose& pose, Nanoseconds now) noexcept;
+  [[gnu::format(printf, 2, 3)]] void refuse(const char* format, ...) noexcept;
+  void next_handle() noexcept;
+  void next_definition() noexcept;
+  std::optional<std::size_t> tool_of(std::uint8_t handle) const noexcept;
+  bool was_tracking() const noexcept { return report_.state == TrackerState::tracking; }
+
+  ToolDefinitions definitions_;
+  std::array<std::optional<std::uint8_t>, max_tracked_tools> handles_{};  // of the tools
+  std::array<bool, max_tracked_tools> enabled_{};
+  ndi::ReplyReceiver receiver_;
+  ndi::Command command_;
+  Step step_ = Step::slow_down;
+  bool awaiting_ = false;            // a reply
+  bool reply_began_ = false;         // its first byte is there
+  bool use_text_ = false;            // TX: the firmware does not know BX
+  bool plain_start_ = false;         // TSTART without a parameter
+  bool by_default_rate_ = true;      // this attempt begins with a break at 9600 bit/s
+  Nanoseconds deadline_ = 0;         // of the reply
+  Nanoseconds not_before_ = 0;       // of the next command
+  Nanoseconds quiet_until_ = 0;      // the rest of a broken reply is waited out until then at most
+  Nanoseconds t_reply_ = 0;          // of its first byte
+  Nanoseconds boot_deadline_ = 0;    // to be tracking
+  int tries_ = 0;                    // of this step; of a poll since it was answered last
+  int num_asked_ = 0;                // polls without an answer yet
+  Nanoseconds t_asked_ = 0;          // of the last poll
+  Nanoseconds t_first_asked_ = 0;    // of the first poll since the last answer
+  Nanoseconds took_ = 0;             // from the first poll to the answer, where it was asked again
+  Nanoseconds longest_answer_ = 0;   // from poll to the end of its reply, lately; 0: not known
+  int passes_ = 0;                   // through list_uninitialised
+  ndi::PortHandles listed_;          // by the last PHSR
+  std::size_t at_ = 0;               // the handle in turn among them
+  std::size_t tool_ = 0;             // the tool with a definition in turn
+  std::size_t address_ = 0;          // of the block in turn
+  std::array<char, 120> refused_{};  // why a tool is not tracked; empty while none is known
+};
+
+}  // namespace godobject

@@ -1,0 +1,133 @@
+#include "hal/tracker/polhemus_tracker.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace godobject {
+namespace {
+
+constexpr Nanoseconds millisecond = 1'000'000;
+constexpr Nanoseconds command_period = 60 * millisecond;     // neither model answers: it is given time
+constexpr Nanoseconds record_patience = 1000 * millisecond;  // for the first record, and then for each
+constexpr double max_speed = 10;                             // m/s
+constexpr double max_jump = 0.02;                            // m, whatever the time between two records
+constexpr int max_refused = 3;                               // records in a row; then it has really moved
+
+std::uint8_t station_of(const std::string& tool) {
+  unsigned station = 0;
+  const auto [end, error] = std::from_chars(tool.data(), tool.data() + tool.size(), station);
+  const bool good =
+      error == std::errc() && end == tool.data() + tool.size() && station <= polhemus::max_stations;
+  return good ? static_cast<std::uint8_t>(station) : std::uint8_t{0};
+}
+
+}  // namespace
+
+std::unique_ptr<Tracker> make_polhemus_tracker(const TrackerParams& params,
+                                               std::vector<std::string>& errors) {
+  for (const TrackedToolParams& tool : params.tools) {
+    if (station_of(tool.tool) == 0)
+      errors.push_back("tracker '" + params.name + "': tool '" + tool.tool +
+                       "' must be the number of a station, 1 to " + std::to_string(polhemus::max_stations));
+  }
+  if (!errors.empty()) return nullptr;
+  return std::make_unique<PolhemusTracker>(params);
+}
+
+PolhemusTracker::PolhemusTracker(const TrackerParams& params) : Tracker(params) {
+  for (std::size_t i = 0; i < params.tools.size(); ++i) {
+    stations_[i] = station_of(params.tools[i].tool);
+    num_stations_ = std::max<std::size_t>(num_stations_, stations_[i]);
+  }
+}
+
+void PolhemusTracker::opened(Nanoseconds now) noexcept {
+  boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
+  report_.state = TrackerState::initialising;
+  begin(now);
+}
+
+/// The other model's way.
+void PolhemusTracker::begin(Nanoseconds now) noexcept {
+  model_ = model_ == polhemus::Model::liberty ? polhemus::Model::fastrak : polhemus::Model::liberty;
+  index_ = 0;
+  not_before_ = now;
+  receiver_.reset();
+  time_ms_.reset();
+  clock_.reset();
+  for (Plausibility& last : last_) last.started = false;
+  const char* const what = model_ == polhemus::Model::fastrak ? "a Fastrak" : "a Liberty";
+  if (report_.state == TrackerState::initialising)
+    enter(TrackerState::initialising, "setting up %.60s as %s", params_.port.c_str(), what);
+}
+
+LineRequest PolhemusTracker::next(Nanoseconds now) noexcept {
+  expire(now);
+  command_ = polhemus::init_command(model_, index_, num_stations_);
+  if (command_) {
+    if (now < not_before_) return {};
+    ++index_;
+    not_before_ = now + command_period;
+    deadline_ = now + record_patience;
+    return {.kind = LineRequest::Kind::send, .bytes = command_->bytes()};
+  }
+  if (now < deadline_) return {};
+  ++report_.counters.timeouts;
+  if (report_.state == TrackerState::tracking) {
+    ++report_.counters.restarts;
+    boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
+    report_.state = TrackerState::initialising;
+  } else if (now >= boot_deadline_) {
+    enter(TrackerState::failed,
+          "no records: is the tracker switched on, this its port, and its switches at %u bit/s?",
+          params_.baud);
+  }
+  begin(now);
+  return {};
+}
+
+void PolhemusTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
+  // What comes while it is set up is of an earlier run, in a format of its own.
+  if (polhemus::init_command(model_, index_, num_stations_)) return;
+  for (const std::uint8_t byte : bytes) {
+    switch (receiver_.push(byte)) {
+      case polhemus::RecordReceiver::Event::more: break;
+      case polhemus::RecordReceiver::Event::malformed: ++report_.counters.malformed; break;
+      case polhemus::RecordReceiver::Event::record: take(receiver_.record(), now); break;
+    }
+  }
+}
+
+void PolhemusTracker::take(const polhemus::Record& record, Nanoseconds now) noexcept {
+  deadline_ = now + record_patience;
+  const double wire_s = 10.0 * static_cast<double>(polhemus::fastrak_size) / params_.baud;
+  Nanoseconds t = now - to_ns(wire_s);
+  if (record.model == polhemus::Model::liberty) {
+    const Nanoseconds t_tracker = millisecond * time_ms_.unwrap(record.t_ms);
+    clock_.add(t_tracker, now);
+    t = std::min(clock_.to_host(t_tracker), now);
+  }
+  for (std::size_t i = 0; i < params_.tools.size(); ++i) {
+    if (stations_[i] != record.station) continue;
+    if (!is_plausible(last_[i], record.X_TH.p, t)) {
+      ++report_.counters.malformed;
+      return;
+    }
+    measured(i, record.X_TH, ++count_[i], 0, ToolState::valid, t);
+    if (report_.state == TrackerState::tracking) return;
+    enter(TrackerState::tracking, "%s, station %u%s",
+          record.model == polhemus::Model::fastrak ? "Fastrak" : "Liberty", unsigned{record.station},
+          record.error == ' ' ? "" : " reports a weak or disturbed signal");
+  }
+}
+
+bool PolhemusTracker::is_plausible(Plausibility& last, const Vec3& p, Nanoseconds t) const noexcept {
+  const double dt = 1e-9 * static_cast<double>(std::max<Nanoseconds>(t - last.t_ns, 0));
+  const bool near = !last.started || (p - last.p).norm() <= max_jump + max_speed * dt;
+  if (!near && ++last.refused < max_refused) return false;
+  last = {.p = p, .t_ns = t, .refused = 0, .started = true};
+  return true;
+}
+
+}  // namespace godobject

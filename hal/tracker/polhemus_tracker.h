@@ -1,0 +1,54 @@
+// A Polhemus Fastrak, Liberty or Patriot from the opened line to poses. Which one it is shows when it sends records:
+// both ways to set it up are tried in turn. A tool is named by its station, "1" being the first.
+// t_ns of a sample: Liberty's own clock, mapped to the host's; Fastrak, which has none: its arrival less the time on the
+// wire.
+#pragma once
+
+#include <optional>
+
+#include "hal/base/clock_map.h"
+#include "hal/tracker/polhemus.h"
+#include "hal/tracker/tracker.h"
+
+namespace godobject {
+
+std::unique_ptr<Tracker> make_polhemus_tracker(const TrackerParams& params, std::vector<std::string>& errors);
+
+class PolhemusTracker final : public Tracker {
+ public:
+  explicit PolhemusTracker(const TrackerParams& params);
+
+  std::uint32_t first_baud() const noexcept override { return params_.baud; }
+  void opened(Nanoseconds now) noexcept override;
+  void receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept override;
+  LineRequest next(Nanoseconds now) noexcept override;
+
+ private:
+  /// Bounds what noise can do to a position: a hand is not faster, except when it is again and again.
+  struct Plausibility {
+    Vec3 p = Vec3::Zero();
+    Nanoseconds t_ns = 0;
+    int refused = 0;
+    bool started = false;
+  };
+
+  void begin(Nanoseconds now) noexcept;
+  void take(const polhemus::Record& record, Nanoseconds now) noexcept;
+  bool is_plausible(Plausibility& last, const Vec3& p, Nanoseconds t) const noexcept;
+
+  polhemus::RecordReceiver receiver_;
+  polhemus::Model model_ = polhemus::Model::liberty;
+  std::optional<polhemus::Command> command_;
+  std::size_t index_ = 0;  // of the command
+  std::size_t num_stations_ = 1;
+  std::array<std::uint8_t, max_tracked_tools> stations_{};
+  std::array<Plausibility, max_tracked_tools> last_{};
+  std::array<std::uint32_t, max_tracked_tools> count_{};  // records of each tool
+  UnwrappedCount time_ms_;
+  ClockMap clock_;
+  Nanoseconds not_before_ = 0;     // of the next command
+  Nanoseconds deadline_ = 0;       // of the next record
+  Nanoseconds boot_deadline_ = 0;  // to be tracking
+};
+
+}  // namespace godobject
