@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "platform/linux_bus.h"
-#include "sim/sim_can_bus.h"
+#include "sim/bus/can_bus.h"
 
 namespace godobject {
 

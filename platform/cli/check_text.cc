@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "platform/cli/time_to_zero.h"
-#include "sim/contact_params.h"
-#include "sim/top_speed.h"
+#include "platform/engine/contact_params.h"
+#include "platform/scene/top_speed.h"
 
 namespace godobject {
 namespace {

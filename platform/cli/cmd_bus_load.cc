@@ -5,8 +5,8 @@
 #include "hal/rig/validate.h"
 #include "platform/cli/bus_load_text.h"
 #include "platform/cli/verbs.h"
-#include "sim/scene_toml.h"
-#include "sim/sim_rig.h"
+#include "platform/scene/scene_toml.h"
+#include "sim/rig/rig.h"
 
 namespace godobject {
 namespace {

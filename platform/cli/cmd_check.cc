@@ -8,9 +8,9 @@
 #include "platform/cli/run_options.h"
 #include "platform/cli/time_to_zero.h"
 #include "platform/cli/verbs.h"
-#include "sim/contact_params.h"
-#include "sim/scene_toml.h"
-#include "sim/top_speed.h"
+#include "platform/engine/contact_params.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/scene/top_speed.h"
 
 namespace godobject {
 namespace {

@@ -15,7 +15,7 @@
 #include "platform/cli/verbs.h"
 #include "platform/clock.h"
 #include "platform/linux_bus.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/scene_toml.h"
 
 namespace godobject {
 namespace {

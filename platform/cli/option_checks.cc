@@ -3,7 +3,7 @@
 #include <charconv>
 #include <string>
 
-#include "sim/key.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 namespace {

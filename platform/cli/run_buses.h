@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "platform/linux_link.h"
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 namespace godobject {
 

@@ -9,7 +9,7 @@
 #include "platform/cyclic.h"
 #include "platform/deadline_watch.h"
 #include "platform/ring.h"
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 namespace godobject {
 

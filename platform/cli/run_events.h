@@ -8,7 +8,7 @@
 #include "platform/background_file.h"
 #include "platform/cli/fault_texts.h"
 #include "platform/ring.h"
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 namespace godobject {
 

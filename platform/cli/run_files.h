@@ -7,9 +7,9 @@
 
 #include "platform/background_file.h"
 #include "platform/cli/candump_log.h"
-#include "sim/contact_trace.h"
-#include "sim/session.h"
-#include "sim/trace.h"
+#include "platform/session/contact_trace.h"
+#include "platform/session/session.h"
+#include "platform/session/trace.h"
 
 namespace godobject {
 

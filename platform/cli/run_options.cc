@@ -15,10 +15,10 @@
 #include "platform/cli/start_check.h"
 #include "platform/clock.h"
 #include "platform/tracker_thread.h"
-#include "sim/key.h"
-#include "sim/profile_toml.h"
-#include "sim/scene_toml.h"
-#include "sim/sim_tracker_link.h"
+#include "platform/scene/text/key.h"
+#include "platform/scene/profile_toml.h"
+#include "platform/scene/scene_toml.h"
+#include "sim/tracker/link.h"
 
 namespace godobject {
 namespace {

@@ -13,7 +13,7 @@
 #include "platform/cli/run_cycle.h"
 #include "platform/cli/run_files.h"
 #include "platform/cli/run_trackers.h"
-#include "sim/passivity.h"
+#include "platform/session/passivity.h"
 
 namespace godobject {
 

@@ -8,7 +8,7 @@
 
 #include "platform/cli/fault_texts.h"
 #include "platform/histogram.h"
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 namespace godobject {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "platform/cli/named_address.h"
-#include "sim/diagnostics.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

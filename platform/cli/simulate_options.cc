@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "hal/rig/validate.h"
-#include "sim/fault_file.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/fault_file.h"
+#include "platform/scene/scene_toml.h"
 
 #include "platform/cli/named_address.h"
 

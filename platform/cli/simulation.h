@@ -11,9 +11,9 @@
 
 #include "platform/cli/bus_bridge.h"
 #include "platform/cli/tracker_line.h"
-#include "sim/motion.h"
-#include "sim/sim_rig.h"
-#include "sim/sim_trackers.h"
+#include "platform/session/motion.h"
+#include "sim/rig/rig.h"
+#include "sim/tracker/trackers.h"
 
 namespace godobject {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 namespace godobject {
 

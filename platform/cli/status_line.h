@@ -3,7 +3,7 @@
 
 #include "hal/can/frame.h"
 #include "platform/background_file.h"
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 namespace godobject {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "platform/serial_port.h"
-#include "sim/sim_tracker.h"
+#include "sim/tracker/tracker.h"
 
 namespace godobject {
 

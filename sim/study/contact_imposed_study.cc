@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/scene_toml.h"
-#include "sim/session.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/session.h"
 #include "sim/study/csv_writer.h"
 
 namespace godobject::study {

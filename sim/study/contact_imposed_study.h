@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene.h"
+#include "platform/scene/scene.h"
 #include "sim/study/error_study.h"
 
 namespace godobject::study {

@@ -7,7 +7,7 @@
 
 #include "core/integrator_implicit_euler.h"
 #include "core/integrator_tr_bdf2.h"
-#include "sim/scene.h"
+#include "platform/scene/scene.h"
 #include "sim/study/plots.h"
 
 namespace godobject::study {

@@ -1,8 +1,8 @@
 // Fault files, for a scene with two buses.
 #include <cstdlib>
 
-#include "sim/fault_file.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/fault_file.h"
+#include "platform/scene/scene_toml.h"
 #include "tests/fuzz/decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,8 +2,8 @@
 // are there, and goes on to where solids are checked.
 #include <cstdlib>
 
-#include "sim/mesh_file.h"
-#include "sim/mesh_solid.h"
+#include "platform/scene/mesh/file.h"
+#include "platform/scene/mesh/solid.h"
 #include "tests/fuzz/decode.h"
 #include "tests/support/mesh_files.h"
 

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/csv.h"
+#include "platform/scene/text/csv.h"
 #include "tests/support/desk_scene.h"
 #include "tests/support/program.h"
 

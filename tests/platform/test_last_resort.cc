@@ -15,7 +15,7 @@
 #include "platform/cli/last_frames.h"
 #include "platform/cli/stop_signals.h"
 #include "platform/last_resort.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/scene_toml.h"
 
 namespace godobject::test_last_resort {
 namespace {

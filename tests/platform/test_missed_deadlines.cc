@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/cli/run_cycle.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/scene_toml.h"
 
 namespace godobject::test_missed_deadlines {
 namespace {

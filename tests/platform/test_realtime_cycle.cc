@@ -5,7 +5,7 @@
 
 #include "platform/cli/candump_log.h"
 #include "platform/cli/run_cycle.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/scene_toml.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_realtime_cycle {

@@ -8,7 +8,7 @@
 #include "hal/rig/rig.h"
 #include "platform/board_bus.h"
 #include "platform/linux_link.h"
-#include "sim/sim_encoder_board.h"
+#include "sim/node/encoder_board.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/pseudo_terminal.h"
 

@@ -6,7 +6,7 @@
 #include <csignal>
 
 #include "platform/cli/drive_move.h"
-#include "sim/sim_drive.h"
+#include "sim/node/drive.h"
 #include "tests/support/node_on_pty.h"
 #include "tests/support/program.h"
 

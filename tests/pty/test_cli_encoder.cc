@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/sim_encoder.h"
+#include "sim/node/encoder.h"
 #include "tests/support/node_on_pty.h"
 
 namespace godobject::test_cli_encoder {

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "sim/joint_params.h"
+#include "platform/engine/joint_params.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_articulated_session {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "sim/scene_toml.h"
-#include "sim/session.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/session.h"
 
 namespace godobject::test_buttons {
 namespace {

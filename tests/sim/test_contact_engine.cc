@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "sim/engine.h"
+#include "platform/engine/engine.h"
 #include "tests/support/contact_config.h"
 
 namespace godobject::test_contact_engine {

@@ -4,9 +4,9 @@
 
 #include <fstream>
 
-#include "sim/contact_pairs.h"
-#include "sim/contact_params.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/contact_pairs.h"
+#include "platform/engine/contact_params.h"
+#include "platform/scene/scene_toml.h"
 
 namespace godobject::test_contact_scene {
 namespace {

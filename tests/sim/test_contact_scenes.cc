@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "sim/csv.h"
-#include "sim/scene_toml.h"
-#include "sim/session.h"
+#include "platform/scene/text/csv.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/session.h"
 #include "tests/support/shared_data.h"
 
 namespace godobject::test_contact_scenes {

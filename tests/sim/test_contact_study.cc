@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/scene_toml.h"
+#include "platform/scene/scene_toml.h"
 #include "sim/study/contact_imposed_study.h"
 #include "sim/study/study.h"
 #include "tests/support/shared_data.h"

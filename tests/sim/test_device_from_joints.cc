@@ -1,5 +1,5 @@
 // The device made from a tool's joints.
-#include "sim/device_from_joints.h"
+#include "platform/scene/device_from_joints.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "hal/joint/kinematic_tree.h"
-#include "sim/joint_params.h"
+#include "platform/engine/joint_params.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_device_from_joints {

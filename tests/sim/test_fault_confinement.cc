@@ -1,4 +1,4 @@
-#include "sim/fault_confinement.h"
+#include "sim/bus/fault_confinement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How faults begin and end; what a rig does about each is in test_fault_promise.cc.
-#include "sim/fault_injector.h"
+#include "sim/fault/injector.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The table of docs/faults.md, played: each verb with the faults that it promises, no others, in the documented time,
 // with the motors at zero in theirs.
-#include "sim/fault_promise.h"
+#include "sim/fault/promise.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
-#include "sim/fault_target.h"
+#include "sim/fault/target.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/fault_file.h"
+#include "platform/scene/fault_file.h"
 #include "tests/support/faulty_rig.h"
 
 namespace godobject::test_fault_target {

@@ -1,4 +1,4 @@
-#include "sim/fault_verb.h"
+#include "sim/fault/verb.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

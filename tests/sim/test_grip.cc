@@ -1,5 +1,5 @@
 // Scenes whose device takes hold of bodies and lets go of them: by script, by button, through a bus.
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <memory>
 #include <stdexcept>
 
-#include "sim/key.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/text/key.h"
+#include "platform/scene/scene_toml.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_grip {

@@ -1,4 +1,4 @@
-#include "sim/inverse_kinematics.h"
+#include "sim/rig/inverse_kinematics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Meshes and grids from files: what a point sees of them is what was drawn.
-#include "sim/mesh_file.h"
+#include "platform/scene/mesh/file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <regex>
 
 #include "core/shape/list.h"
-#include "sim/mesh_solid.h"
-#include "sim/obstacle_file.h"
+#include "platform/scene/mesh/solid.h"
+#include "platform/scene/mesh/obstacle_file.h"
 #include "tests/support/mesh_files.h"
 
 namespace godobject::test_mesh_file {

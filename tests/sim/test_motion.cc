@@ -1,5 +1,5 @@
 // Motions: accuracy of the cubic, exact twists, behaviour on recorded data, and refusal of bad tables.
-#include "sim/motion.h"
+#include "platform/session/motion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <random>
 #include <utility>
 
-#include "sim/key.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject::test_motion {
 namespace {

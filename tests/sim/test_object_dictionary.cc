@@ -1,5 +1,5 @@
 // The object dictionaries of the simulated nodes, through SDO on the wire, and that the nodes obey them.
-#include "sim/object_dictionary.h"
+#include "sim/node/object_dictionary.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "hal/canopen/sdo_client.h"
-#include "sim/sim_drive.h"
-#include "sim/sim_encoder.h"
+#include "sim/node/drive.h"
+#include "sim/node/encoder.h"
 
 namespace godobject::test_object_dictionary {
 namespace {

@@ -1,5 +1,5 @@
 // The margins of scenes: gains brought to the joints, the delay of the buses, the defaults, and the shipped scenes.
-#include "sim/passivity.h"
+#include "platform/session/passivity.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "sim/scene_toml.h"
+#include "platform/scene/scene_toml.h"
 #include "tests/support/desk_scene.h"
 
 namespace godobject::test_passivity {

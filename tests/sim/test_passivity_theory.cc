@@ -1,6 +1,6 @@
 // The conditions of docs/theory/passivity.md against a sampled spring and damper played through time: no energy
 // comes out within the margin, some does outside, and an axis grows where growth_per_period() says so.
-#include "sim/passivity.h"
+#include "platform/session/passivity.h"
 
 #include <gtest/gtest.h>
 

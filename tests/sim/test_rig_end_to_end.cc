@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "sim/inverse_kinematics.h"
+#include "sim/rig/inverse_kinematics.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_rig.h"
 

@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "sim/scene_toml.h"
-#include "sim/session.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/session.h"
 
 namespace godobject::test_sample_gaps_on_buses {
 namespace {

@@ -1,5 +1,5 @@
 // Scene files: what they say is what loads, and what is wrong is refused with its place.
-#include "sim/scene_toml.h"
+#include "platform/scene/scene_toml.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "sim/key.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject::test_scene_toml {
 namespace {

@@ -1,5 +1,5 @@
 // A running scene while the user lets go, takes hold again and works the clutch.
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "core/math/so3.h"
-#include "sim/key.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/text/key.h"
+#include "platform/scene/scene_toml.h"
 
 namespace godobject::test_session {
 namespace {

@@ -1,13 +1,13 @@
 // A session whose device has several handles: each drives its own body and shows that body's feedback.
-#include "sim/session.h"
+#include "platform/session/session.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sim/key.h"
-#include "sim/scene_toml.h"
+#include "platform/scene/text/key.h"
+#include "platform/scene/scene_toml.h"
 
 namespace godobject::test_session_handles {
 namespace {

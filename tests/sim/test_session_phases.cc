@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sim/scene_toml.h"
-#include "sim/session.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/session.h"
 
 namespace godobject::test_session_phases {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/sim_can_bus.h"
+#include "sim/bus/can_bus.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

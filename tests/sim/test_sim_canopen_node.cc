@@ -1,4 +1,4 @@
-#include "sim/sim_canopen_node.h"
+#include "sim/node/canopen_node.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hal/canopen/cia406.h"
-#include "sim/sim_encoder.h"
+#include "sim/node/encoder.h"
 
 namespace godobject::test_sim_canopen_node {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/sim_drive.h"
+#include "sim/node/drive.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/sim_encoder.h"
+#include "sim/node/encoder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/sim_encoder_board.h"
+#include "sim/node/encoder_board.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/sim_ndi.h"
+#include "sim/tracker/ndi.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/sim_plant.h"
+#include "sim/rig/plant.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/sim_polhemus.h"
+#include "sim/tracker/polhemus.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "sim/engine.h"
+#include "platform/engine/engine.h"
 #include "sim/study/tool.h"
 
 namespace godobject::study::test_study {

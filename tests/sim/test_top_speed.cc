@@ -1,5 +1,5 @@
 // The stated top speed: below it a wall holds, and well above it a sphere goes through.
-#include "sim/top_speed.h"
+#include "platform/scene/top_speed.h"
 
 #include "core/contact/candidates.h"
 
@@ -8,7 +8,7 @@
 
 #include <memory>
 
-#include "sim/engine.h"
+#include "platform/engine/engine.h"
 #include "tests/support/contact_config.h"
 
 namespace godobject::test_top_speed {

@@ -1,5 +1,5 @@
 // The trace: its columns, and numbers that read back bit for bit.
-#include "sim/trace.h"
+#include "platform/session/trace.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/csv.h"
+#include "platform/scene/text/csv.h"
 
 namespace godobject::test_trace {
 namespace {

@@ -1,8 +1,8 @@
-#include "sim/tracked_poses.h"
+#include "platform/session/tracked_poses.h"
 
 #include <gtest/gtest.h>
 
-#include "sim/sim_tracker_link.h"
+#include "sim/tracker/link.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_tracker.h"
 

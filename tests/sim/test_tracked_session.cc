@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/scene_toml.h"
-#include "sim/session.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/session.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_tracked_session {

@@ -9,7 +9,7 @@
 
 #include "hal/rig/link.h"
 #include "platform/rig_filters.h"
-#include "sim/sim_rig.h"
+#include "sim/rig/rig.h"
 #include "tests/socketcan/can_test.h"
 
 namespace godobject::test {

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "sim/scene.h"
+#include "platform/scene/scene.h"
 
 namespace godobject {
 

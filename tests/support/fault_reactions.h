@@ -1,11 +1,11 @@
-// What sim/fault_promise.h promises, as it is played on test::FaultyRig.
+// What sim/fault/promise.h promises, as it is played on test::FaultyRig.
 #pragma once
 
 #include <ostream>
 #include <string>
 #include <vector>
 
-#include "sim/fault_promise.h"
+#include "sim/fault/promise.h"
 
 namespace godobject::test {
 

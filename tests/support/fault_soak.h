@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/random.h"
+#include "sim/bus/random.h"
 #include "tests/support/fault_reactions.h"
 #include "tests/support/faulty_rig.h"
 

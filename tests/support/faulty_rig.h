@@ -8,9 +8,9 @@
 #include <string>
 
 #include "hal/rig/rig.h"
-#include "sim/profile_toml.h"
-#include "sim/scene_toml.h"
-#include "sim/sim_link.h"
+#include "platform/scene/profile_toml.h"
+#include "platform/scene/scene_toml.h"
+#include "sim/rig/link.h"
 
 namespace godobject::test {
 

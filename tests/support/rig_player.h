@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "platform/clock.h"
-#include "sim/sim_rig.h"
+#include "sim/rig/rig.h"
 #include "tests/support/cable.h"
 
 namespace godobject::test {

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "hal/rig/rig.h"
-#include "sim/sim_can_bus.h"
-#include "sim/sim_drive.h"
-#include "sim/sim_encoder.h"
-#include "sim/sim_plant.h"
+#include "sim/bus/can_bus.h"
+#include "sim/node/drive.h"
+#include "sim/node/encoder.h"
+#include "sim/rig/plant.h"
 #include "tests/support/phantom_arm.h"
 
 namespace godobject::test {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "sim/sim_tracker.h"
+#include "sim/tracker/tracker.h"
 
 namespace godobject::test {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene_toml.h"
-#include "sim/session.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/session.h"
 
 namespace godobject::test {
 

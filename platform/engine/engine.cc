@@ -1,0 +1,185 @@
+#include "platform/engine/engine.h"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+
+#include "platform/engine/of.h"
+
+namespace godobject {
+namespace {
+
+/// Adding a composition: one file engine_<what>.cc and one line here.
+std::vector<CompositionRow> table() {
+  std::vector<CompositionRow> rows;
+  add_free(rows);
+  add_pose(rows);
+  add_haptic(rows);
+  add_holding(rows);
+  add_relative(rows);
+  add_admittance(rows);
+  add_free_joints(rows);
+  add_pose_joints(rows);
+  add_haptic_joints(rows);
+  add_haptic_stops(rows);
+  add_free_contacts(rows);
+  add_pose_contacts(rows);
+  add_haptic_contacts(rows);
+  add_touching(rows);
+  add_touching_joints(rows);
+  std::stable_sort(rows.begin(), rows.end(), [](const CompositionRow& a, const CompositionRow& b) {
+    return a.composition.bytes() < b.composition.bytes();
+  });
+  return rows;
+}
+
+bool is_haptic(const FeedbackConfig& f) {
+  return f.stiffness > 0 || f.damping > 0 || f.rotational_stiffness > 0 || f.rotational_damping > 0;
+}
+
+bool gives_a_pose(DeviceKind kind) { return kind == DeviceKind::impedance || kind == DeviceKind::non_haptic; }
+
+/// What a scene asks of a composition.
+struct Needs {
+  bool coupling = false, feedback = false, joints = false, stops = false, imposed = false;
+  std::optional<DeviceKind> kind;  // absent: no device
+  ContactScope contacts = ContactScope::none;
+  ContactCounts counts;  // of them
+  bool holding = false;  // by its pose
+};
+
+Needs needs_of(const SceneConfig& scene) {
+  const auto any_body = [&](auto has) { return std::ranges::any_of(scene.bodies, has); };
+  const auto any_joint = [&](auto has) { return std::ranges::any_of(scene.joints, has); };
+  const DeviceKind kind = scene.device ? scene.device->kind : DeviceKind::non_haptic;
+  Needs needs;
+  needs.coupling = any_body([](const BodyConfig& b) { return b.coupling.has_value(); });
+  needs.feedback = kind != DeviceKind::non_haptic &&
+                   any_body([](const BodyConfig& b) { return b.feedback && is_haptic(*b.feedback); });
+  needs.joints = !scene.joints.empty();
+  needs.stops = any_joint([](const JointConfig& j) { return !j.stops.empty(); });
+  needs.imposed = any_joint([](const JointConfig& j) { return j.imposed; });
+  needs.contacts = contact_scope(scene);
+  if (needs.contacts != ContactScope::none) needs.counts = contact_counts(scene);
+  if (needs.coupling || needs.imposed || kind == DeviceKind::admittance) needs.kind = kind;
+  needs.holding = takes_hold(scene) && gives_a_pose(kind);
+  return needs;
+}
+
+/// Without contacts, nothing of them: not a byte. Among bodies: also with the world.
+bool covers(ContactScope has, ContactScope needed) {
+  return has == needed || (has == ContactScope::bodies && needed == ContactScope::obstacles);
+}
+
+bool has_room_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
+  return scene.bodies.size() <= c.max_bodies && needs.counts.spheres <= c.max_spheres &&
+         needs.counts.surfaces <= c.max_surfaces;
+}
+
+/// All but numbers of things.
+bool has_parts_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
+  if (c.integrator != scene.integrator) return false;
+  if (needs.kind) {
+    const bool same_kind = gives_a_pose(*needs.kind) ? gives_a_pose(c.kind) : c.kind == *needs.kind;
+    if (!c.device || !same_kind || c.holding != needs.holding) return false;
+  }
+  return covers(c.contacts, needs.contacts) && (c.coupling || !needs.coupling) &&
+         (c.feedback || !needs.feedback) && (c.joints || !needs.joints) && (c.stops || !needs.stops) &&
+         (c.imposed || !needs.imposed);
+}
+
+/// Which of the scene's numbers no candidate has room for, and the largest room there is.
+std::string too_many(const std::vector<Composition>& candidates, const Needs& needs,
+                     const SceneConfig& scene) {
+  std::string text;
+  const auto add = [&](std::size_t needed, const char* what, std::size_t Composition::*room) {
+    const std::size_t most = std::invoke(room, *std::ranges::max_element(candidates, {}, room));
+    if (needed > most)
+      text += (text.empty() ? "" : ", ") + std::to_string(needed) + " " + what + "; the largest holds " +
+              std::to_string(most);
+  };
+  add(scene.bodies.size(), "bodies", &Composition::max_bodies);
+  add(needs.counts.spheres, "spheres", &Composition::max_spheres);
+  add(needs.counts.surfaces, "surfaces of obstacles and shapes", &Composition::max_surfaces);
+  return text.empty() ? "all its bodies, spheres and surfaces at once" : text;
+}
+
+/// What to do where there is a composition with another integrator.
+std::string other_integrator(const Needs& needs, SceneConfig scene) {
+  for (const char* name : integrator_names) {
+    scene.integrator = name;
+    for (const Composition& c : compositions())
+      if (has_parts_for(c, needs, scene)) return "; there is one with integrator '" + scene.integrator + "'";
+  }
+  return "";
+}
+
+std::string why_none(const Needs& needs, const SceneConfig& scene) {
+  std::vector<Composition> candidates;
+  for (Composition& c : compositions())
+    if (has_parts_for(c, needs, scene)) candidates.push_back(std::move(c));
+  std::string parts;
+  const auto add = [&](bool needed, const std::string& what) {
+    if (needed) parts += (parts.empty() ? "" : ", ") + what;
+  };
+  add(needs.kind.has_value(),
+      std::string("a device of kind '") +
+          device_kind_names[static_cast<std::size_t>(needs.kind.value_or(DeviceKind::non_haptic))] + "'");
+  add(needs.holding, "that takes hold of bodies");
+  add(needs.coupling, "couplings");
+  add(needs.feedback, "feedback");
+  add(needs.joints, "joints");
+  add(needs.stops, "stops");
+  add(needs.imposed, "imposed joints");
+  add(needs.contacts == ContactScope::obstacles, "contacts with obstacles");
+  add(needs.contacts == ContactScope::bodies, "contacts between bodies");
+  const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +
+                           "' (" + (parts.empty() ? "free bodies" : parts) + ")";
+  if (candidates.empty()) return "no compiled composition has " + what + other_integrator(needs, scene);
+  return "no compiled composition with " + what + " has room for " + too_many(candidates, needs, scene);
+}
+
+/// For rules that a scene file cannot break this is a bug of the reader.
+std::string complaint(Invalid rule) {
+  switch (rule) {
+    case Invalid::step_not_positive: return "the step must be above zero";
+    case Invalid::too_many_bodies: return "the number of bodies is not within the composition's capacity";
+    case Invalid::mass_not_positive: return "a mass is not above zero";
+    case Invalid::inertia_not_positive: return "an inertia is not symmetric and positive definite";
+    case Invalid::anisotropy_too_small: return "an anisotropy is below that of its inertia";
+    case Invalid::gain_negative: return "a stiffness, damping, limit or ramp is negative or not finite";
+    case Invalid::parent_not_before: return "a joint's parent does not stand before its child";
+    case Invalid::joint_frame: return "the frame of a joint is not finite or not a rotation";
+    case Invalid::stop: return "a stop has crossed ends, ends beyond half a turn, negative gains or no width";
+    case Invalid::contact_sphere: return "a sphere has no radius or is not where its body is";
+    case Invalid::contact_surface: return "an obstacle or shape is not valid";
+    case Invalid::contact_law:
+      return "a contact has a negative or infinite gain, or friction without a tangent";
+    case Invalid::not_imposable: return "an imposed joint has no coordinates of its own";
+    default: return "rule " + std::to_string(static_cast<int>(rule)) + " of core/setup.h is broken";
+  }
+}
+
+}  // namespace
+
+std::vector<Composition> compositions() {
+  std::vector<Composition> all;
+  for (const CompositionRow& r : table()) all.push_back(r.composition);
+  return all;
+}
+
+std::unique_ptr<Engine> make_engine(const SceneConfig& scene, std::span<const BodySample> at_start,
+                                    std::string& why_not) {
+  const Needs needs = needs_of(scene);
+  for (const CompositionRow& r : table()) {
+    if (!has_room_for(r.composition, needs, scene) || !has_parts_for(r.composition, needs, scene)) continue;
+    const Invalid broken = r.check(scene);
+    if (broken == Invalid::nothing) return r.make(scene, at_start, r.composition);
+    why_not = "the core does not take scene '" + scene.name + "': " + complaint(broken);
+    return nullptr;
+  }
+  why_not = why_none(needs, scene);
+  return nullptr;
+}
+
+}  // namespace godobject

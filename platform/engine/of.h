@@ -1,0 +1,354 @@
+// Engine for one scene type. Included only by the files that instantiate compositions.
+#pragma once
+
+#include "core/contact/fixed.h"
+#include "core/godobject.h"
+#include "platform/engine/contact_params.h"
+#include "platform/engine/engine.h"
+#include "platform/engine/joint_params.h"
+
+namespace godobject {
+
+/// The device part's own input from the general sample.
+inline void set_input(const BodySample& sample, const Target&, PoseDevice::Input& in) noexcept {
+  in = {.X_WD = sample.X_WD, .V_WD = sample.V_WD, .valid = sample.valid, .engaged = sample.engaged};
+}
+inline void set_input(const BodySample& sample, const Target& before, RelativeDevice::Input& in) noexcept {
+  const RotationError turn = rotation_error(before.X_WD.q, sample.X_WD.q, Vec3::Zero());
+  in = {.dp_W = sample.X_WD.p - before.X_WD.p,
+        .dphi_W = to_world(before.X_WD.q, turn.phi_B),
+        .clutch = sample.clutch,
+        .valid = sample.valid,
+        .engaged = sample.engaged};
+}
+inline void set_input(const BodySample& sample, const Target&, AdmittanceDevice::Input& in) noexcept {
+  in = {.F_WB = sample.F_WB, .valid = sample.valid, .engaged = sample.engaged};
+}
+
+inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
+  if (!c) return {};
+  return {.k = c->stiffness, .g = c->damping, .k_r = c->rotational_stiffness, .g_r = c->rotational_damping};
+}
+
+inline StopParams stop_params(const StopConfig& stop) noexcept {
+  StopParams par{.k = stop.stiffness, .g = stop.damping, .width = stop.width};
+  par.lower = stop.lower.value_or(par.lower);
+  par.upper = stop.upper.value_or(par.upper);
+  return par;
+}
+
+template <class Joints>
+typename Joints::Params joint_params_of(const SceneConfig& scene, const JointConfig& joint) {
+  typename Joints::Params par;
+  static_cast<JointParams&>(par) = joint_params(scene.bodies, joint);
+  if constexpr (uses<typename Joints::Stops>) {
+    for (const StopConfig& stop : joint.stops)
+      for (std::size_t i = 0; i < joint.coordinates.size(); ++i)
+        if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop_params(stop);
+  }
+  if constexpr (uses<typename Joints::Imposed>) par.lead.imposed = joint.imposed;
+  return par;
+}
+
+/// Coupling "imposed": so stiff that an implicit step ends on the target, to 1e-9 of what the body would be off.
+inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
+  constexpr Real stiff = 1e9;
+  return {.k = stiff * body.m / (h * h),
+          .g = 0,
+          .k_r = stiff * principal_moments(body.I_B).z() / (h * h),
+          .g_r = 0};
+}
+
+inline Real ramp_of(const SceneConfig& scene, const LimitConfig& limits) {
+  if (scene.coupling == CouplingMode::imposed) return 0;
+  return takes_hold(scene) ? limits.grab_ramp : limits.ramp;
+}
+
+template <Scene S>
+Params<S> params_of(const SceneConfig& scene) {
+  Params<S> par;
+  par.h = scene.step;
+  par.num_bodies = scene.bodies.size();
+  par.gravity_W = scene.gravity;
+  const LimitConfig limits = scene.device ? scene.device->limits : LimitConfig{};
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const BodyConfig& body = scene.bodies[i];
+    par.bodies[i].body = rigid_body(body.mass, body.inertia);
+    if constexpr (uses<typename S::Coupling>) {
+      const bool imposed = scene.coupling == CouplingMode::imposed && body.coupling;
+      par.bodies[i].coupling =
+          imposed ? rigid_spring(par.bodies[i].body, par.h) : spring_params(body.coupling);
+    }
+    if constexpr (uses<typename S::Feedback>) {
+      par.bodies[i].feedback = {.gains = spring_params(body.feedback),
+                                .max_force = limits.force,
+                                .max_torque = limits.torque,
+                                .max_force_rate = limits.force_rate,
+                                .max_torque_rate = limits.torque_rate};
+    }
+    if constexpr (uses<typename S::Device>) {
+      par.bodies[i].device.rise = ramp_of(scene, limits);
+      if (scene.device && scene.device->rig) par.bodies[i].device.stale = scene.device->rig->stale_after_s;
+    }
+  }
+  if constexpr (uses<typename S::Joints>) {
+    for (const JointConfig& joint : scene.joints)
+      par.bodies[*body_named(scene, joint.child)].joint = joint_params_of<typename S::Joints>(scene, joint);
+  }
+  return par;
+}
+
+template <Scene S>
+constexpr ContactScope scope_of() noexcept {
+  if constexpr (!uses<ContactsOf<S>>) return ContactScope::none;
+  else return ContactsOf<S>::between_bodies ? ContactScope::bodies : ContactScope::obstacles;
+}
+
+template <Scene S>
+class EngineOf final : public Engine {
+ public:
+  EngineOf(const SceneConfig& scene, std::span<const BodySample> at_start, Composition composition)
+      : composition_(std::move(composition)), par_(params_of<S>(scene)) {
+    if constexpr (uses<ContactsOf<S>>) {
+      contacts_ = scene_contacts(scene);
+      set_contact_params(contacts_, par_.contacts);
+    }
+    for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+      place(x_, i, {.X_WB = scene.bodies[i].X_WB, .V_WB = scene.bodies[i].V_WB});
+      if constexpr (uses<typename S::Device>) {
+        const Target sample{.X_WD = at_start[i].X_WD, .V_WD = at_start[i].V_WD};
+        before_[i] = sample;
+        const bool absolute = std::is_same_v<typename S::Device, PoseDevice>;
+        engage_at(x_, i, absolute ? sample : Target{.X_WD = scene.bodies[i].X_WB, .V_WD = {}});
+        const bool holding = std::is_same_v<typename S::Device, HoldingDevice>;  // captures in its first step
+        const bool at_once = par_.bodies[i].device.rise == 0 && at_start[i].engaged && !holding;
+        if (!at_once) x_.bodies[i].device.ramp = {};
+      }
+    }
+    if constexpr (imposes<S>) {
+      for (const JointConfig& joint : scene.joints)
+        x_.bodies[*body_named(scene, joint.child)].joint.last.q = coordinates_at_start(scene.bodies, joint);
+    }
+  }
+
+  const Composition& composition() const noexcept override { return composition_; }
+
+  StepReport step(std::span<const BodySample> samples) noexcept override {
+    if constexpr (uses<typename S::Device>) {
+      for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+        set_input(samples[i], before_[i], in_.devices[i]);
+        if (samples[i].valid) before_[i] = {.X_WD = samples[i].X_WD, .V_WD = samples[i].V_WD};
+        if constexpr (imposes<S>) in_.joints[i] = samples[i].joint;
+      }
+    }
+    godobject::step(par_, in_, x_, w_, out_);
+    StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}};
+    if constexpr (uses<ContactsOf<S>>) report.contacts = out_.contacts;
+    return report;
+  }
+
+  void pass_time(double s) noexcept override {
+    if constexpr (uses<typename S::Device>)
+      for (std::size_t i = 0; i < par_.num_bodies; ++i) godobject::pass_time(x_.bodies[i].device, s, par_.h);
+  }
+
+  BodyView view(std::size_t i) const noexcept override {
+    BodyView v{.X_WB = x_.bodies[i].x.X_WB,
+               .V_WB = {.w = to_world(x_.bodies[i].x.X_WB.q, x_.bodies[i].x.w_B), .v = x_.bodies[i].x.v_W},
+               .target = {},
+               .feedback_D = feedback(i),
+               .coupling_B = {},
+               .joint_C = {},
+               .contact_W = {}};
+    if constexpr (uses<typename S::Device>) v.target = x_.bodies[i].device.last;
+    if constexpr (uses<typename S::Coupling>) v.coupling_B = coupling_wrench(par_, x_, i);
+    if constexpr (uses<typename S::Joints>) v.joint_C = out_.bodies[i].joint.F_C;
+    if constexpr (uses<ContactsOf<S>>) v.contact_W = out_.bodies[i].contact.F_W;
+    return v;
+  }
+
+  Wrench feedback(std::size_t i) const noexcept override {
+    if constexpr (uses<typename S::Feedback>) return out_.bodies[i].feedback.F_D;
+    return {};
+  }
+
+  double energy() const noexcept override {
+    double e = 0;
+    for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+      e += kinetic_energy(par_.bodies[i].body, x_.bodies[i].x);
+      e -= par_.bodies[i].body.m * par_.gravity_W.dot(x_.bodies[i].x.X_WB.p);
+      if constexpr (uses<typename S::Coupling>) e += coupling_energy(par_, x_, i);
+    }
+    if constexpr (uses<ContactsOf<S>>) {
+      each_contact([&](const NearContact& near, const ContactMemory& contact) {
+        const ContactLaw& law = law_of(par_.contacts, near);
+        e += 0.5 * (law.k * contact.pressed * contact.pressed + law.k_t * contact.xi_W.squaredNorm());
+      });
+    }
+    return e;
+  }
+
+  std::size_t contacts(std::span<ContactView> out) const noexcept override {
+    std::size_t n = 0;
+    if constexpr (uses<ContactsOf<S>>) {
+      each_contact([&](const NearContact& near, const ContactMemory& contact) {
+        if (n == out.size()) return;
+        const bool on_world =
+            near.on < par_.contacts.num_surfaces && par_.contacts.surfaces[near.on].body == world;
+        out[n++] = {.a = near.a,
+                    .b = on_world ? world : std::size_t{near.b},
+                    .surface = on_world ? near.on : 0,
+                    .p_W = near.p_W,
+                    .n_W = near.n_W,
+                    .F_W = contact.F_W};
+      });
+    }
+    return n;
+  }
+
+  std::uint64_t state_hash() const noexcept override { return godobject::state_hash(par_, x_); }
+
+ private:
+  /// visit(near, memory) for every contact that bore a force at the end of the last step. Both lists are in the order of
+  /// their keys; before the first step there are none.
+  template <class Visit>
+  void each_contact(const Visit& visit) const noexcept {
+    Recall remembered(x_.contacts);
+    const std::size_t num_near = x_.contacts.size > 0 ? w_.contacts.near.size : 0;
+    for (std::size_t i = 0; i < num_near; ++i) {
+      const NearContact& near = w_.contacts.near.list[i];
+      const ContactMemory* const contact = remembered.find(near.key);
+      if (contact != nullptr && contact->n_W.dot(contact->F_W) > 0) visit(near, *contact);
+    }
+  }
+
+  Composition composition_;
+  [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>>, SceneContacts, Empty> contacts_;
+  Params<S> par_;  // refers to contacts_
+  State<S> x_;
+  Scratch<S> w_;
+  Input<S> in_;
+  Output<S> out_;
+  std::array<Target, S::max_bodies> before_;  // the sample before this one, for increments
+};
+
+/// One row of the table of compositions.
+struct CompositionRow {
+  Composition composition;
+  std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&);
+  Invalid (*check)(const SceneConfig&);  // of the core, on the scene's parameters
+};
+
+template <Scene S>
+constexpr bool stops_of() noexcept {
+  if constexpr (uses<typename S::Joints>) return uses<typename S::Joints::Stops>;
+  return false;
+}
+
+template <Scene S>
+std::vector<PartBytes> parts_of() {
+  using Device = typename S::Device;
+  using Joints = typename S::Joints;
+  using Memory = typename S::Integrator::Memory;
+  constexpr std::size_t N = S::max_bodies;
+  std::vector<PartBytes> parts;
+  const auto add = [&](const char* name, std::size_t params, std::size_t state, std::size_t scratch) {
+    parts.push_back({name, N * params, N * state, scratch});
+  };
+  const auto add_slot = [&]<class Part>(const char* name, const Part*) {
+    if constexpr (uses<Part>) add(name, sizeof(typename Part::Params), sizeof(typename Part::State), 0);
+  };
+  using W = Scratch<S>;
+  constexpr std::size_t stage = sizeof(W::next) + sizeof(W::bases) + sizeof(W::velocities);
+  constexpr std::size_t targets = sizeof(W::pulls) + sizeof(W::inside);
+  add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState), stage + (uses<Device> ? 0 : targets));
+  if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory), 0);
+  if constexpr (uses<Device>)
+    add("device", sizeof(typename Device::Params), sizeof(typename Device::State), targets);
+  if constexpr (uses<Joints>) {
+    const std::size_t stops = stops_of<S>() ? sizeof(typename Joints::Stops::Params) : 0;
+    add("joints", sizeof(typename TreeJoints<>::Params), 0, sizeof(W::tree));
+    if (stops > 0) add("joint stops", stops, 0, 0);
+    if constexpr (imposes<S>)
+      add("imposed joints",
+          sizeof(typename Joints::Params) - sizeof(typename TreeJoints<typename Joints::Stops>::Params),
+          sizeof(typename Joints::State), sizeof(W::leads));
+  }
+  add_slot("coupling", static_cast<const typename S::Coupling*>(nullptr));
+  add_slot("feedback", static_cast<const typename S::Feedback*>(nullptr));
+  if constexpr (uses<ContactsOf<S>>)
+    parts.push_back(
+        {"contacts", sizeof(Params<S>::contacts), sizeof(State<S>::contacts), sizeof(W::contacts)});
+  return parts;
+}
+
+/// The core's opinion on the scene's parameters.
+template <Scene S>
+Invalid check(const SceneConfig& scene) {
+  const auto par = std::make_unique<Params<S>>(params_of<S>(scene));
+  if constexpr (uses<ContactsOf<S>>) {
+    const SceneContacts contacts = scene_contacts(scene);
+    set_contact_params(contacts, par->contacts);
+    return validate(*par);
+  }
+  return validate(*par);
+}
+
+template <Scene S>
+CompositionRow row(std::string name, DeviceKind kind) {
+  Composition c{.name = name + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
+                .integrator = S::Integrator::name,
+                .max_bodies = S::max_bodies,
+                .device = uses<typename S::Device>,
+                .coupling = uses<typename S::Coupling>,
+                .feedback = uses<typename S::Feedback>,
+                .joints = uses<typename S::Joints>,
+                .stops = stops_of<S>(),
+                .imposed = imposes<S>,
+                .kind = kind,
+                .holding = std::is_same_v<typename S::Device, HoldingDevice>,
+                .contacts = scope_of<S>(),
+                .params_bytes = sizeof(Params<S>),
+                .state_bytes = sizeof(State<S>),
+                .scratch_bytes = sizeof(Scratch<S>),
+                .parts = parts_of<S>()};
+  if constexpr (uses<ContactsOf<S>>) {
+    c.max_spheres = Params<S>{}.contacts.spheres.size();
+    c.max_surfaces = Params<S>{}.contacts.surfaces.size();
+    c.max_contacts = ContactsOf<S>::max_contacts;
+  }
+  return {std::move(c),
+          [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
+              -> std::unique_ptr<Engine> { return std::make_unique<EngineOf<S>>(scene, at_start, what); },
+          [](const SceneConfig& scene) { return check<S>(scene); }};
+}
+
+// One file each: sim/engine_<what>.cc.
+void add_free(std::vector<CompositionRow>& table);
+void add_pose(std::vector<CompositionRow>& table);
+void add_haptic(std::vector<CompositionRow>& table);
+void add_holding(std::vector<CompositionRow>& table);
+void add_relative(std::vector<CompositionRow>& table);
+void add_admittance(std::vector<CompositionRow>& table);
+void add_free_joints(std::vector<CompositionRow>& table);
+void add_pose_joints(std::vector<CompositionRow>& table);
+void add_haptic_joints(std::vector<CompositionRow>& table);
+void add_haptic_stops(std::vector<CompositionRow>& table);
+void add_free_contacts(std::vector<CompositionRow>& table);
+void add_pose_contacts(std::vector<CompositionRow>& table);
+void add_haptic_contacts(std::vector<CompositionRow>& table);
+void add_touching(std::vector<CompositionRow>& table);
+void add_touching_joints(std::vector<CompositionRow>& table);
+
+/// Adds the scene with both integrators and all capacities.
+template <template <class, std::size_t> class SceneOf>
+void add_all(std::vector<CompositionRow>& table, const char* name, DeviceKind kind) {
+  table.push_back(row<SceneOf<ImplicitEuler, 1>>(name, kind));
+  table.push_back(row<SceneOf<ImplicitEuler, 2>>(name, kind));
+  table.push_back(row<SceneOf<ImplicitEuler, 8>>(name, kind));
+  table.push_back(row<SceneOf<TrBdf2, 1>>(name, kind));
+  table.push_back(row<SceneOf<TrBdf2, 2>>(name, kind));
+  table.push_back(row<SceneOf<TrBdf2, 8>>(name, kind));
+}
+
+}  // namespace godobject

@@ -1,0 +1,22 @@
+// A file of [[fault]] tables, as scenes have them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "platform/scene/scene.h"
+
+namespace godobject {
+
+struct FaultsResult {
+  std::vector<FaultConfig> faults;
+  std::vector<std::string> errors;  // "file:line:column: what"
+};
+
+/// Faults for this scene's rig.
+FaultsResult load_faults(const std::string& path, const SceneConfig& scene);
+/// As load_faults for a text; file is what messages call it.
+FaultsResult parse_faults(std::string_view toml, const std::string& file, const SceneConfig& scene);
+
+}  // namespace godobject

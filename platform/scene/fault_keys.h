@@ -1,0 +1,40 @@
+// Keys of [[fault]] tables, in scenes and in files of their own. See platform/scene/text/visit.h for what walks them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/fault/target.h"
+#include "platform/scene/text/visit.h"
+
+namespace godobject {
+
+inline std::vector<std::string> fault_verb_names() {
+  std::vector<std::string> names;
+  for (const FaultVerbText& text : fault_verb_texts()) names.emplace_back(text.name);
+  return names;
+}
+
+template <class V>
+void visit_fault(V& v, const DeviceConfig* device, FaultConfig& f) {
+  if (f.verb.empty()) f.verb = text_of(FaultVerb::drop).name;
+  choose(v, Key{.name = "verb", .unit = "", .meaning = "what happens, see docs/faults.md", .required = true},
+         fault_verb_names(), f.verb);
+  v.value(Key{"bus", "", "name of a bus; empty: that of the node, without a node all of them"}, f.bus);
+  std::uint8_t node_id = f.node_id.value_or(0);
+  v.value(Key{"node_id", "", "of a node; 0: the host's end of the bus", {0, 127}}, node_id);
+  f.node_id = node_id == 0 ? std::nullopt : std::optional(node_id);
+  v.value(Key{"tracker", "", "name of a tracker, instead of bus and node"}, f.tracker);
+  v.value(Key{"at", "s", "of the motion; what is at 0 is there while the device boots", not_negative}, f.at);
+  v.value(Key{"duration", "s", "without: to the end, or once where the verb is an event", positive},
+          f.duration);
+  v.value(Key{"value", "see docs/faults.md", "0: the verb's own default"}, f.value);
+  const bool has_place = device && (device->rig || !f.tracker.empty());
+  v.check(has_place, "verb", "needs a [device] with buses, or a tracker");
+  if (!has_place) return;
+  const std::string error =
+      f.tracker.empty() ? resolve(f, *device->rig).error : resolve(f, device->trackers).error;
+  v.check(error.empty(), "verb", "'" + f.verb + "' cannot be played: " + error);
+}
+
+}  // namespace godobject

@@ -1,0 +1,161 @@
+#include "platform/scene/mesh/builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+namespace godobject {
+namespace {
+
+constexpr std::size_t max_corners = 3 * max_mesh_triangles;
+constexpr int max_apexes = 16;       // corners of a face that are tried: time stays linear in the file
+constexpr double least_area = 1e-9;  // of the longest edge squared, as in core/shape/mesh_setup.h
+
+using Polygon = std::vector<std::uint32_t>;
+
+/// The area of a polygon as a vector, twice (Newell).
+Vec3 area_2(const std::vector<Vec3>& vertices, const Polygon& polygon) {
+  Vec3 sum = Vec3::Zero();
+  const Vec3 o = vertices[polygon[0]];
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    sum += (vertices[polygon[i]] - o).cross(vertices[polygon[i + 1]] - o);
+  return sum;
+}
+
+/// Whether the triangle has an area, and faces the way n does.
+bool faces(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& n) {
+  const Vec3 u = b - a, v = c - a;
+  const double longest_sq = std::max({u.squaredNorm(), v.squaredNorm(), (u - v).squaredNorm()});
+  return u.cross(v).dot(n) > least_area * longest_sq;
+}
+
+/// The corner from which triangles fan out over the polygon without one that is folded back or has no area.
+class Fan {
+ public:
+  Fan(const std::vector<Vec3>& vertices, const Polygon& polygon)
+      : vertices_(vertices), polygon_(polygon), n_(area_2(vertices, polygon).normalized()) {}
+
+  /// A convex polygon has many such corners, one with a single dent has one at the dent.
+  std::optional<std::size_t> apex() const {
+    if (is_apex(0)) return 0;
+    int tries = max_apexes;
+    for (const bool dents : {true, false}) {
+      for (std::size_t i = 0; i < polygon_.size(); ++i) {
+        if (dents && faces(at(i + polygon_.size() - 1), at(i), at(i + 1), n_)) continue;
+        if (tries-- == 0) return std::nullopt;
+        if (is_apex(i)) return i;
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  const Vec3& at(std::size_t i) const { return vertices_[polygon_[i % polygon_.size()]]; }
+  bool is_apex(std::size_t i) const {
+    for (std::size_t k = 1; k + 1 < polygon_.size(); ++k)
+      if (!faces(at(i), at(i + k), at(i + k + 1), n_)) return false;
+    return true;
+  }
+
+  const std::vector<Vec3>& vertices_;
+  const Polygon& polygon_;
+  Vec3 n_;
+};
+
+/// Without corners that repeat the one before: a quadrilateral with two equal corners is a triangle.
+void remove_repeated(Polygon& polygon) {
+  polygon.erase(std::unique(polygon.begin(), polygon.end()), polygon.end());
+  while (polygon.size() > 1 && polygon.front() == polygon.back()) polygon.pop_back();
+}
+
+/// Gives places numbers in the order of their first use.
+class Welder {
+ public:
+  Welder(double scale, MeshData& to) : scale_(scale), to_(to) {}
+
+  std::uint32_t operator()(const std::array<float, 3>& p) {
+    const auto next = static_cast<std::uint32_t>(to_.vertices.size());
+    const auto [entry, is_new] = numbers_.try_emplace(p, next);
+    if (is_new) {
+      const auto in_m = [&](float x) { return scale_ * static_cast<double>(x); };
+      to_.vertices.emplace_back(in_m(p[0]), in_m(p[1]), in_m(p[2]));
+    }
+    return entry->second;
+  }
+
+ private:
+  double scale_;
+  MeshData& to_;
+  std::map<std::array<float, 3>, std::uint32_t> numbers_;
+};
+
+}  // namespace
+
+std::string MeshBuilder::add_vertex(const std::array<double, 3>& p) {
+  if (points_.size() == max_corners) return "more than " + std::to_string(max_corners) + " vertices";
+  Point point;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!(std::abs(p[i]) <= static_cast<double>(std::numeric_limits<float>::max())))
+      return "a coordinate is not a finite number of single precision";
+    point[i] = static_cast<float>(p[i]);
+  }
+  points_.push_back(point);
+  return "";
+}
+
+std::string MeshBuilder::add_face(std::span<const std::int64_t> corners, std::size_t place) {
+  if (corners_.size() + corners.size() > max_corners)
+    return "the faces have more than " + std::to_string(max_corners) +
+           " corners in all: simplify the mesh with a mesh editor";
+  corners_.insert(corners_.end(), corners.begin(), corners.end());
+  faces_.push_back({static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(place)});
+  return "";
+}
+
+std::string MeshBuilder::in_face(const Face& face, const std::string& what) const {
+  return std::string(places_) + " " + std::to_string(face.place) + ": " + what;
+}
+
+std::string MeshBuilder::build(double scale, MeshData& to) const {
+  to = {};
+  Welder weld(scale, to);
+  constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> welded(points_.size(), unused);
+  Polygon polygon;
+  std::size_t begin = 0;
+  for (const Face& face : faces_) {
+    polygon.clear();
+    for (; begin < face.end; ++begin) {
+      const std::int64_t v = corners_[begin];
+      if (v < 0 || v >= num_vertices())
+        return in_face(face, "there is no vertex " + std::to_string(v) + " (counted from 0): the file has " +
+                                 std::to_string(points_.size()));
+      std::uint32_t& number = welded[static_cast<std::size_t>(v)];
+      if (number == unused) number = weld(points_[static_cast<std::size_t>(v)]);
+      polygon.push_back(number);
+    }
+    remove_repeated(polygon);
+    if (polygon.size() < 3) continue;  // a point or a line: its neighbours meet where it was
+    std::size_t apex = 0;
+    if (polygon.size() > 3) {
+      const std::optional<std::size_t> found = Fan(to.vertices, polygon).apex();
+      if (!found)
+        return in_face(face, "a face of " + std::to_string(polygon.size()) +
+                                 " corners is bent, or has no corner that sees all of it: cut it into "
+                                 "triangles with a mesh editor");
+      apex = *found;
+    }
+    if (to.triangles.size() + polygon.size() - 2 > max_mesh_triangles)
+      return "more than " + std::to_string(max_mesh_triangles) +
+             " triangles: simplify the mesh with a mesh editor";
+    for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
+      const auto at = [&](std::size_t i) { return polygon[(apex + i) % polygon.size()]; };
+      to.triangles.push_back({at(0), at(k), at(k + 1)});
+    }
+  }
+  return to.triangles.empty() ? "has no triangles" : "";
+}
+
+}  // namespace godobject

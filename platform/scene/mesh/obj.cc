@@ -1,0 +1,57 @@
+// OBJ: vertices and faces. Whatever else the format has says nothing of the solid and is passed over; files that it
+// names, such as materials, are not opened.
+#include "platform/scene/text/diagnostics.h"
+#include "platform/scene/mesh/builder.h"
+#include "platform/scene/mesh/text_scanner.h"
+
+namespace godobject {
+namespace {
+
+std::string read_vertex(std::string_view line, MeshBuilder& mesh) {
+  std::array<double, 3> p{};
+  for (double& x : p) {
+    const std::string_view word = TextScanner::first_word(line);
+    const std::optional<double> read = number_of<double>(word);
+    if (!read) return excerpt(word) + " is not a number";
+    x = *read;
+  }
+  return mesh.add_vertex(p);
+}
+
+/// "7", "7/1", "7//2" or "7/1/2": the number before the first slash counts vertices from 1, or back from the last one.
+std::optional<std::int64_t> corner_of(std::string_view word, std::int64_t num_vertices) {
+  const auto number = number_of<std::int64_t>(word.substr(0, word.find('/')));
+  if (!number || *number == 0 || *number < -num_vertices) return std::nullopt;
+  return *number > 0 ? *number - 1 : num_vertices + *number;
+}
+
+std::string read_face(std::string_view line, std::size_t number, MeshBuilder& mesh) {
+  std::vector<std::int64_t> corners;
+  for (std::string_view word = TextScanner::first_word(line); !word.empty();
+       word = TextScanner::first_word(line)) {
+    if (word.ends_with('\\')) word.remove_suffix(1);  // the line goes on
+    if (word.empty()) continue;
+    const std::optional<std::int64_t> corner = corner_of(word, mesh.num_vertices());
+    if (!corner) return excerpt(word) + " is no vertex: those are numbers from 1, or from -1 backwards";
+    corners.push_back(*corner);
+  }
+  return mesh.add_face(corners, number);
+}
+
+}  // namespace
+
+std::string read_obj(std::string_view file, MeshBuilder& mesh) {
+  TextScanner text(file);
+  while (!text.rest().empty()) {
+    const std::size_t number = text.line();
+    std::string_view line = text.rest_of_joined_line();
+    const std::string_view kind = TextScanner::first_word(line);
+    std::string wrong;
+    if (kind == "v") wrong = read_vertex(line, mesh);
+    if (kind == "f") wrong = read_face(line, number, mesh);
+    if (!wrong.empty()) return "line " + std::to_string(number) + ": " + wrong;
+  }
+  return "";
+}
+
+}  // namespace godobject

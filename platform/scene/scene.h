@@ -1,0 +1,248 @@
+// A scene as its file describes it: plain values, SI, validated. platform/scene/scene_toml.cc fills it,
+// platform/engine/engine.cc turns it into a compiled composition of the core.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/joint/joint.h"
+#include "hal/rig/params.h"
+#include "hal/tracker/params.h"
+#include "platform/scene/contact_config.h"
+
+namespace godobject {
+
+/// (2): F = g e_t' + k e_t, T = g_r e_w + k_r alpha u. Damping given as a ratio is already resolved:
+/// g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
+struct CouplingConfig {
+  double stiffness = 0;             // k, N/m, >= 0
+  double damping = 0;               // g, N s/m, >= 0
+  double rotational_stiffness = 0;  // k_r, N m/rad, >= 0
+  double rotational_damping = 0;    // g_r, N m s/rad, >= 0
+};
+
+/// (8): the same form seen from the device, with its own gains; all zero: no haptics.
+using FeedbackConfig = CouplingConfig;
+
+/// Bounds of the wrench shown to the hand, and the ramp on engage.
+struct LimitConfig {
+  double force = 10;        // N
+  double torque = 0.5;      // N m
+  double force_rate = 500;  // N/s
+  double torque_rate = 25;  // N m/s
+  double ramp = 0.5;        // s from engage to full coupling and feedback; 0: at once
+  double grab_ramp = 0.05;  // the same from taking hold of a body
+};
+
+/// Names of DeviceKind in scene files, in its order.
+inline constexpr std::array device_kind_names{"impedance", "non-haptic", "admittance", "relative"};
+
+/// Names of the integrators a scene file or --integrator may ask for.
+inline constexpr std::array integrator_names{"implicit-euler", "tr-bdf2"};
+
+enum class DeviceKind : std::uint8_t {
+  impedance,   // pose in, force out
+  non_haptic,  // pose in, nothing out
+  admittance,  // force in, pose out
+  relative,    // increments in through a clutch
+};
+
+/// The simulated rig behind the bus: what the hand and the mechanics of the device do.
+struct PlantConfig {
+  double inertia = 1e-3;       // per joint, kg m^2 or kg at the joint
+  double damping = 1e-2;       // per joint, N m s/rad or N s/m
+  double friction = 1e-3;      // Coulomb, per joint, N m or N
+  double hand_stiffness = 20;  // per joint, N m/rad or N/m; the user's arm
+  double hand_damping = 0.5;   // per joint, N m s/rad or N s/m
+};
+
+/// What scene files and motions call the body nearest to the device. No body that can be held has this name.
+inline constexpr const char* nearest_body = "nearest";
+
+/// From this time on the device holds a body by its name, nearest_body, or nothing.
+struct HoldConfig {
+  double time = 0;   // s
+  std::string body;  // empty: lets go
+};
+
+struct DeviceConfig {
+  std::string name;
+  DeviceKind kind = DeviceKind::impedance;
+  std::string holds{};                  // name of the body held at the start; empty: none
+  std::optional<double> grab_radius{};  // m from the device to a centre of mass: how far nearest_body reaches
+  LimitConfig limits;
+  std::optional<RigParams> rig;  // absent: the scene can only run with --bus direct
+  PlantConfig plant;
+  std::vector<TrackerParams> trackers{};
+};
+
+struct BodyConfig {
+  std::string name;
+  double mass = 1;                         // kg, > 0
+  Mat3 inertia = Mat3::Identity();         // kg m^2 about the centre of mass, body axes, positive definite
+  Pose X_WB;                               // at t = 0
+  Twist V_WB;                              // at t = 0
+  std::optional<CouplingConfig> coupling;  // absent: free
+  std::optional<FeedbackConfig> feedback;  // absent or zero: no haptics
+  std::vector<SphereConfig> spheres{};     // with which it touches what is not of its own tool
+  std::vector<ShapeConfig> shapes{};       // where spheres of other bodies touch it; without: at its spheres
+};
+
+/// What joints and messages call the ground. No body has this name.
+inline constexpr const char* world_name = "world";
+
+/// Springs at the ends of one coordinate of a joint (19).
+struct StopConfig {
+  std::string coordinate;              // of the joint
+  std::optional<double> lower, upper;  // rad (within +-pi) or m; absent: no end there
+  double stiffness = 0;                // N m/rad or N/m, beyond `width`
+  double damping = 0;                  // N m s/rad or N s/m, on the way in
+  double width = 0;                    // rad or m over which both rise, > 0
+};
+
+struct JointConfig {
+  std::string name;
+  JointKind kind = JointKind::hinge;
+  std::string parent = world_name;  // name of a body, or world_name
+  std::string child;                // name of a body
+  Pose X_BP;  // joint frame on the parent, body axes about its centre of mass; on the world
+  Pose X_BC;  // joint frame on the child, likewise
+  std::vector<std::string> coordinates;  // num_coordinates(kind) names: turns, then slides
+  bool imposed = false;                  // the coordinates follow the device's joints of the same names
+  std::vector<StopConfig> stops;         // at most one for each coordinate
+};
+
+/// Coordinates that have a name: a ball joint's turns have none.
+constexpr std::size_t num_coordinates(JointKind kind) noexcept {
+  switch (kind) {
+    case JointKind::hinge:
+    case JointKind::slider: return 1;
+    case JointKind::cylindrical:
+    case JointKind::universal: return 2;
+    default: return 0;
+  }
+}
+
+/// Whether coordinate i of the joint is a turn, rad; otherwise it is a slide, m.
+constexpr bool is_turn(JointKind kind, std::size_t i) noexcept {
+  return kind != JointKind::slider && !(kind == JointKind::cylindrical && i == 1);
+}
+
+/// One coordinate of a built-in motion: offset + amplitude sin(2 pi f t + phase).
+struct CoordinateMotion {
+  std::string coordinate;                                         // of a joint of the device
+  double offset = 0, amplitude = 0, frequency_hz = 0, phase = 0;  // rad or m, Hz, rad
+};
+
+/// A built-in motion of the target, used where no --motion file is given.
+/// p(t) = p_0 + A sin(2 pi f t + phase) per axis; q(t) = q_0 qz(.) qy(.) qx(.) with the same form per angle.
+struct MotionConfig {
+  Vec3 amplitude = Vec3::Zero(), frequency_hz = Vec3::Zero(), phase = Vec3::Zero();  // m, Hz, rad
+  Vec3 angle_amplitude = Vec3::Zero(), angle_frequency_hz = Vec3::Zero(),
+       angle_phase = Vec3::Zero();  // rad (z, y, x)
+  Pose X_WD;                        // centre of the motion
+  // Admittance devices, which take the hand's wrench instead of a pose, world axes about the body's origin:
+  // f(t) = F sin(2 pi f t + phase), tau(t) = T sin(2 pi f t + phase) per axis (x, y, z).
+  Vec3 force_amplitude = Vec3::Zero(), torque_amplitude = Vec3::Zero();  // N, N m
+  // Of the device's joints, instead of the target's pose: each handle moves its body. Others rest at zero.
+  std::vector<CoordinateMotion> joints;
+  std::vector<HoldConfig> holds{};  // in the order of time
+};
+
+/// Faults the simulated wire makes by chance; all zero by default.
+struct WireConfig {
+  std::uint64_t seed = 1;
+  double loss_probability = 0;        // per frame
+  double corruption_probability = 0;  // per frame
+  double delay_s = 0;                 // added to every frame
+};
+
+/// A fault that the simulated rig plays: what it is, where, and when.
+struct FaultConfig {
+  std::string verb;                       // "drop", "unplug", ...: see docs/faults.md
+  std::string bus{};                      // name of a bus; empty: all, or the bus of the node
+  std::optional<std::uint8_t> node_id{};  // of a node on that bus; none: the bus itself
+  std::string tracker{};                  // name of a tracker instead
+  double at = 0;                          // s of the motion
+  std::optional<double> duration{};       // s; none: to the end, or one event where the verb is one
+  double value = 0;                       // the verb's own: probability, s, counts, ppm, code
+};
+
+/// Names of CouplingMode in scene files, in its order.
+inline constexpr std::array coupling_names{"god-object", "imposed"};
+
+enum class CouplingMode : std::uint8_t {
+  god_object,  // bodies are pulled to their targets by their couplings
+  imposed,     // bodies are placed at their targets in every step, whatever is in the way
+};
+
+struct SceneConfig {
+  std::string name;
+  std::string about;
+  double step = 1e-3;    // h, s
+  double duration = 10;  // s
+  std::string integrator = "implicit-euler";
+  CouplingMode coupling = CouplingMode::god_object;
+  Vec3 gravity = Vec3::Zero();      // m/s^2
+  std::vector<BodyConfig> bodies;   // parents before children
+  std::vector<JointConfig> joints;  // a tree: each body is the child of at most one
+  std::vector<ObstacleConfig> obstacles;
+  std::vector<ContactConfig> contacts;  // one for every pair of materials that can meet
+  std::optional<DeviceConfig> device;   // drives the bodies that have a handle
+  std::optional<MotionConfig> motion;
+  WireConfig wire;
+  std::vector<FaultConfig> faults{};  // in the order of time
+};
+
+/// Indices of the bodies that have a target: the coupled ones; without any, the first body where an
+/// admittance device pushes it. The device drives the first of them.
+inline std::vector<std::size_t> driven_bodies(const SceneConfig& scene) {
+  std::vector<std::size_t> driven;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].coupling) driven.push_back(i);
+  }
+  const bool pushed = scene.device && scene.device->kind == DeviceKind::admittance;
+  if (driven.empty() && pushed && !scene.bodies.empty()) driven.push_back(0);
+  return driven;
+}
+
+/// Index of the body of this name; none for world_name or an unknown one.
+inline std::optional<std::size_t> body_named(const SceneConfig& scene, const std::string& name) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies[i].name == name) return i;
+  return std::nullopt;
+}
+
+/// The device takes hold of coupled bodies and lets go of them, one at a time; otherwise it is tied to them.
+inline bool takes_hold(const SceneConfig& scene) {
+  return scene.device && (!scene.device->holds.empty() || scene.device->grab_radius ||
+                          (scene.motion && !scene.motion->holds.empty()));
+}
+
+/// What a motion moves, and what its columns are called by: the driven bodies; the device, where that takes
+/// hold of bodies.
+inline std::vector<std::string> motion_targets(const SceneConfig& scene) {
+  if (takes_hold(scene)) return {scene.device->name};
+  std::vector<std::string> names;
+  for (const std::size_t body : driven_bodies(scene)) names.push_back(scene.bodies[body].name);
+  return names;
+}
+
+/// For each handle of the device's rig, in order: which of motion_targets() it is, if any.
+inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConfig& scene) {
+  std::vector<std::optional<std::size_t>> by_handle;
+  if (!scene.device || !scene.device->rig) return by_handle;
+  if (takes_hold(scene)) return {0};
+  const std::vector<std::size_t> driven = driven_bodies(scene);
+  for (const HandleParams& handle : scene.device->rig->tree.handles) {
+    by_handle.emplace_back();
+    for (std::size_t i = 0; i < driven.size(); ++i)
+      if (scene.bodies[driven[i]].name == handle.body) by_handle.back() = i;
+  }
+  return by_handle;
+}
+
+}  // namespace godobject

@@ -1,0 +1,44 @@
+#include "platform/scene/scene_toml.h"
+
+#include "platform/scene/text/key_reference.h"
+#include "platform/scene/scene_keys.h"
+#include "platform/scene/text/toml_reader.h"
+#include "platform/scene/text/toml_writer.h"
+
+namespace godobject {
+
+LoadResult parse_scene(std::string_view toml, const std::string& file) {
+  Diagnostics log(file);
+  const std::optional<toml::table> parsed = parse_toml(toml, log);
+  if (!parsed) return {std::nullopt, log.errors(), {}};
+  SceneConfig scene;
+  TomlReader reader(*parsed, "", "the file", log);
+  visit_scene(reader, scene);
+  reader.finish();
+  if (!log.ok()) return {std::nullopt, log.errors(), log.warnings()};
+  return {scene, {}, log.warnings()};
+}
+
+LoadResult load_scene(const std::string& path) {
+  const FileText file = read_file(path, max_toml_bytes);
+  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}, {}};
+  return parse_scene(*file.text, path);
+}
+
+std::string effective_config_toml(const SceneConfig& scene) {
+  std::string out;
+  TomlWriter writer(out);
+  SceneConfig copy = scene;
+  visit_scene(writer, copy);
+  return out;
+}
+
+std::string scene_reference_markdown() {
+  std::string out;
+  KeyReference reference(out);
+  SceneConfig defaults;
+  visit_scene(reference, defaults);
+  return out;
+}
+
+}  // namespace godobject

@@ -1,0 +1,29 @@
+// Scene files: TOML, strict. Format: docs/scenes.md, made from platform/scene/scene_keys.h.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "platform/scene/scene.h"
+
+namespace godobject {
+
+struct LoadResult {
+  std::optional<SceneConfig> scene;   // absent where there are errors
+  std::vector<std::string> errors;    // all of the file's, each "file:line:column: what; what to do"
+  std::vector<std::string> warnings;  // the same form
+};
+
+LoadResult load_scene(const std::string& path);
+/// As load_scene for a text; file is what messages call it.
+LoadResult parse_scene(std::string_view toml, const std::string& file);
+
+/// Every value that is in effect, defaults included; loads back as the same configuration.
+std::string effective_config_toml(const SceneConfig& scene);
+
+/// The key tables of docs/scenes.md, in Markdown.
+std::string scene_reference_markdown();
+
+}  // namespace godobject

@@ -1,0 +1,120 @@
+#include "platform/scene/text/csv.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+namespace godobject {
+
+inline constexpr std::size_t max_reported_rows = 20;
+inline constexpr std::size_t max_columns = 1000;
+inline constexpr std::string_view utf8_byte_order_mark = "\xEF\xBB\xBF";
+
+std::optional<std::size_t> CsvTable::find(std::string_view column) const {
+  const auto found = std::ranges::find(columns_, column);
+  if (found == columns_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - columns_.begin());
+}
+
+/// One pass over the text, line by line.
+class CsvParser {
+ public:
+  CsvParser(const std::string& file, std::string_view word_column) : log_(file), word_column_(word_column) {}
+
+  CsvResult parse(std::string_view text) {
+    if (text.starts_with(utf8_byte_order_mark)) text.remove_prefix(utf8_byte_order_mark.size());
+    while (!text.empty() && num_errors_ < max_reported_rows) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      ++line_;
+      parse_line(text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    if (table_.columns_.empty()) error(1, "there is no header line");
+    if (!log_.ok()) return {std::nullopt, log_.errors()};
+    return {std::move(table_), {}};
+  }
+
+ private:
+  void parse_line(std::string_view line) {
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.empty()) return;
+    if (table_.columns_.empty()) {
+      for_each_cell(line, [&](std::string_view cell, std::uint32_t column) { add_column(cell, column); });
+      return;
+    }
+    std::size_t num_cells = 0;
+    for_each_cell(line, [&](std::string_view cell, std::uint32_t column) {
+      if (num_cells++ >= table_.columns_.size()) return;  // counted, and refused below
+      const bool is_word = table_.columns_[num_cells - 1] == word_column_;
+      is_word ? add_word(cell, column) : add_value(cell, column);
+    });
+    if (num_cells != table_.columns_.size()) {
+      error(1, "has " + std::to_string(num_cells) + " values, the header " +
+                   std::to_string(table_.columns_.size()));
+    }
+  }
+
+  template <class F>
+  static void for_each_cell(std::string_view line, F use) {
+    std::size_t begin = 0;
+    while (begin <= line.size()) {
+      const std::size_t end = std::min(line.find(',', begin), line.size());
+      use(trimmed(line.substr(begin, end - begin)), static_cast<std::uint32_t>(begin + 1));
+      begin = end + 1;
+    }
+  }
+
+  static std::string_view trimmed(std::string_view cell) {
+    while (cell.starts_with(' ')) cell.remove_prefix(1);
+    while (cell.ends_with(' ')) cell.remove_suffix(1);
+    return cell;
+  }
+
+  void add_column(std::string_view name, std::uint32_t column) {
+    if (table_.columns_.size() == max_columns)
+      error(column, "more than " + std::to_string(max_columns) + " columns");
+    if (table_.columns_.size() >= max_columns) return;
+    if (name.empty()) error(column, "a column has no name");
+    if (table_.find(name)) error(column, "column " + excerpt(name) + " is there twice");
+    table_.columns_.emplace_back(name);
+  }
+
+  void add_value(std::string_view cell, std::uint32_t column) {
+    double x = 0;
+    const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
+    if (status != std::errc{} || end != cell.data() + cell.size()) {
+      error(column, excerpt(cell) + " is not a number");
+    }
+    table_.values_.push_back(x);
+    table_.places_.push_back({line_, column});
+  }
+
+  void add_word(std::string_view cell, std::uint32_t column) {
+    table_.words_.emplace_back(cell);
+    table_.values_.push_back(std::numeric_limits<double>::quiet_NaN());
+    table_.places_.push_back({line_, column});
+  }
+
+  void error(std::uint32_t column, const std::string& what) {
+    ++num_errors_;
+    log_.error({std::max(line_, 1u), column}, what);
+  }
+
+  Diagnostics log_;
+  std::string_view word_column_;
+  CsvTable table_;
+  std::uint32_t line_ = 0;
+  std::size_t num_errors_ = 0;
+};
+
+CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column) {
+  return CsvParser(file, word_column).parse(text);
+}
+
+CsvResult read_csv(const std::string& path, std::string_view word_column, std::size_t max_bytes) {
+  const FileText file = read_file(path, max_bytes);
+  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}};
+  return parse_csv(*file.text, path, word_column);
+}
+
+}  // namespace godobject

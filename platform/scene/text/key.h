@@ -1,0 +1,48 @@
+// What a scene file's key is: name, unit, admissible range and meaning. Reader, writer and reference
+// of the format are three visitors of the one list of keys in platform/scene/scene_keys.h.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <string_view>
+
+namespace godobject {
+
+/// Admissible numbers; both ends belong to it unless min_open.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_open = false;
+
+  bool contains(double x) const { return (min_open ? x > min : x >= min) && x <= max; }
+};
+
+inline constexpr Range any_number{};
+inline constexpr Range not_negative{0};
+inline constexpr Range positive{.min = 0, .min_open = true};
+inline constexpr Range probability{0, 1};
+
+struct Key {
+  std::string_view name;
+  std::string_view unit;  // empty: none
+  std::string_view meaning;
+  Range range = any_number;
+  bool required = false;
+  std::string_view otherwise = {};  // in words, where the default depends on other keys
+};
+
+struct TableKey {
+  std::string_view name;
+  std::string_view meaning;
+  bool required = false;
+  std::size_t max = 1000;  // of an array of tables: so many; rules between them may take time quadratic in it
+};
+
+/// ">= 0", "> 0", "0 to 1"; empty for any number.
+std::string to_string(const Range& range);
+
+/// The shortest decimal text that reads back as the same double, with a point or an exponent.
+std::string shortest(double x);
+
+}  // namespace godobject

@@ -1,0 +1,82 @@
+// Writes the reference of the scene format, one Markdown table per TOML table. A visitor of
+// platform/scene/scene_keys.h that sees default-constructed values.
+#pragma once
+
+#include <concepts>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/math/types.h"
+#include "platform/scene/text/key.h"
+
+namespace godobject {
+
+class KeyReference {
+ public:
+  static constexpr const char* table_head =
+      "| key | type | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
+
+  explicit KeyReference(std::string& out, std::string path = "") : out_(out), path_(std::move(path)) {}
+
+  void value(const Key& key, double x) { row(key, "number", shortest(x)); }
+  void value(const Key& key, const std::string& x) {
+    row(key, "string", x.empty() ? "empty" : "`\"" + x + "\"`");
+  }
+  void value(const Key& key, const Vec3& x);
+  void value(const Key& key, bool x) { row(key, "boolean", x ? "true" : "false"); }
+  void value(const Key& key, const std::optional<double>&) { row(key, "number", "none"); }
+  /// A key without a default, of T.
+  template <class T>
+  void absent(const Key& key) {
+    constexpr const char* type = std::same_as<T, bool> ? "boolean" : std::integral<T> ? "integer" : "number";
+    row(key, type, "none");
+  }
+  void value(const Key& key, const std::optional<Vec3>&) { row(key, "3 numbers", "none"); }
+  void value(const Key& key, const std::vector<std::string>&) { row(key, "strings", "none"); }
+  template <std::integral T>
+  void value(const Key& key, T x) {
+    row(key, "integer", std::to_string(x));
+  }
+  std::string path(const Key& key, const std::string&) {
+    row(key, "string: path of a file", "none");
+    return "";
+  }
+  void shorthand(const Key& key, double) { row(key, "number", "none"); }
+  void shorthand(const Key& key, const std::string&) { row(key, "string", "none"); }
+  void shorthand(const Key& key, const Vec3& x) { value(key, x); }
+  void shorthand(const Key& key, const Quat& q) { attitude(key, q); }
+  void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback,
+              double x);
+  void unit_vector(const Key& key, const Vec3& x) { value(key, x); }
+  void attitude(const Key& key, const Quat&) { row(key, "unit quaternion [w, x, y, z]", "[1, 0, 0, 0]"); }
+  void inertia(const Key& key, const Mat3&) { row(key, "3 principal moments, or 3x3", ""); }
+  void one_of(const Key& key, const std::vector<std::string>& names, std::size_t index);
+
+  template <class F>
+  void table(const TableKey& key, bool, F visit) {
+    KeyReference sub = subtable(key, "[", "]");
+    visit(sub);
+  }
+  template <class T, class F>
+  void tables(const TableKey& key, std::vector<T>&, F visit) {
+    KeyReference sub = subtable(key, "[[", "]]");
+    T item{};
+    visit(sub, item);
+  }
+
+  bool has(std::string_view) const { return false; }
+  bool understood(std::string_view) const { return true; }
+  unsigned line_of(std::string_view) const { return 0; }
+  void check(bool, std::string_view, const std::string&) {}
+  void advise(bool, std::string_view, const std::string&) {}
+
+ private:
+  void row(const Key& key, const std::string& type, const std::string& default_text);
+  KeyReference subtable(const TableKey& key, const char* open, const char* close);
+
+  std::string& out_;
+  std::string path_;
+};
+
+}  // namespace godobject

@@ -1,0 +1,84 @@
+// What the key lists of platform/scene/scene_keys.h, platform/scene/joint_keys.h, platform/scene/contact_keys.h and platform/scene/device_keys.h have in
+// common. A visitor V walks them:
+// platform/scene/text/toml_reader.h fills a SceneConfig from a file, platform/scene/text/toml_writer.h prints one, platform/scene/text/key_reference.h
+// writes the reference of the format. V offers
+//   value, unit_vector, attitude, inertia, one_of   a key and its member
+//   path         a file in the folder of the file that is read, or below; says where it is
+//   either       two spellings of one number: value, or other * unit_of_other; else the fallback
+//   shorthand    a value that only sets other members' defaults, never written back
+//   table, tables, has, check, advise               structure, and rules beyond a single range
+// Within a table, values come before sub-tables: so TOML wants it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/math/types.h"
+#include "platform/scene/text/key.h"
+
+namespace godobject {
+
+template <class V, class T, class F>
+void optional_table(V& v, const TableKey& key, std::optional<T>& value, F visit) {
+  bool present = value.has_value();
+  T inner = value.value_or(T{});
+  v.table(key, present, [&](auto& t) { visit(t, inner); });
+  if (present) value = inner;
+}
+
+template <class V, class F>
+void plain_table(V& v, const TableKey& key, F visit) {
+  bool present = true;
+  v.table(key, present, visit);
+}
+
+template <class V>
+void choose(V& v, const Key& key, const std::vector<std::string>& names, std::string& value) {
+  std::size_t index = static_cast<std::size_t>(std::ranges::find(names, value) - names.begin());
+  v.one_of(key, names, index);
+  if (index < names.size()) value = names[index];
+}
+
+template <class V, class Enum, std::size_t N>
+void choose(V& v, const Key& key, const std::array<const char*, N>& names, Enum& value) {
+  std::size_t index = static_cast<std::size_t>(value);
+  v.one_of(key, {names.begin(), names.end()}, index);
+  value = static_cast<Enum>(index);
+}
+
+/// [[body]] and [[joint]] tables: four times what the largest composition holds. Rules between them take time cubic in
+/// their number.
+inline constexpr std::size_t max_tables_of_bodies = 256;
+
+/// Names become columns of CSV files and words of messages, so they stay plain.
+inline bool is_plain_name(const std::string& name) {
+  return !name.empty() &&
+         std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
+}
+
+template <class V>
+void visit_name(V& v, std::string_view meaning, std::string& name) {
+  if (name.empty()) name = "unnamed";  // so that a name that could not be read is complained about once
+  v.value(Key{.name = "name", .unit = "", .meaning = meaning, .required = true}, name);
+  v.check(is_plain_name(name), "name", "must be one or more letters, digits, '_' or '-'");
+}
+
+template <class V>
+void visit_pose(V& v, std::string_view position, std::string_view orientation, std::string_view of, Pose& X) {
+  const std::string p_meaning = "position of " + std::string(of),
+                    q_meaning = "attitude of " + std::string(of);
+  v.value(Key{position, "m", p_meaning}, X.p);
+  v.attitude(Key{orientation, "", q_meaning}, X.q);
+}
+
+template <class V>
+void visit_sign(V& v, const Key& key, int& sign) {
+  v.value(key, sign);
+  v.check(sign != 0, key.name, "must be 1 or -1");
+}
+
+}  // namespace godobject

@@ -1,0 +1,159 @@
+#include "platform/scene/top_speed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/contact/candidates.h"
+#include "platform/scene/contact_pairs.h"
+#include "platform/engine/contact_params.h"
+
+namespace godobject {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr std::size_t max_rays = 2000;
+
+/// Way along the unit vector d from p to the triangle, if it is hit (Moeller, Trumbore 1997); else infinite.
+double way_to(const Vec3& p, const Vec3& d, const Corners& t) {
+  const Vec3 a = t[1] - t[0], b = t[2] - t[0], q = d.cross(b), o = p - t[0];
+  const double det = a.dot(q);
+  const double u = o.dot(q) / det, v = d.dot(o.cross(a)) / det, way = b.dot(o.cross(a)) / det;
+  return u >= 0 && v >= 0 && u + v <= 1 && way > 0 ? way : infinite;
+}
+
+/// T for a sphere of radius r.
+double half_thickness(const ShapeParams& shape, double r) {
+  switch (shape.kind) {
+    case ShapeKind::box: return shape.half_extents.minCoeff();
+    case ShapeKind::sphere:
+    case ShapeKind::capsule: return shape.radius;
+    case ShapeKind::height_field: {
+      const HeightField& f = *shape.height_field;
+      return f.spacing * (std::min(f.columns, f.rows) - 1) / 2;
+    }
+    default: return shape.kind == ShapeKind::mesh ? r + contact_reach * r : infinite;
+  }
+}
+
+/// Per body: what its tool has.
+struct ToolSums {
+  double mass = 0, k_c = 0;  // kg, N/m
+};
+
+std::vector<ToolSums> tool_sums(const SceneConfig& scene, const std::vector<std::size_t>& tools) {
+  std::vector<ToolSums> sums(scene.bodies.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    ToolSums& sum = sums[tools[i]];
+    sum.mass += scene.bodies[i].mass;
+    if (scene.bodies[i].coupling) sum.k_c += scene.bodies[i].coupling->stiffness;
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = sums[tools[i]];
+  return sums;
+}
+
+class Search {
+ public:
+  explicit Search(const SceneConfig& scene)
+      : scene_(scene),
+        contacts_(scene_contacts(scene)),
+        tools_(tools_of(scene)),
+        sums_(tool_sums(scene, tools_)) {
+    for (const std::unique_ptr<MeshSolid>& solid : contacts_.meshes)
+      if (solid) thinnest_.emplace_back(&solid->mesh(), thinnest(solid->data()));
+  }
+
+  std::optional<SpeedBound> slowest() {
+    for (const BodySphere& sphere : contacts_.spheres) {
+      for (std::size_t s = 0; s < contacts_.surfaces.size(); ++s) against_surface(sphere, s);
+      for (const BodySphere& other : contacts_.spheres) against_sphere(sphere, other);
+    }
+    return slowest_;
+  }
+
+ private:
+  void against_surface(const BodySphere& sphere, std::size_t s) {
+    const Surface& surface = contacts_.surfaces[s];
+    if (surface.body != world && tools_[surface.body] == tools_[sphere.body]) return;
+    double T = half_thickness(surface.shape, sphere.radius);
+    for (const auto& [mesh, thickness] : thinnest_)
+      if (surface.shape.mesh == mesh) T = std::min(T, thickness / 2);
+    take(sphere, surface.material, surface.body, T, contacts_.surface_names[s]);
+  }
+
+  void against_sphere(const BodySphere& sphere, const BodySphere& other) {
+    if (tools_[sphere.body] == tools_[other.body] || !scene_.bodies[other.body].shapes.empty()) return;
+    take(sphere, other.material, other.body, other.radius,
+         "sphere of body '" + scene_.bodies[other.body].name + "'");
+  }
+
+  /// Placed at its target, whatever is in the way.
+  bool imposed(std::size_t body) const {
+    return scene_.coupling == CouplingMode::imposed && sums_[body].k_c > 0;
+  }
+
+  /// Nothing stops an imposed body: obstacles let it through at any speed, and what it can push aside it must
+  /// meet in some step.
+  void take_imposed(const BodySphere& sphere, std::size_t other, double depth, const std::string& name) {
+    if (other == world || (imposed(sphere.body) && imposed(other))) return;
+    keep({.what = what(sphere, name), .travel = depth / scene_.step, .energy = infinite, .hand = infinite});
+  }
+
+  std::string what(const BodySphere& sphere, const std::string& name) const {
+    return "sphere of body '" + scene_.bodies[sphere.body].name + "' and " + name;
+  }
+
+  void keep(const SpeedBound& bound) {
+    if (!slowest_ || bound.top() < slowest_->top()) slowest_ = bound;
+  }
+
+  void take(const BodySphere& sphere, MaterialId material, std::size_t other, double T,
+            const std::string& name) {
+    const double k = contacts_.laws[sphere.material][material].k, depth = sphere.radius + T;
+    const ToolSums& tool = sums_[sphere.body];
+    if (imposed(sphere.body) || (other != world && imposed(other)))
+      return take_imposed(sphere, other, depth, name);
+    double mass = tool.mass, k_c = tool.k_c;
+    if (other != world) {
+      mass = mass * sums_[other].mass / (mass + sums_[other].mass);
+      k_c = std::max(k_c, sums_[other].k_c);
+    }
+    keep({.what = what(sphere, name),
+          .travel = depth / scene_.step,
+          .energy = depth * std::sqrt(k / mass),
+          .hand = k_c > 0 ? depth * (1 + k / k_c) : infinite});
+  }
+
+  const SceneConfig& scene_;
+  SceneContacts contacts_;
+  std::vector<std::size_t> tools_;
+  std::vector<ToolSums> sums_;
+  std::vector<std::pair<const TriangleMesh*, double>> thinnest_;
+  std::optional<SpeedBound> slowest_;
+};
+
+}  // namespace
+
+double thinnest(const MeshData& mesh) {
+  const auto corners = [&](const TriangleIndices& t) {
+    return Corners{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+  };
+  const std::size_t stride = (mesh.triangles.size() + max_rays - 1) / max_rays;
+  double shortest_way = infinite;
+  for (std::size_t from = 0; from < mesh.triangles.size(); from += stride) {
+    const Corners t = corners(mesh.triangles[from]);
+    const Vec3 centre = (t[0] + t[1] + t[2]) / 3;
+    const Vec3 inward = -(t[1] - t[0]).cross(t[2] - t[0]).normalized();
+    for (std::size_t to = 0; to < mesh.triangles.size(); ++to)
+      if (to != from)
+        shortest_way = std::min(shortest_way, way_to(centre, inward, corners(mesh.triangles[to])));
+  }
+  return shortest_way;
+}
+
+std::optional<SpeedBound> top_speed(const SceneConfig& scene) {
+  if (contact_scope(scene) == ContactScope::none) return std::nullopt;
+  return Search(scene).slowest();
+}
+
+}  // namespace godobject

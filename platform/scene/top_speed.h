@@ -1,0 +1,41 @@
+// Up to which speed the contacts of a scene let nothing pass.
+//
+// A sphere of radius r meets a solid that is 2 T thick at its thinnest: half a box's shortest edge, the radius
+// of a sphere or capsule; of a mesh at most as far as a query reaches inside; nothing limits a plane. Once its
+// centre is beyond the middle, the nearest surface is the one behind, and the contact pushes it out there. So
+//
+//   travel:  a contact is found if the centre ends a step within (-T, r) of the surface, which steps of h v
+//            cannot leave out while                                             h v < r + T
+//   energy:  the tool's m v^2 / 2 goes into one contact before its depth is r + T: v < (r + T) sqrt(k / m)
+//
+// m: of the whole tool, and with another tool m_1 m_2 / (m_1 + m_2); k: of one sphere, damping left out. What
+// goes on pushing is not in this: a hand that follows x_H deep is held as long as its coupling k_c balances the
+// contact at less than r + T, x_H < (r + T) (1 + k / k_c). A body placed at its target by coupling = "imposed" is
+// stopped by nothing: of it only the travel counts, and only against bodies that it can push.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "platform/scene/scene.h"
+
+namespace godobject {
+
+/// Of one sphere and what it may pass. Infinite where nothing limits it.
+struct SpeedBound {
+  std::string what;   // "sphere of body 'tool' and obstacle 'wall'"
+  double travel = 0;  // m/s
+  double energy = 0;  // m/s
+  double hand = 0;    // x_H, m
+  double top() const { return travel < energy ? travel : energy; }
+};
+
+/// That of the pair with the lowest top speed; none in a scene without contacts.
+std::optional<SpeedBound> top_speed(const SceneConfig& scene);
+
+/// The shortest way through the solid along inward normals, sampled at up to 2000 of its triangles, m.
+double thinnest(const MeshData& mesh);
+
+inline constexpr double advised_top_speed = 2;  // m/s: so fast is a hand
+
+}  // namespace godobject

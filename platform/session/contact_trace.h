@@ -1,0 +1,28 @@
+// The contacts of a run as CSV: a row for every contact that bears a force in a step, with t, body and on (names), the
+// contact point x y z, the normal nx ny nz off `on`, and the force fx fy fz on `body`. World frame, SI.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "platform/session/csv_rows.h"
+#include "platform/engine/engine.h"
+
+namespace godobject {
+
+/// Not for the real-time thread.
+class ContactTraceWriter {
+ public:
+  ContactTraceWriter(CsvRows rows, const SceneConfig& scene);
+
+  void rows(double t, std::span<const ContactView> contacts);
+  /// Writes what is left. False when anything did not reach the file.
+  [[nodiscard]] bool close() { return file_.close(); }
+
+ private:
+  CsvRows file_;
+  std::vector<std::string> bodies_, obstacles_;  // names: of each body, of each surface of the world
+};
+
+}  // namespace godobject

@@ -1,0 +1,233 @@
+#include "platform/session/passivity.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+
+#include "sim/rig/inverse_kinematics.h"
+
+namespace godobject {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+
+constexpr double stable_growth = 1 + 1e-6;  // a mass that nothing moves neither grows nor decays, to rounding
+
+/// exp(A): Taylor's series of a matrix small enough for two terms, squared back.
+Matrix exponential(Matrix A) {
+  const int halvings = std::max(0, std::ilogb(A.norm()) + 16);
+  A /= std::exp2(halvings);
+  Matrix E = A + A * A / 2;  // exp(A) - 1, so that nothing small is lost
+  for (int i = 0; i < halvings; ++i) E = 2 * E + E * E;
+  return Matrix::Identity(A.rows(), A.cols()) + E;
+}
+
+/// Of one handle: what its wrench makes of the joints' motion, J^T G J.
+Matrix at_joints(const HandleJacobian& J, double rotational, double translational) {
+  Eigen::Vector<double, 6> gains;
+  gains << Vec3::Constant(rotational), Vec3::Constant(translational);
+  return J.transpose() * gains.asDiagonal() * J;
+}
+
+/// What the handle shows at most: of a device that takes hold of bodies, the most that any of them does.
+FeedbackConfig shown_at(const SceneConfig& scene, const HandleParams& handle) {
+  FeedbackConfig most;
+  for (const BodyConfig& body : scene.bodies) {
+    if (!body.feedback || (!takes_hold(scene) && body.name != handle.body)) continue;
+    most.stiffness = std::max(most.stiffness, body.feedback->stiffness);
+    most.damping = std::max(most.damping, body.feedback->damping);
+    most.rotational_stiffness = std::max(most.rotational_stiffness, body.feedback->rotational_stiffness);
+    most.rotational_damping = std::max(most.rotational_damping, body.feedback->rotational_damping);
+  }
+  return most;
+}
+
+/// A command goes into effect with the SYNC after the one that sampled, or, without SYNC, within a period. A
+/// drive that measures its joint at every n-th SYNC only has its sample used for n periods.
+int delay_of(const RigParams& rig, const DriveParams& drive) {
+  const bool own_sensor =
+      std::ranges::none_of(rig.encoders, [&](const EncoderParams& e) { return e.joint == drive.joint; });
+  return 1 + (own_sensor ? drive.status_every_nth_sync - 1 : 0);
+}
+
+/// Largest eigenvalue of N measured by the joints' own damping: passive up to 1.
+double largest_share(const Matrix& needed, const Eigen::VectorXd& damping) {
+  if (needed.isZero(0)) return 0;
+  if (!(damping.minCoeff() > 0)) return std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd scale = damping.cwiseSqrt().cwiseInverse();
+  const Matrix scaled = scale.asDiagonal() * needed * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Matrix>(scaled, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+template <class... Args>
+std::string formatted(const char* format, Args... args) {
+  std::array<char, 320> text{};
+  std::snprintf(text.data(), text.size(), format, args...);
+  return text.data();
+}
+
+const char* damping_unit(const JointMargin& joint) { return joint.hinge ? "N m s/rad" : "N s/m"; }
+
+/// What to lower, and to what share of what it is.
+std::string remedy(const SampledAxis& axis) {
+  const double of_spring = axis.needed() - std::abs(axis.B);
+  const double left = axis.damping - of_spring;
+  if (left > 0 || of_spring == 0)
+    return formatted("lower the feedback's damping to %.3g %% of what it is",
+                     std::floor(1000 * std::max(left, 0.0) / std::abs(axis.B)) / 10);
+  return formatted("set the feedback's damping to 0 and lower its stiffness to %.3g %% of what it is",
+                   std::floor(1000 * axis.damping / of_spring) / 10);
+}
+
+}  // namespace
+
+double SampledAxis::needed() const noexcept { return K * period_s * (0.5 + delay) + std::abs(B); }
+
+// State: q_k, q'_k, q_(k-1), and the torques u_(k-1) ... u_(k-delay) that are on their way.
+double growth_per_period(const SampledAxis& axis, double hand_stiffness, double hand_damping) {
+  const double T = axis.period_s, m = axis.inertia;
+  Matrix A = Matrix::Zero(3, 3);  // of q, q', u over a period
+  A(0, 1) = T;
+  A(1, 0) = -T * hand_stiffness / m;
+  A(1, 1) = -T * (axis.damping + hand_damping) / m;
+  A(1, 2) = T / m;
+  const Matrix E = exponential(A);
+
+  const Eigen::Index n = 3 + axis.delay;
+  Matrix u_k = Matrix::Zero(1, n);  // the torque that sample k asks for
+  u_k(0, 0) = -axis.K - axis.B / T;
+  u_k(0, 2) = axis.B / T;
+  Matrix applied = Matrix::Zero(1, n);
+  if (axis.delay == 0) applied = u_k;
+  else applied(0, n - 1) = 1;
+
+  Matrix step = Matrix::Zero(n, n);
+  step.topLeftCorner(2, 2) = E.topLeftCorner(2, 2);
+  step.topRows(2) += E.block(0, 2, 2, 1) * applied;
+  step(2, 0) = 1;
+  if (axis.delay > 0) step.row(3) = u_k;
+  for (Eigen::Index i = 4; i < n; ++i) step(i, i - 1) = 1;
+  return Eigen::EigenSolver<Matrix>(step, false).eigenvalues().cwiseAbs().maxCoeff();
+}
+
+// Where z^(d+1) (z - 1) + beta (z + 1) / 2, beta = B T / m, has a root on the unit circle: there
+// z = exp(i a) with a (d + 1) = pi/2 (odd), i.e. a = pi / (2 (d + 1)), and beta = 2 tan(a / 2).
+double largest_stable_damping(double inertia, double period_s, int delay) {
+  const double a = std::numbers::pi / (2 * (delay + 1));
+  return 2 * std::tan(a / 2) * inertia / period_s;
+}
+
+Passivity passivity(const SceneConfig& scene, const JointVector& q) {
+  Passivity result;
+  if (!scene.device || !scene.device->rig) return result;
+  const RigParams& rig = *scene.device->rig;
+  const TreeConfiguration at = KinematicTree(rig.tree).at(q);
+  const auto num_joints = static_cast<Eigen::Index>(at.num_joints());
+  Matrix K = Matrix::Zero(num_joints, num_joints), B = K;
+  for (std::size_t i = 0; i < at.num_handles(); ++i) {
+    const FeedbackConfig gains = shown_at(scene, rig.tree.handles[i]);
+    K += at_joints(at.jacobian(i), gains.rotational_stiffness, gains.stiffness);
+    B += at_joints(at.jacobian(i), gains.rotational_damping, gains.damping);
+  }
+  if (K.isZero(0) && B.isZero(0)) return result;
+
+  std::vector<Eigen::Index> driven;
+  for (const DriveParams& drive : rig.drives) {
+    const auto j =
+        std::ranges::find(rig.tree.joints, drive.joint, &DeviceJoint::name) - rig.tree.joints.begin();
+    const bool hinge = rig.tree.joints[static_cast<std::size_t>(j)].kind == DeviceJointKind::hinge;
+    const PlantConfig& plant = scene.device->plant;
+    JointMargin margin{.joint = drive.joint,
+                       .hinge = hinge,
+                       .axis = {.inertia = plant.inertia,
+                                .damping = plant.damping,
+                                .K = K(j, j),
+                                .B = B(j, j),
+                                .period_s = scene.step,
+                                .delay = delay_of(rig, drive)}};
+    margin.stable_alone = growth_per_period(margin.axis) <= stable_growth;
+    margin.stable_held =
+        growth_per_period(margin.axis, plant.hand_stiffness, plant.hand_damping) <= stable_growth;
+    result.joints.push_back(margin);
+    driven.push_back(j);
+  }
+  int delay = 0;
+  Eigen::VectorXd damping(static_cast<Eigen::Index>(driven.size()));
+  for (std::size_t i = 0; i < driven.size(); ++i) {
+    delay = std::max(delay, result.joints[i].axis.delay);
+    damping[static_cast<Eigen::Index>(i)] = result.joints[i].axis.damping;
+  }
+  if (driven.empty()) return result;
+  result.worst_direction =
+      largest_share(scene.step * (0.5 + delay) * K(driven, driven) + Matrix(B(driven, driven)), damping);
+  return result;
+}
+
+JointVector joints_at_start(const SceneConfig& scene, const Motion& motion) {
+  if (!scene.device || !scene.device->rig) return {};
+  if (motion.has_joints()) return motion.joints(0).q;
+  const KinematicTreeParams& tree = scene.device->rig->tree;
+  const std::vector<std::optional<std::size_t>> targets = driven_by_handles(scene);
+  InverseKinematics ik(tree);
+  if (!ik.invertible() || targets.empty())
+    return JointVector::Zero(static_cast<Eigen::Index>(tree.joints.size()));
+  return ik.solve(motion.target(targets.front().value_or(0), 0).X_WD).q;
+}
+
+std::vector<std::string> passivity_table(const Passivity& passivity) {
+  if (passivity.joints.empty()) return {};
+  std::vector<std::string> lines{
+      "# passivity of the driven axes at the start: b > K (T/2 + t_d) + |B|, see docs/theory/passivity.md",
+      formatted("#   %-16s %10s %10s %8s %10s %10s %10s  %s", "joint", "K", "B", "t_d ms", "needed", "b",
+                "margin", "verdict")};
+  for (const JointMargin& joint : passivity.joints) {
+    const SampledAxis& axis = joint.axis;
+    const char* const verdict = axis.passive()       ? "passive"
+                                : joint.stable_alone ? "stable, not passive"
+                                : joint.stable_held  ? "stable only in a hand"
+                                                     : "unstable";
+    lines.push_back(formatted("#   %-16s %10.3g %10.3g %8.3g %10.3g %10.3g %+10.3g  %s", joint.joint.c_str(),
+                              axis.K, axis.B, 1e3 * axis.period_s * axis.delay, axis.needed(), axis.damping,
+                              axis.margin(), verdict));
+  }
+  if (passivity.joints.size() > 1)
+    lines.push_back(formatted("#   all at once: the worst direction needs %.3g times the damping there is",
+                              passivity.worst_direction));
+  lines.push_back(
+      "#   K, B: the feedback's gains at the joint, N m/rad and N m s/rad, of a slider N/m and N s/m; t_d: "
+      "from "
+      "a sample to its torque");
+  lines.push_back(
+      "#   b: what [device.plant] says of the device without a hand. For one that exists, measure it and "
+      "state "
+      "it there");
+  return lines;
+}
+
+std::vector<std::string> passivity_warnings(const Passivity& passivity) {
+  std::vector<std::string> lines;
+  for (const JointMargin& joint : passivity.joints) {
+    const SampledAxis& axis = joint.axis;
+    if (axis.passive()) continue;
+    std::string line = formatted("axis %s is not passive: it needs %.3g %s of its own damping and has %.3g: ",
+                                 joint.joint.c_str(), axis.needed(), damping_unit(joint), axis.damping) +
+                       remedy(axis) + ", shorten the step, or build it with more damping";
+    if (!joint.stable_alone)
+      line += formatted("; %s it is unstable and chatters (feedback damping alone: from %.3g %s on)",
+                        joint.stable_held ? "let go of," : "even in a hand",
+                        largest_stable_damping(axis.inertia, axis.period_s, axis.delay), damping_unit(joint));
+    lines.push_back(std::move(line));
+  }
+  if (lines.empty() && !passivity.passive())
+    lines.push_back(
+        formatted("the axes are passive one by one, but not together: the worst direction needs "
+                  "%.3g times the damping there is: lower the feedback's gains by that",
+                  passivity.worst_direction));
+  return lines;
+}
+
+}  // namespace godobject

@@ -1,0 +1,86 @@
+#include "sim/bus/can_bus.h"
+
+namespace godobject {
+
+SimCanPort::SimCanPort(SimCanWire& wire) noexcept : wire_(wire), index_(wire.attach(*this)) {}
+
+SimCanPort::~SimCanPort() {
+  close();
+  if (index_ < SimCanWire::max_nodes) wire_.detach(index_);
+}
+
+bool SimCanPort::open() noexcept {
+  open_ = index_ < SimCanWire::max_nodes;
+  return open_;
+}
+
+void SimCanPort::close() noexcept {
+  if (!open_) return;
+  open_ = false;
+  wire_.drop_out(index_);
+  transmit_queue_.clear();
+  receive_queue_.clear();
+  errors_.reset();
+  t_restart_ns_.reset();
+  recovery_.reset();
+}
+
+SendResult SimCanPort::try_send(const CanFrame& frame) noexcept {
+  const auto answer = [&] {
+    if (!is_valid(frame)) return SendResult::invalid;
+    if (!open_) return SendResult::down;
+    if (errors_.is_bus_off()) return SendResult::off;
+    return queue(frame);
+  };
+  const SendResult result = answer();
+  if (result != SendResult::queued) ++counters_.send_refused;
+  return result;
+}
+
+SendResult SimCanPort::queue(const CanFrame& frame) noexcept {
+  if (wire_.random_.chance(faults_.drop)) {
+    ++lost_;
+    return SendResult::queued;  // the sender does not notice
+  }
+  if (!transmit_queue_.push(frame)) return SendResult::full;
+  if (wire_.random_.chance(faults_.duplicate)) static_cast<void>(transmit_queue_.push(frame));
+  return SendResult::queued;
+}
+
+bool SimCanPort::try_receive(ReceivedFrame& out) noexcept {
+  if (receive_queue_.empty() || receive_queue_.front().t_readable_ns > wire_.now()) return false;
+  out = receive_queue_.front().received;
+  receive_queue_.pop();
+  ++counters_.received;
+  return true;
+}
+
+BusState SimCanPort::state() const noexcept { return open_ ? errors_.state() : BusState::closed; }
+
+BusCounters SimCanPort::counters() const noexcept {
+  BusCounters counters = counters_;
+  counters.transmit_error_counter = errors_.transmit_errors();
+  counters.receive_error_counter = errors_.receive_errors();
+  return counters;
+}
+
+bool SimCanPort::restart() noexcept {
+  if (!open_ || !errors_.is_bus_off()) return false;
+  if (!recovery_) wire_.start_recovery(*this);
+  return true;
+}
+
+void SimCanPort::force_bus_off() noexcept {
+  if (!takes_part()) return;
+  errors_.give_up();
+  wire_.check_bus_off(*this);
+}
+
+void SimCanPort::set_connected(bool connected) noexcept {
+  if (connected == connected_ || index_ == SimCanWire::max_nodes) return;
+  wire_.drop_out(index_);
+  connected_ = connected;
+  wire_.join(index_, connected ? SimCanWire::shared_segment : SimCanWire::stub_segment(index_));
+}
+
+}  // namespace godobject

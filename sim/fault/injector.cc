@@ -1,0 +1,232 @@
+#include "sim/fault/injector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace godobject {
+namespace {
+
+constexpr Nanoseconds impostor_heartbeat_ns = 100'000'000;
+constexpr double impostor_counts = 12345;  // no node that works shows this for long
+
+bool acts_on(const SimFault& fault, std::size_t bus, std::uint8_t node_id) noexcept {
+  return fault.node_id == node_id && fault.first_bus <= bus && bus < fault.end_bus;
+}
+
+}  // namespace
+
+void FaultInjector::add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes,
+                            const RigParams& rig) {
+  auto second_port = std::make_unique<SimCanPort>(wire);
+  auto second_host = std::make_unique<SimSecondHost>(*second_port, rig, buses_.size());
+  buses_.push_back({.host = &host,
+                    .nodes = &nodes,
+                    .impostor_port = std::make_unique<SimCanPort>(wire),
+                    .second_port = std::move(second_port),
+                    .second_host = std::move(second_host)});
+}
+
+std::size_t FaultInjector::add_node(std::size_t bus, SimCanPort& port, SimNode& node,
+                                    const Calibration& calibration) {
+  auto impostor = std::make_unique<SimEncoder>(*buses_[bus].impostor_port, node.node_id(), Calibration{},
+                                               impostor_heartbeat_ns);
+  impostor->set_position(impostor_counts);
+  nodes_.push_back({.bus = bus,
+                    .port = &port,
+                    .node = &node,
+                    .impostor = std::move(impostor),
+                    .calibration = calibration,
+                    .shows = nodes_.size()});
+  return nodes_.size() - 1;
+}
+
+void FaultInjector::schedule_all(std::span<const SimFault> faults) {
+  waiting_.assign(faults.begin(), faults.end());
+  waiting_.reserve(faults.size() + capacity);
+  active_.reserve(faults.size() + capacity);
+  for (const BusEntry& bus : buses_) bus.nodes->reserve(bus.nodes->size() + 2);
+}
+
+bool FaultInjector::schedule(const SimFault& fault) noexcept {
+  if (waiting_.size() + active_.size() >= active_.capacity() || waiting_.size() == waiting_.capacity())
+    return false;
+  waiting_.push_back(fault);
+  return true;
+}
+
+void FaultInjector::run(Nanoseconds now, double motion_time) noexcept {
+  const auto ended = [&](const ActiveFault& active) {
+    const bool is_due = active.t_end_ns && *active.t_end_ns <= now;
+    if (is_due) end(active.fault);
+    return is_due;
+  };
+  bool changed = std::erase_if(active_, ended) > 0;
+  const auto begins = [&](const SimFault& fault) {
+    const bool is_due = fault.at <= motion_time;
+    if (is_due) begin(fault, now);
+    return is_due;
+  };
+  changed = std::erase_if(waiting_, begins) > 0 || changed;
+  if (changed) apply(now);
+}
+
+void FaultInjector::clear(Nanoseconds now) noexcept {
+  waiting_.clear();
+  for (const ActiveFault& active : active_) end(active.fault);
+  active_.clear();
+  apply(now);
+}
+
+double FaultInjector::shown(std::size_t node) const noexcept {
+  const NodeEntry& from = nodes_[nodes_[node].shows];
+  const double q = from.sensor.shown(from.q, from.calibration);
+  if (&from == &nodes_[node] || std::isnan(q)) return q;
+  // the other sensor's count, read by this one's calibration
+  const Calibration& by = nodes_[node].calibration;
+  const double counts = counts_at(q, from.calibration);
+  return by.home + by.sign * (counts - static_cast<double>(by.offset_counts)) / by.counts_per_unit;
+}
+
+// What happens at the beginning; what lasts is apply()'s.
+void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
+  ++begun_;
+  const bool once = text_of(fault.verb).is_event && !fault.duration_ns;
+  NodeEntry* const node = node_of(fault);
+  switch (fault.verb) {
+    case FaultVerb::reboot_node:
+      node->node->power_cycle(now);
+      if (!once) node->port->close();  // the boot-up message waits for the port
+      break;
+    case FaultVerb::emcy: node->node->trip(static_cast<std::uint16_t>(fault.value)); break;
+    case FaultVerb::bus_off: for_each_port(fault, [](SimCanPort& port) { port.force_bus_off(); }); break;
+    case FaultVerb::restart:
+      for_each_port(fault, [](SimCanPort& port) { static_cast<void>(port.restart()); });
+      break;
+    case FaultVerb::id_collision: admit_impostor(fault, now); break;
+    case FaultVerb::second_host: admit_second_host(fault, now); break;
+    default: break;
+  }
+  if (once && fault.verb != FaultVerb::spike) return;
+  active_.push_back({.fault = fault, .t_end_ns = std::nullopt});
+  if (once) active_.back().t_end_ns = now;  // in the next run: one SYNC sees it
+  else if (fault.duration_ns) active_.back().t_end_ns = now + *fault.duration_ns;
+}
+
+void FaultInjector::end(const SimFault& fault) noexcept {
+  switch (fault.verb) {
+    case FaultVerb::reboot_node: static_cast<void>(node_of(fault)->port->open()); break;
+    case FaultVerb::bus_off:
+      for_each_port(fault, [](SimCanPort& port) { static_cast<void>(port.restart()); });
+      break;
+    case FaultVerb::id_collision:
+      dismiss_impostor(buses_[fault.first_bus]);
+      static_cast<void>(node_of(fault)->port->restart());
+      break;
+    case FaultVerb::second_host:
+      for (std::size_t bus = fault.first_bus; bus < fault.end_bus; ++bus) dismiss_second_host(buses_[bus]);
+      break;
+    default: break;
+  }
+}
+
+void FaultInjector::apply(Nanoseconds now) noexcept {
+  for (std::size_t bus = 0; bus < buses_.size(); ++bus) apply(*buses_[bus].host, bus, 0);
+  for (NodeEntry& n : nodes_) {
+    const std::uint8_t id = n.node->node_id();
+    apply(*n.port, n.bus, id);
+    const std::optional<double> held = n.sensor.held;
+    n.sensor = {.offset = level(FaultVerb::spike, n.bus, id).value_or(0),
+                .wraps_at_counts = level(FaultVerb::wrap, n.bus, id).value_or(0),
+                .no_value = level(FaultVerb::nan, n.bus, id).has_value()};
+    if (level(FaultVerb::stuck, n.bus, id)) n.sensor.held = held.value_or(n.q);
+    const double clock_error_ppm = level(FaultVerb::clock_drift, n.bus, id).value_or(0);
+    if (clock_error_ppm != n.clock_error_ppm) n.node->set_clock_error(clock_error_ppm, now);
+    n.clock_error_ppm = clock_error_ppm;
+  }
+  swap_ids();
+}
+
+void FaultInjector::swap_ids() noexcept {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].shows = i;
+  for (const ActiveFault& active : active_) {
+    if (active.fault.verb != FaultVerb::swap_ids) continue;
+    const std::size_t bus = active.fault.first_bus;
+    const std::size_t one = index_of(bus, active.fault.node_id);
+    const std::size_t other = index_of(bus, static_cast<std::uint8_t>(active.fault.value));
+    if (one < nodes_.size() && other < nodes_.size()) std::swap(nodes_[one].shows, nodes_[other].shows);
+  }
+}
+
+void FaultInjector::apply(SimCanPort& port, std::size_t bus, std::uint8_t node_id) const noexcept {
+  const auto value = [&](FaultVerb verb) { return level(verb, bus, node_id).value_or(0); };
+  port.set_faults({.drop = value(FaultVerb::drop),
+                   .duplicate = value(FaultVerb::duplicate),
+                   .corrupt = value(FaultVerb::corrupt),
+                   .delay_ns = static_cast<Nanoseconds>(1e9 * value(FaultVerb::delay))});
+  port.set_connected(!level(FaultVerb::unplug, bus, node_id));
+}
+
+/// The value of the latest active fault of this kind there; none without one.
+std::optional<double> FaultInjector::level(FaultVerb verb, std::size_t bus,
+                                           std::uint8_t node_id) const noexcept {
+  std::optional<double> value;
+  for (const ActiveFault& active : active_)
+    if (active.fault.verb == verb && acts_on(active.fault, bus, node_id)) value = active.fault.value;
+  return value;
+}
+
+// One for each bus: a later one takes its place. It is operational at once, and answers SYNC.
+void FaultInjector::admit_impostor(const SimFault& fault, Nanoseconds now) noexcept {
+  BusEntry& bus = buses_[fault.first_bus];
+  dismiss_impostor(bus);
+  if (!bus.impostor_port->open()) return;
+  bus.impostor = node_of(fault)->impostor.get();
+  bus.impostor->power_cycle(now);
+  bus.impostor->tick(now);
+  bus.impostor->on_frame(canopen::make_nmt(canopen::NmtCommand::start, fault.node_id), now);
+  bus.nodes->push_back(bus.impostor);
+}
+
+void FaultInjector::dismiss_impostor(BusEntry& bus) noexcept {
+  if (bus.impostor == nullptr) return;
+  std::erase(*bus.nodes, bus.impostor);
+  bus.impostor = nullptr;
+  bus.impostor_port->close();
+}
+
+void FaultInjector::admit_second_host(const SimFault& fault, Nanoseconds now) noexcept {
+  for (std::size_t i = fault.first_bus; i < fault.end_bus; ++i) {
+    BusEntry& bus = buses_[i];
+    dismiss_second_host(bus);
+    if (!bus.second_port->open()) continue;
+    bus.second_host->set_period(to_ns(fault.value));
+    bus.second_host->power_cycle(now);
+    bus.nodes->push_back(bus.second_host.get());
+  }
+}
+
+void FaultInjector::dismiss_second_host(BusEntry& bus) noexcept {
+  std::erase(*bus.nodes, bus.second_host.get());
+  bus.second_port->close();
+}
+
+FaultInjector::NodeEntry* FaultInjector::node_of(const SimFault& fault) noexcept {
+  const auto node = std::ranges::find_if(
+      nodes_, [&](const NodeEntry& n) { return acts_on(fault, n.bus, n.node->node_id()); });
+  return node == nodes_.end() ? nullptr : &*node;
+}
+
+std::size_t FaultInjector::index_of(std::size_t bus, std::uint8_t node_id) const noexcept {
+  const auto node = std::ranges::find_if(
+      nodes_, [&](const NodeEntry& n) { return n.bus == bus && n.node->node_id() == node_id; });
+  return static_cast<std::size_t>(node - nodes_.begin());
+}
+
+template <class Function>
+void FaultInjector::for_each_port(const SimFault& fault, Function&& function) noexcept {
+  if (NodeEntry* const node = node_of(fault)) return function(*node->port);
+  for (std::size_t bus = fault.first_bus; bus < fault.end_bus; ++bus) function(*buses_[bus].host);
+}
+
+}  // namespace godobject

@@ -1,0 +1,93 @@
+// A simulated CiA 402 motor drive in the cyclic synchronous modes.
+#pragma once
+
+#include "hal/drive/cia402_homing.h"
+#include "hal/rig/params.h"
+#include "sim/node/drive_objects.h"
+#include "sim/node/canopen_node.h"
+
+namespace godobject {
+
+struct SimDriveParams {
+  DriveParams drive{};
+  // After power-up, of SimDefaults::rig:
+  Nanoseconds rpdo_timeout_ns = 0;  // deadline of RPDO1, 1400h:05; in whole ms, 0: none, as in CiA 301
+  Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2, 1801h:05; in whole ms, 0: never sent
+  Nanoseconds heartbeat_period_ns = 0;       // 0: never sent
+  SimDefaults defaults = SimDefaults::rig;
+};
+
+/// SYNC does what CiA 301 asks of synchronous PDOs: sample and send the status (every n-th SYNC), and put the
+/// RPDO1 that arrived before it into effect. A command thus reaches the motor with the next SYNC, and the
+/// status reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
+///
+/// What stops the motor of a host that is gone is what was set up, and nothing else: a drive that nobody has
+/// set up keeps its torque.
+/// No RPDO1 for its deadline (1400h:05, where it is not 0) while the power stage works: fault, no torque, EMCY 8250h; the watchdog
+/// acts at its own time, not with a SYNC, and in NMT operational only. When the heartbeat that 1016h names stops, 6007h says what happens.
+/// Leaving the NMT state operational switches the power stage off. Quick stop removes the torque at once and
+/// ends in Switch On Disabled, or stays in Quick Stop Active where 605Ah says so (5 to 7).
+///
+/// CSV and CSP (6060h; RPDO3, RPDO2) pull the motor to their target by a soft spring and damper within
+/// torque_max_Nm. Homing knows one method, 37 or 35: the position here is 607Ch. Any other ends in an error.
+class SimDrive final : public SimCanopenNode, public SimMotor {
+ public:
+  SimDrive(CanBus& bus, const SimDriveParams& params);
+
+  void set_joint(double q, double q_dot) noexcept override {
+    q_ = q;
+    q_dot_ = q_dot;
+  }
+  double applied_torque_Nm() const noexcept override;
+
+  cia402::DriveState drive_state() const noexcept { return state_; }
+  std::uint16_t error_code() const noexcept { return error_code_; }
+  /// Fault, no torque, and an EMCY with this code (603Fh).
+  void trip(std::uint16_t error_code) noexcept override;
+
+ private:
+  void sample() noexcept override;
+  void on_rpdo_received(int number, Nanoseconds now) noexcept override;
+  void on_rpdo(int number, Nanoseconds now) noexcept override;
+  void on_reset() noexcept override;
+  void on_heartbeat_lost(Nanoseconds now) noexcept override;
+  sdo::AbortCode may_write_object(canopen::ObjectAddress address, std::int64_t value) noexcept override;
+  void on_object_written(canopen::ObjectAddress address, std::int64_t value) noexcept override;
+  void on_nmt_state(Nanoseconds now) noexcept override;
+  void on_tick(Nanoseconds now) noexcept override;
+  Nanoseconds device_timer() const noexcept override;
+
+  void show(canopen::ObjectAddress address, std::int64_t value) noexcept;
+  void take_command() noexcept;
+  void quick_stop() noexcept;
+  void start_homing() noexcept;
+  void begin_manoeuvre() noexcept;
+  void finish_manoeuvre() noexcept;
+  void finish_homing() noexcept;
+  cia402::OperationMode mode() const noexcept;
+  double servo_torque_Nm() const noexcept;
+  std::int64_t position_counts() const noexcept;
+  double velocity_counts_per_s() const noexcept;
+  Nanoseconds command_deadline() const noexcept;
+  void obey(std::uint16_t controlword) noexcept;
+  void reset_fault() noexcept;
+  void send_emergency() noexcept;
+  std::uint16_t statusword() const noexcept;
+  bool power_stage_works() const noexcept;
+  double max_per_mille() const noexcept;
+
+  SimDriveParams params_;
+  double q_ = 0;
+  double q_dot_ = 0;
+
+  cia402::DriveState state_ = cia402::DriveState::not_ready_to_switch_on;
+  std::uint16_t error_code_ = canopen::emcy_no_error;
+  cia402::Command active_;
+  cia402::HomingState homing_ = cia402::HomingState::not_running;
+  std::int64_t zero_counts_ = 0;   // what homing has added
+  bool manoeuvre_begins_ = false;  // a homing or a quick stop, timed from the next tick
+  Nanoseconds t_manoeuvre_ends_ns_ = never;
+  Nanoseconds t_received_ns_ = 0;
+};
+
+}  // namespace godobject

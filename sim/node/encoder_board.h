@@ -1,0 +1,48 @@
+// A simulated encoder board: the far end of its serial line. It sends a frame whenever its own clock says so.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "hal/board/encoder_board.h"
+#include "sim/bus/random.h"
+
+namespace godobject {
+
+/// What goes wrong, until it is set back.
+struct SimBoardFaults {
+  bool silent = false;
+  double drop_probability = 0;     // per frame
+  double corrupt_probability = 0;  // per frame: one bit of it is flipped
+  double clock_drift = 0;          // 1e-6: how much too fast its clock runs
+};
+
+class SimEncoderBoard {
+ public:
+  SimEncoderBoard(double rate_hz, std::size_t num_counts, std::uint64_t seed) noexcept
+      : period_(1e9 / rate_hz), random_(seed) {
+    frame_.num_counts = num_counts;
+  }
+
+  void set_count(std::size_t i, std::int32_t counts) noexcept { frame_.counts[i] = counts; }
+  void set_status(std::uint16_t status) noexcept { frame_.status = status; }
+  /// Power off and on.
+  void reboot() noexcept { started_ = false; }
+
+  /// The frame that is due by now; empty when none is. `out`: max_encoder_wire bytes.
+  std::span<const std::uint8_t> transmit(std::span<std::uint8_t> out, Nanoseconds now) noexcept;
+
+  SimBoardFaults faults{};
+
+ private:
+  double period_;  // ns of its own clock
+  EncoderFrame frame_;
+  Nanoseconds last_ = 0;
+  double clock_ns_ = 0, next_ns_ = 0;  // its own
+  bool started_ = false;
+  Random random_;
+};
+
+}  // namespace godobject

@@ -1,0 +1,48 @@
+// A simulated moteus controller: registers over CAN FD, torque by feed-forward.
+#pragma once
+
+#include "hal/drive/moteus.h"
+#include "sim/node/node.h"
+
+namespace godobject {
+
+/// Mode 10 with both gains scaled to zero makes the feed-forward torque; with gains it makes none, since
+/// positions are not followed here. In mode 10 without a command for the watchdog's time: mode 11, which only a
+/// stop leaves, as it does mode 1.
+class SimMoteus final : public SimNode, public SimMotor {
+ public:
+  /// bus: must outlive it and be opened by the caller.
+  SimMoteus(CanBus& bus, const DriveParams& params) noexcept;
+
+  void poll(Nanoseconds now) noexcept override;
+  Nanoseconds next_timer() const noexcept override;
+  std::uint8_t node_id() const noexcept override { return params_.node_id; }
+  void power_cycle(Nanoseconds now) noexcept override;
+  void trip(std::uint16_t error_code) noexcept override;
+  void set_clock_error(double ppm, Nanoseconds) noexcept override { clock_rate_ = 1 + 1e-6 * ppm; }
+
+  void set_joint(double q, double q_dot) noexcept override {
+    q_ = q;
+    q_dot_ = q_dot;
+  }
+  double applied_torque_Nm() const noexcept override;
+
+  int mode() const noexcept { return static_cast<int>(values_[moteus::mode]); }
+
+ private:
+  static constexpr std::size_t num_registers = 0x40;
+
+  void on_frame(const CanFrame& frame, Nanoseconds now) noexcept;
+  void write(std::uint32_t reg, double value, Nanoseconds now) noexcept;
+  void measure() noexcept;
+  Nanoseconds watchdog_ns() const noexcept;
+
+  CanBus& bus_;
+  DriveParams params_;
+  double q_ = 0, q_dot_ = 0;
+  std::array<double, num_registers> values_{};
+  double clock_rate_ = 1;
+  Nanoseconds t_command_ns_ = 0;
+};
+
+}  // namespace godobject

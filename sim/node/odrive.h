@@ -1,0 +1,54 @@
+// A simulated ODrive: CAN Simple, in torque control.
+#pragma once
+
+#include "hal/drive/odrive.h"
+#include "sim/node/node.h"
+
+namespace godobject {
+
+/// Heartbeat and torques come by themselves, the encoder estimates when asked for by a remote frame. Where
+/// its own configuration has the watchdog (DriveWatchdog::drive; out of the factory it is off): in closed loop
+/// without Input_Torque for its time idle, with the watchdog's error, which Clear_Errors takes away.
+class SimOdrive final : public SimNode, public SimMotor {
+ public:
+  /// bus: must outlive it and be opened by the caller.
+  SimOdrive(CanBus& bus, const DriveParams& params) noexcept : bus_(bus), params_(params) { power_cycle(0); }
+
+  void poll(Nanoseconds now) noexcept override;
+  Nanoseconds next_timer() const noexcept override;
+  std::uint8_t node_id() const noexcept override { return params_.node_id; }
+  void power_cycle(Nanoseconds now) noexcept override;
+  void trip(std::uint16_t error_code) noexcept override { fail(error_code); }
+  void set_clock_error(double ppm, Nanoseconds now) noexcept override;
+
+  void set_joint(double q, double q_dot) noexcept override {
+    q_ = q;
+    q_dot_ = q_dot;
+  }
+  double applied_torque_Nm() const noexcept override;
+
+  std::uint32_t axis_state() const noexcept { return axis_state_; }
+  std::uint32_t error() const noexcept { return error_; }
+
+ private:
+  void on_frame(const CanFrame& frame, Nanoseconds now) noexcept;
+  void fail(std::uint32_t error) noexcept;
+  void send(const CanFrame& frame) noexcept { static_cast<void>(bus_.try_send(frame)); }
+  void send_estimates() noexcept;
+  bool closed_loop() const noexcept { return axis_state_ == odrive::axis_closed_loop; }
+  Nanoseconds watchdog_deadline() const noexcept;
+  /// A period of its own clock, in time of the bus.
+  Nanoseconds period_ns(double period_s) const noexcept;
+
+  CanBus& bus_;
+  DriveParams params_;
+  double q_ = 0, q_dot_ = 0;
+  std::uint32_t axis_state_ = odrive::axis_idle;
+  std::uint32_t error_ = 0;
+  bool torque_mode_ = false;  // out of the factory: position control
+  float torque_Nm_ = 0;
+  double clock_rate_ = 1;
+  Nanoseconds t_heartbeat_ns_ = 0, t_torques_ns_ = 0, t_fed_ns_ = 0;
+};
+
+}  // namespace godobject

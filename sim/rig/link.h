@@ -1,0 +1,46 @@
+// The buses of a simulated rig, on a clock of their own.
+#pragma once
+
+#include "hal/rig/link.h"
+#include "sim/rig/rig.h"
+
+namespace godobject {
+
+/// Its time moves in its calls alone: begin_cycle() is one period after the one before, wait() one poll later.
+class SimLink final : public RigLink {
+ public:
+  /// SimRig::why_not(scene, motion) is empty; both outlive the link. Allocates; nothing later does.
+  SimLink(const SceneConfig& scene, const Motion& motion, Nanoseconds period, Nanoseconds poll,
+          const RigProfiles& profiles = {})
+      : rig_(scene, motion, profiles), period_ns_(period), poll_ns_(poll) {}
+
+  std::span<CanBus* const> buses() noexcept override { return rig_.host_buses(); }
+  /// The rest of the last period, with the mechanics up to its end.
+  Nanoseconds begin_cycle(double motion_time) noexcept override {
+    t_cycle_ns_ += period_ns_;
+    rig_.run_wires(t_cycle_ns_ - 1);
+    rig_.run_plant(t_cycle_ns_, motion_time);
+    t_now_ns_ = t_cycle_ns_;
+    return t_now_ns_;
+  }
+  Nanoseconds wait(Nanoseconds until) noexcept override {
+    t_now_ns_ = std::min(t_now_ns_ + poll_ns_, until);
+    rig_.run_wires(t_now_ns_);
+    return t_now_ns_;
+  }
+  void set_observer(const BusObserver& observer) noexcept override { rig_.set_observer(observer); }
+
+  SimRig& rig() noexcept { return rig_; }
+  const SimRig& rig() const noexcept { return rig_; }
+  /// Mean load of a bus since the start, percent.
+  double load_percent(std::size_t bus) const noexcept { return rig_.load_percent(bus, t_cycle_ns_); }
+
+ private:
+  SimRig rig_;
+  Nanoseconds period_ns_;
+  Nanoseconds poll_ns_;
+  Nanoseconds t_cycle_ns_ = 0;
+  Nanoseconds t_now_ns_ = 0;
+};
+
+}  // namespace godobject

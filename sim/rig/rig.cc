@@ -1,0 +1,265 @@
+#include "sim/rig/rig.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/canopen/commissioning_steps.h"
+#include "sim/node/drive.h"
+#include "sim/node/moteus.h"
+#include "sim/node/odrive.h"
+
+namespace godobject {
+namespace {
+
+constexpr Nanoseconds ms = 1'000'000;
+
+/// Up to 2.27 times the shortest of the rig. No two nodes' clocks agree: heartbeats in step would all come
+/// between the same SYNC and its answers.
+Nanoseconds heartbeat_period_ns(double shortest_s, std::uint8_t node_id) noexcept {
+  return std::llround(1e9 * shortest_s * (1 + 0.01 * node_id));
+}
+
+/// A drive as the wire and as the mechanics see it: one object.
+struct MadeDrive {
+  std::unique_ptr<SimNode> node;
+  SimMotor* motor;
+};
+
+template <class Drive>
+MadeDrive both(std::unique_ptr<Drive> drive) {
+  SimMotor* const motor = drive.get();
+  return {.node = std::move(drive), .motor = motor};
+}
+
+// One line per protocol.
+MadeDrive make_drive(CanBus& bus, const DriveParams& params, std::vector<SdoStep> stored,
+                     Nanoseconds heartbeat_ns) {
+  switch (params.protocol) {
+    case DriveProtocol::odrive: return both(std::make_unique<SimOdrive>(bus, params));
+    case DriveProtocol::moteus: return both(std::make_unique<SimMoteus>(bus, params));
+    case DriveProtocol::cia402: break;
+  }
+  const bool own_watchdog = params.watchdog == DriveWatchdog::drive;
+  auto drive = std::make_unique<SimDrive>(
+      bus, SimDriveParams{.drive = params,
+                          .rpdo_timeout_ns = own_watchdog ? ms * params.watchdog_ms : 0,
+                          .heartbeat_period_ns = heartbeat_ns});
+  drive->store(std::move(stored));
+  return both(std::move(drive));
+}
+
+const std::optional<NodeProfile>& profile_of(const std::vector<std::optional<NodeProfile>>& profiles,
+                                             std::size_t index) {
+  static const std::optional<NodeProfile> none;
+  return index < profiles.size() ? profiles[index] : none;
+}
+
+/// What the host would write to the node to set it up.
+std::vector<SdoStep> steps_of(const std::optional<NodeProfile>& profile, const RigParams& rig,
+                              NodeSetup setup) {
+  if (!profile) return {};
+  setup.host_node_id = rig.host_node_id;
+  setup.cycle_s = rig.cycle_s;
+  return commissioning_steps(*profile, setup);
+}
+
+}  // namespace
+
+BusLoadParams simulated_load(const RigParams& rig) noexcept {
+  constexpr double usual_s = 0.1;
+  constexpr double resolution_s = 1e-3;  // of object 1017h
+  constexpr double per_timeout = 5;      // the slowest node still sends two
+  BusLoadParams load;
+  // the host's may be fast for the sake of drives that watch it: the nodes' need not
+  const double period_s = std::max(usual_s, rig.heartbeat_period_s);
+  load.heartbeat_period_s = std::max(resolution_s, std::min(period_s, rig.heartbeat_timeout_s / per_timeout));
+  load.host_heartbeat_period_s = std::min(rig.heartbeat_period_s, load.heartbeat_period_s);
+  load.host_node_id = rig.host_node_id;
+  return load;
+}
+
+std::string SimRig::why_not(const SceneConfig& scene, const Motion& motion) {
+  const KinematicTreeParams& tree = scene.device->rig->tree;
+  const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
+  for (std::size_t handle = 0; handle < by_handle.size(); ++handle) {
+    if (!by_handle[handle])
+      return "handle of body '" + tree.handles[handle].body + "': the scene has no such coupled body";
+  }
+  if (motion.has_joints() || InverseKinematics(tree).invertible()) return "";
+  std::string joints;
+  for (const DeviceJoint& joint : tree.joints) joints += (joints.empty() ? "'" : ", '") + joint.name + "'";
+  return "a motion of poses goes through the simulated bus only where the device has one handle and six "
+         "joints "
+         "that all move it: give --motion a column for each joint (" +
+         joints + "), or use --bus direct";
+}
+
+SimRig::SimRig(const SceneConfig& scene, const Motion& motion, const RigProfiles& profiles)
+    : params_(*scene.device->rig), motion_(motion), tree_(params_.tree), ik_(params_.tree) {
+  for (std::size_t i = 0; i < params_.buses.size(); ++i) {
+    SimWireParams wire;
+    const BusParams& bus = params_.buses[i];
+    wire.rates = {.nominal = bus.bit_rate, .data = bus.data_bit_rate > 0 ? bus.data_bit_rate : bus.bit_rate};
+    wire.corruption_probability = scene.wire.corruption_probability;
+    wire.seed = scene.wire.seed + i;
+    buses_.push_back(std::make_unique<Bus>(wire));
+    buses_[i]->rig = this;
+    buses_[i]->index = i;
+    SimCanPort& host = buses_[i]->host;
+    static_cast<void>(host.open());
+    host.set_loss_probability(scene.wire.loss_probability);
+    host.set_receive_delay(static_cast<Nanoseconds>(scene.wire.delay_s * 1e9));
+    host_buses_.push_back(&host);
+    faults_.add_bus(buses_[i]->wire, host, buses_[i]->nodes, params_);
+  }
+  const double heartbeat_s = simulated_load(params_).heartbeat_period_s;
+  for (std::size_t i = 0; i < params_.encoders.size(); ++i)
+    add_encoder(params_.encoders[i], profile_of(profiles.encoders, i), heartbeat_s);
+  for (std::size_t i = 0; i < params_.drives.size(); ++i)
+    add_drive(params_.drives[i], profile_of(profiles.drives, i), heartbeat_s);
+  for (const ButtonParams& b : params_.buttons) add_button(b, heartbeat_s);
+  std::vector<SimFault> faults;
+  for (const FaultConfig& config : scene.faults)
+    if (const FaultResult found = resolve(config, params_); found.fault) faults.push_back(*found.fault);
+  faults_.schedule_all(faults);
+  ik_target_ = driven_by_handles(scene).front().value_or(0);
+  const JointTarget start = hand_at(0);
+  const bool haptic = shows_force(scene.device->kind);
+  plant_ = std::make_unique<SimPlant>(scene.device->plant, params_.tree.joints.size(),
+                                      haptic && !drives_.empty(), start.q, 0);
+  show_joints();
+  press_buttons(0);
+}
+
+void SimRig::add_encoder(const EncoderParams& e, const std::optional<NodeProfile>& profile,
+                         double heartbeat_s) {
+  SimCanPort& port = add_port(e.bus);
+  auto node = std::make_unique<SimEncoder>(port, e.node_id, e.calibration,
+                                           heartbeat_period_ns(heartbeat_s, e.node_id));
+  node->store(steps_of(profile, params_, {.node_id = e.node_id}));
+  const std::size_t fault_node = faults_.add_node(e.bus, port, *node, e.calibration);
+  buses_[e.bus]->nodes.push_back(node.get());
+  encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint), .fault_node = fault_node});
+}
+
+void SimRig::add_drive(const DriveParams& d, const std::optional<NodeProfile>& profile, double heartbeat_s) {
+  SimCanPort& port = add_port(d.bus);
+  const NodeSetup setup{.node_id = d.node_id,
+                        .torque_rated_Nm = d.torque_rated_Nm,
+                        .status_every_nth_sync = d.status_every_nth_sync};
+  auto [node, motor] =
+      make_drive(port, d, steps_of(profile, params_, setup), heartbeat_period_ns(heartbeat_s, d.node_id));
+  const std::size_t fault_node = faults_.add_node(d.bus, port, *node, d.calibration);
+  buses_[d.bus]->nodes.push_back(node.get());
+  drives_.push_back({.node = std::move(node),
+                     .motor = motor,
+                     .joint = joint_named(d.joint),
+                     .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad,
+                     .fault_node = fault_node});
+}
+
+void SimRig::add_button(const ButtonParams& b, double heartbeat_s) {
+  const auto is_it = [&](const ButtonsAt& at) { return at.bus == b.bus && at.node->node_id() == b.node_id; };
+  if (std::ranges::any_of(buttons_, is_it)) return;
+  SimCanPort& port = add_port(b.bus);
+  auto node = std::make_unique<SimButtonNode>(port, b.node_id, heartbeat_period_ns(heartbeat_s, b.node_id));
+  static_cast<void>(faults_.add_node(b.bus, port, *node, {}));
+  buses_[b.bus]->nodes.push_back(node.get());
+  buttons_.push_back({.node = std::move(node), .bus = b.bus});
+}
+
+/// As the motion has them: its columns for the button and for the clutch.
+void SimRig::press_buttons(double motion_time) noexcept {
+  for (const ButtonsAt& at : buttons_) {
+    unsigned inputs = 0;
+    for (const ButtonParams& b : params_.buttons) {
+      if (b.bus != at.bus || b.node_id != at.node->node_id()) continue;
+      const bool pressed = b.use == ButtonUse::hold ? motion_.button(motion_time)
+                                                    : motion_.switches(ik_target_, motion_time).clutch;
+      inputs |= (pressed != b.active_low ? 1u : 0u) << b.bit;
+    }
+    at.node->set_inputs(static_cast<std::uint8_t>(inputs));
+  }
+}
+
+SimCanPort& SimRig::add_port(std::size_t bus) {
+  Bus& b = *buses_[bus];
+  b.ports.push_back(std::make_unique<SimCanPort>(b.wire));
+  static_cast<void>(b.ports.back()->open());
+  return *b.ports.back();
+}
+
+Eigen::Index SimRig::joint_named(const std::string& name) const {
+  for (std::size_t i = 0; i < params_.tree.joints.size(); ++i)
+    if (params_.tree.joints[i].name == name) return static_cast<Eigen::Index>(i);
+  return 0;  // validate(RigParams) has refused an unknown name
+}
+
+void SimRig::set_observer(const BusObserver& observer) noexcept {
+  observer_ = observer;
+  for (const auto& bus : buses_) {
+    bus->wire.set_observer({.on_frame =
+                                [](void* context, const ReceivedFrame& frame) {
+                                  const Bus& b = *static_cast<Bus*>(context);
+                                  b.rig->observer_.on_frame(b.rig->observer_.context, b.index, frame);
+                                },
+                            .context = bus.get()});
+  }
+}
+
+JointTarget SimRig::hand_at(double motion_time) noexcept {
+  JointTarget hand =
+      motion_.has_joints() ? motion_.joints(motion_time) : invert(motion_.target(ik_target_, motion_time));
+  if (motion_time <= 0) hand.q_dot.setZero();  // the motion has not begun
+  return hand;
+}
+
+JointTarget SimRig::invert(const MotionSample& target) noexcept {
+  const IkSolution solution = ik_.solve(target.X_WD);
+  JointTarget hand{.q = solution.q, .q_dot = JointVector::Zero(solution.q.size())};
+  const bool solved = solution.status == IkStatus::solved && ik_.joint_rates(target.V_WD, hand.q_dot);
+  reachable_ = reachable_ && solved;
+  return hand;
+}
+
+void SimRig::run_wires(Nanoseconds t) noexcept {
+  for (const auto& bus : buses_) advance(bus->wire, bus->nodes, t);
+}
+
+std::optional<Nanoseconds> SimRig::next_event() const noexcept {
+  Nanoseconds t = SimNode::never;
+  for (const auto& bus : buses_) {
+    t = std::min(t, bus->wire.next_event().value_or(SimNode::never));
+    for (const SimNode* node : bus->nodes) t = std::min(t, node->next_timer());
+  }
+  return t == SimNode::never ? std::nullopt : std::optional(t);
+}
+
+void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
+  faults_.run(t, motion_time);
+  for (const DriveAt& d : drives_)
+    plant_->set_motor_torque(static_cast<std::size_t>(d.joint),
+                             d.motor->applied_torque_Nm() * d.joint_torque_per_motor_Nm);
+  const JointTarget hand = hand_at(motion_time);
+  plant_->advance(t, hand.q, hand.q_dot);
+  show_joints();
+  press_buttons(motion_time);
+}
+
+void SimRig::show_joints() noexcept {
+  for (const EncoderAt& e : encoders_) faults_.move(e.fault_node, plant_->q()[e.joint]);
+  for (const DriveAt& d : drives_) faults_.move(d.fault_node, plant_->q()[d.joint]);
+  for (const EncoderAt& e : encoders_) e.node->set_position(faults_.shown(e.fault_node));
+  for (const DriveAt& d : drives_) d.motor->set_joint(faults_.shown(d.fault_node), plant_->q_dot()[d.joint]);
+}
+
+MotionSample SimRig::handle(std::size_t index) const noexcept {
+  const TreeConfiguration at = tree_.at(plant_->q());
+  return {.X_WD = at.X_WH(index), .V_WD = at.twist(index, plant_->q_dot())};
+}
+
+double SimRig::load_percent(std::size_t bus, Nanoseconds now) const noexcept {
+  return 100.0 * static_cast<double>(buses_[bus]->wire.counters().busy_ns) / static_cast<double>(now);
+}
+
+}  // namespace godobject

@@ -1,0 +1,305 @@
+#include "sim/tracker/ndi.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "hal/base/codec.h"
+#include "hal/base/crc16.h"
+#include "hal/tracker/ndi_tracker.h"
+
+namespace godobject {
+namespace {
+
+namespace error {
+constexpr std::uint8_t invalid_command = 0x01, bad_crc = 0x04, no_handle = 0x08, wrong_mode = 0x0C,
+                       not_initialised = 0x0E, system_not_initialised = 0x10;
+}
+
+std::span<const std::uint8_t> as_bytes(std::string_view text) noexcept {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// Text that grows in place; too much of it is cut off.
+class Text {
+ public:
+  explicit Text(std::span<std::uint8_t> out) noexcept : out_(out) {}
+
+  [[gnu::format(printf, 2, 3)]] void add(const char* format, ...) noexcept {
+    std::array<char, 128> part{};
+    std::va_list arguments;
+    va_start(arguments, format);
+    const int size = std::vsnprintf(part.data(), part.size(), format, arguments);
+    va_end(arguments);
+    const std::size_t fits = std::min(static_cast<std::size_t>(std::max(size, 0)), out_.size() - size_);
+    std::copy_n(part.begin(), fits, out_.begin() + static_cast<std::ptrdiff_t>(size_));
+    size_ += fits;
+  }
+  std::span<const std::uint8_t> bytes() const noexcept { return out_.first(size_); }
+
+ private:
+  std::span<std::uint8_t> out_;
+  std::size_t size_ = 0;
+};
+
+std::span<const std::uint8_t> finish(Text& text) noexcept {
+  text.add("%04X\r", unsigned{crc16<crc16_arc>(text.bytes())});
+  return text.bytes();
+}
+
+/// x in units that have this many digits.
+int scaled(double x, double unit, int limit) noexcept { return saturate_to<int>(x / unit, -limit, limit); }
+
+void put_float(ByteWriter& out, double value) noexcept {
+  out.put(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+}
+
+}  // namespace
+
+std::span<const std::uint8_t> make_tx_reply(const ndi::PoseReply& reply,
+                                            std::span<std::uint8_t> out) noexcept {
+  Text text(out);
+  text.add("%02zX", reply.num_handles);
+  for (const ndi::HandlePose& h : reply.all()) {
+    text.add("%02X", unsigned{h.handle});
+    if (h.status == ndi::HandleStatus::disabled) {
+      text.add("DISABLED\n");
+      continue;
+    }
+    const Pose& X = h.X_TH;
+    if (h.status == ndi::HandleStatus::missing) {
+      text.add("MISSING");
+    } else {
+      for (const double q : {X.q.w(), X.q.x(), X.q.y(), X.q.z()}) text.add("%+06d", scaled(q, 1e-4, 99'999));
+      for (const double p : {X.p.x(), X.p.y(), X.p.z()}) text.add("%+07d", scaled(p, 1e-5, 999'999));
+      text.add("%+06d", scaled(h.error_m, 1e-7, 99'999));
+    }
+    text.add("%08X%08X\n", h.port_bits, h.frame);
+  }
+  text.add("%04X", unsigned{reply.system_status});
+  return finish(text);
+}
+
+std::span<const std::uint8_t> make_bx_reply(const ndi::PoseReply& reply,
+                                            std::span<std::uint8_t> out) noexcept {
+  constexpr std::size_t header = 6;
+  if (out.size() < header + 2) return {};
+  ByteWriter body(out.subspan(header));
+  body.put(static_cast<std::uint8_t>(reply.num_handles));
+  for (const ndi::HandlePose& h : reply.all()) {
+    body.put(h.handle).put(static_cast<std::uint8_t>(h.status));
+    if (h.status == ndi::HandleStatus::disabled) continue;
+    if (h.status == ndi::HandleStatus::valid) {
+      const Pose& X = h.X_TH;
+      for (const double q : {X.q.w(), X.q.x(), X.q.y(), X.q.z()}) put_float(body, q);
+      for (const double p : {X.p.x(), X.p.y(), X.p.z()}) put_float(body, 1e3 * p);
+      put_float(body, 1e3 * h.error_m);
+    }
+    body.put(h.port_bits).put(h.frame);
+  }
+  body.put(reply.system_status);
+  const std::size_t size = body.size();
+  body.put(crc16<crc16_arc>(out.subspan(header, size)));
+  if (!body.ok()) return {};
+  ByteWriter(out).put(std::uint16_t{0xA5C4}).put(static_cast<std::uint16_t>(size)).put(std::uint16_t{0});
+  ByteWriter(out.subspan(4)).put(crc16<crc16_arc>(out.first(4)));
+  return out.first(header + size + 2);
+}
+
+SimNdi::SimNdi(const TrackerParams& params, double rate_hz, std::uint64_t seed)
+    : SimTracker(rate_hz, seed), num_tools_(std::min(params.tools.size(), max_tracked_tools)) {
+  for (std::size_t i = 0; i < num_tools_; ++i) {
+    ports_[i].handle = ndi_handle(params.tools[i].tool);
+    ports_[i].wired = ports_[i].handle.has_value();
+  }
+}
+
+void SimNdi::forget_tools() noexcept {
+  initialised_ = tracking_ = false;
+  for (Port& port : ports_) {
+    port.initialised = port.enabled = false;
+    port.written = 0;
+    if (!port.wired) port.handle.reset();
+  }
+}
+
+void SimNdi::serial_break(Nanoseconds now) noexcept {
+  forget_tools();
+  line_size_ = 0;
+  send_text("RESET", now);
+}
+
+void SimNdi::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
+  for (const std::uint8_t byte : bytes) {
+    if (byte != '\r') {
+      if (line_size_ < line_.size()) line_[line_size_++] = static_cast<char>(byte);
+      continue;
+    }
+    const std::string_view line(line_.data(), line_size_);
+    line_size_ = 0;
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos || line.size() < colon + 5) {
+      send_error(error::invalid_command, now);
+      continue;
+    }
+    const std::string_view content = line.substr(0, line.size() - 4);
+    std::array<char, 5> crc{};
+    std::snprintf(crc.data(), crc.size(), "%04X", unsigned{crc16<crc16_arc>(as_bytes(content))});
+    if (line.substr(content.size()) != crc.data()) {
+      send_error(error::bad_crc, now);
+    } else {
+      answer(content.substr(0, colon), content.substr(colon + 1), now);
+    }
+  }
+}
+
+void SimNdi::answer(std::string_view command, std::string_view parameters, Nanoseconds now) noexcept {
+  const bool poses = command == "TX" || command == "BX";
+  if (command == "BX" && text_only_) return send_error(error::invalid_command, now);
+  if (command == "COMM") return send_text("OKAY", now);
+  if (command == "VER") return send_text("Simulated Control Firmware\nNDI S/N: none\n", now);
+  if (command == "INIT") {
+    forget_tools();
+    initialised_ = true;
+    return send_text("OKAY", now);
+  }
+  if (poses) {
+    if (!tracking_) return send_error(error::wrong_mode, now);
+    return answer_poses(command == "BX", parameters, now);
+  }
+  if (command == "TSTOP") {
+    tracking_ = false;
+    return send_text("OKAY", now);
+  }
+  if (!initialised_) return send_error(error::system_not_initialised, now);
+  if (tracking_) return send_error(error::wrong_mode, now);
+  if (command == "TSTART") {
+    tracking_ = true;
+    if (parameters == "80") restart_frames();
+    return send_text("OKAY", now);
+  }
+  if (command == "PHSR") return answer_phsr(parameters, now);
+  if (command == "PHRQ") return answer_phrq(now);
+  answer_handle_command(command, parameters, now);
+}
+
+void SimNdi::answer_handle_command(std::string_view command, std::string_view parameters,
+                                   Nanoseconds now) noexcept {
+  constexpr std::array known{"PVWR", "PINIT", "PENA", "PDIS", "PHF", "PHINF"};
+  if (std::ranges::find(known, command) == known.end()) return send_error(error::invalid_command, now);
+  Port* const port = port_of(parameters.substr(0, 2));
+  if (port == nullptr) return send_error(error::no_handle, now);
+  if (command == "PHINF") return answer_phinf(*port, now);
+  if (command == "PVWR") {
+    port->written += ndi::block_size;
+  } else if (command == "PINIT") {
+    if (!port->wired && port->written == 0) return send_error(0x13, now);
+    port->initialised = true;
+  } else if (command == "PENA") {
+    if (!port->initialised) return send_error(error::not_initialised, now);
+    port->enabled = true;
+  } else if (command == "PDIS") {
+    port->enabled = false;
+  } else {
+    port->handle.reset();
+  }
+  send_text("OKAY", now);
+}
+
+/// 00 all, 01 to be freed, 02 not initialised, 03 initialised and not enabled, 04 enabled.
+void SimNdi::answer_phsr(std::string_view parameters, Nanoseconds now) noexcept {
+  std::array<std::uint8_t, 128> reply{};
+  Text text(reply);
+  std::array<std::size_t, max_tracked_tools> listed{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < num_tools_; ++i) {
+    const Port& port = ports_[i];
+    if (!port.handle || !is_plugged(i)) continue;
+    const bool wanted = parameters == "00" || (parameters == "02" && !port.initialised) ||
+                        (parameters == "03" && port.initialised && !port.enabled) ||
+                        (parameters == "04" && port.enabled);
+    if (wanted) listed[count++] = i;
+  }
+  text.add("%02zX", count);
+  for (std::size_t i = 0; i < count; ++i)
+    text.add("%02X%03X", unsigned{*ports_[listed[i]].handle}, port_bits(listed[i]) & 0xFFFu);
+  send(finish(text), now);
+}
+
+/// The next passive tool gets the next free handle.
+void SimNdi::answer_phrq(Nanoseconds now) noexcept {
+  for (std::size_t i = 0; i < num_tools_; ++i) {
+    if (ports_[i].handle || ports_[i].wired) continue;
+    std::uint8_t handle = 1;
+    const auto taken = [&] {
+      return std::ranges::any_of(ports_, [&](const Port& port) { return port.handle == handle; });
+    };
+    while (taken()) ++handle;
+    ports_[i].handle = handle;
+    std::array<char, 3> digits{};
+    std::snprintf(digits.data(), digits.size(), "%02X", unsigned{handle});
+    return send_text(digits.data(), now);
+  }
+  send_error(error::no_handle, now);
+}
+
+void SimNdi::answer_phinf(const Port& port, Nanoseconds now) noexcept {
+  std::array<std::uint8_t, 64> reply{};
+  Text text(reply);
+  text.add("01000000%-12s001%08X%02X", "Simulated", unsigned{*port.handle},
+           port_bits(static_cast<std::size_t>(&port - ports_.data())) & 0xFFu);
+  send(finish(text), now);
+}
+
+std::uint32_t SimNdi::port_bits(std::size_t tool) const noexcept {
+  const Port& port = ports_[tool];
+  return (port.wired ? ndi::port_status::tool_in_port : 0u) |
+         (port.initialised ? ndi::port_status::initialised : 0u) |
+         (port.enabled ? ndi::port_status::enabled : 0u) |
+         (faults.out_of_volume[tool] ? ndi::port_status::out_of_volume : 0u);
+}
+
+ndi::HandlePose SimNdi::pose_of(std::size_t tool) const noexcept {
+  ndi::HandlePose pose{.handle = *ports_[tool].handle, .X_TH = measurement().poses[tool], .error_m = 1e-4};
+  pose.port_bits = port_bits(tool);
+  pose.frame = measurement().frame;
+  pose.status = !is_plugged(tool)      ? ndi::HandleStatus::disabled
+                : faults.missing[tool] ? ndi::HandleStatus::missing
+                                       : ndi::HandleStatus::valid;
+  return pose;
+}
+
+void SimNdi::answer_poses(bool binary, std::string_view parameters, Nanoseconds now) noexcept {
+  if (parameters != "0001" && parameters != "0801") return send_error(0x23, now);
+  ndi::PoseReply reply;
+  for (std::size_t i = 0; i < num_tools_; ++i) {
+    if (ports_[i].handle && ports_[i].enabled) reply.handles[reply.num_handles++] = pose_of(i);
+  }
+  std::array<std::uint8_t, 1024> bytes{};
+  send(binary ? make_bx_reply(reply, bytes) : make_tx_reply(reply, bytes), now);
+}
+
+SimNdi::Port* SimNdi::port_of(std::string_view digits) noexcept {
+  const auto handle = ndi_handle(digits);
+  const auto found =
+      std::ranges::find_if(ports_, [&](const Port& port) { return handle && port.handle == handle; });
+  return found == ports_.end() ? nullptr : &*found;
+}
+
+void SimNdi::send_text(std::string_view content, Nanoseconds now) noexcept {
+  std::array<std::uint8_t, 256> reply{};
+  Text text(reply);
+  text.add("%.*s", static_cast<int>(content.size()), content.data());
+  send(finish(text), now);
+}
+
+void SimNdi::send_error(std::uint8_t code, Nanoseconds now) noexcept {
+  std::array<std::uint8_t, 16> reply{};
+  Text text(reply);
+  text.add("ERROR%02X", unsigned{code});
+  send(finish(text), now);
+}
+
+}  // namespace godobject
