@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "platform/cli/run_options.h"
+#include "platform/cli/run/options.h"
 
 namespace godobject {
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "hal/rig/validate.h"
-#include "platform/cli/bus_load_text.h"
+#include "platform/cli/bus/load_text.h"
 #include "platform/cli/verbs.h"
 #include "platform/scene/scene_toml.h"
 #include "sim/rig/rig.h"

@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <memory>
 
-#include "platform/cli/bus_load_text.h"
+#include "platform/cli/bus/load_text.h"
 #include "platform/cli/check_text.h"
-#include "platform/cli/run_options.h"
+#include "platform/cli/run/options.h"
 #include "platform/cli/time_to_zero.h"
 #include "platform/cli/verbs.h"
 #include "platform/engine/contact_params.h"

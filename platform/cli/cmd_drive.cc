@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <memory>
 
-#include "platform/cli/canopen_texts.h"
-#include "platform/cli/drive_home.h"
-#include "platform/cli/drive_move.h"
+#include "platform/cli/bus/canopen_texts.h"
+#include "platform/cli/bus/drive_home.h"
+#include "platform/cli/bus/drive_move.h"
 #include "platform/cli/option_checks.h"
-#include "platform/cli/stop_signals.h"
-#include "platform/clock.h"
+#include "platform/cli/run/stop_signals.h"
+#include "platform/rt/clock.h"
 
 namespace godobject {
 namespace {

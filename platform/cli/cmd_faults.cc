@@ -5,7 +5,7 @@
 
 #include "platform/cli/fault_texts.h"
 #include "platform/cli/verbs.h"
-#include "platform/nearest_name.h"
+#include "platform/linux/nearest_name.h"
 
 namespace godobject {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "hal/canopen/lss.h"
 #include "hal/canopen/sdo.h"
-#include "platform/cli/bus_dialogue.h"
+#include "platform/cli/bus/dialogue.h"
 #include "platform/cli/option_checks.h"
-#include "platform/clock.h"
+#include "platform/rt/clock.h"
 
 namespace godobject {
 namespace {

@@ -8,13 +8,13 @@
 #include <memory>
 #include <optional>
 
-#include "platform/cli/message_table.h"
+#include "platform/cli/bus/message_table.h"
 #include "platform/cli/named_address.h"
 #include "platform/cli/option_checks.h"
-#include "platform/cli/stop_signals.h"
+#include "platform/cli/run/stop_signals.h"
 #include "platform/cli/verbs.h"
-#include "platform/clock.h"
-#include "platform/linux_bus.h"
+#include "platform/rt/clock.h"
+#include "platform/linux/bus.h"
 #include "platform/scene/scene_toml.h"
 
 namespace godobject {

@@ -4,8 +4,8 @@
 
 #include "hal/canopen/sdo_client.h"
 #include "hal/canopen/sdo_sequence.h"
-#include "platform/cli/bus_dialogue.h"
-#include "platform/cli/object_text.h"
+#include "platform/cli/bus/dialogue.h"
+#include "platform/cli/bus/object_text.h"
 #include "platform/cli/option_checks.h"
 
 namespace godobject {

@@ -8,12 +8,12 @@
 #include <memory>
 
 #include "platform/cli/option_checks.h"
-#include "platform/cli/simulate_control.h"
-#include "platform/cli/simulate_options.h"
-#include "platform/cli/stop_signals.h"
+#include "platform/cli/simulate/control.h"
+#include "platform/cli/simulate/options.h"
+#include "platform/cli/run/stop_signals.h"
 #include "platform/cli/verbs.h"
-#include "platform/clock.h"
-#include "platform/rt_setup.h"
+#include "platform/rt/clock.h"
+#include "platform/rt/setup.h"
 
 namespace godobject {
 namespace {

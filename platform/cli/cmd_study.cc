@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "platform/cli/verbs.h"
-#include "platform/machine.h"
+#include "platform/rt/machine.h"
 #include "sim/study/study.h"
 
 namespace godobject {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "platform/cli/run_statistics.h"
+#include "platform/cli/run/statistics.h"
 
 namespace godobject {
 

@@ -1,12 +1,12 @@
 // The loop on a clock that the test moves: what runs late, what is skipped, and that the phase stays.
-#include "platform/cyclic.h"
+#include "platform/rt/cyclic.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "platform/clock.h"
+#include "platform/rt/clock.h"
 
 namespace godobject::test_cyclic {
 namespace {

@@ -1,9 +1,9 @@
 // What missed deadlines lead to: counted in periods, so that a test is the same each time.
-#include "platform/deadline_watch.h"
+#include "platform/rt/deadline_watch.h"
 
 #include <gtest/gtest.h>
 
-#include "platform/cyclic.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject::test_deadline_watch {
 namespace {

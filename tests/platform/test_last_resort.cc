@@ -12,9 +12,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "platform/cli/last_frames.h"
-#include "platform/cli/stop_signals.h"
-#include "platform/last_resort.h"
+#include "platform/cli/run/last_frames.h"
+#include "platform/cli/run/stop_signals.h"
+#include "platform/rt/last_resort.h"
 #include "platform/scene/scene_toml.h"
 
 namespace godobject::test_last_resort {

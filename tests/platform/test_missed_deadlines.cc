@@ -1,7 +1,7 @@
 // What missed deadlines do to a run: period by period, without a clock.
 #include <gtest/gtest.h>
 
-#include "platform/cli/run_cycle.h"
+#include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
 
 namespace godobject::test_missed_deadlines {

@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "platform/background_file.h"
+#include "platform/rt/background_file.h"
 #include "tests/support/background_program.h"
 #include "tests/support/program.h"
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "platform/cli/candump_log.h"
-#include "platform/cli/run_cycle.h"
+#include "platform/cli/bus/candump_log.h"
+#include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
 #include "tests/support/allocation_guard.h"
 

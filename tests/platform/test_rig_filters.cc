@@ -1,4 +1,4 @@
-#include "platform/rig_filters.h"
+#include "platform/linux/rig_filters.h"
 
 #include <gtest/gtest.h>
 

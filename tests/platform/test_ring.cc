@@ -1,5 +1,5 @@
 // The ring: order, fullness, and two threads. Run with ThreadSanitizer by the tsan preset.
-#include "platform/ring.h"
+#include "platform/rt/ring.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The set-up's steps all report, whatever this machine permits.
-#include "platform/rt_setup.h"
+#include "platform/rt/setup.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "hal/can/candump.h"
-#include "platform/cli/run_loop.h"
+#include "platform/cli/run/loop.h"
 #include "platform/scene/scene_toml.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/program.h"

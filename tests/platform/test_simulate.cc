@@ -5,8 +5,8 @@
 #include <deque>
 
 #include "hal/canopen/canopen.h"
-#include "platform/cli/simulate_control.h"
-#include "platform/cli/simulation.h"
+#include "platform/cli/simulate/control.h"
+#include "platform/cli/simulate/simulation.h"
 #include "tests/support/faulty_rig.h"
 
 namespace godobject::test_simulate {

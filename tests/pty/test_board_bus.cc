@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "hal/rig/rig.h"
-#include "platform/board_bus.h"
-#include "platform/linux_link.h"
+#include "platform/linux/board_bus.h"
+#include "platform/linux/link.h"
 #include "sim/node/encoder_board.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/pseudo_terminal.h"

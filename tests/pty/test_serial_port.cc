@@ -5,7 +5,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "platform/serial_port.h"
+#include "platform/linux/serial_port.h"
 #include "tests/support/program.h"
 #include "tests/support/pseudo_terminal.h"
 

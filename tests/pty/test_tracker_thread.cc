@@ -1,5 +1,5 @@
-#include "platform/cli/run_trackers.h"
-#include "platform/tracker_thread.h"
+#include "platform/cli/run/trackers.h"
+#include "platform/linux/tracker_thread.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

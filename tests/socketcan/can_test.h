@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "platform/clock.h"
-#include "platform/socket_can_bus.h"
+#include "platform/rt/clock.h"
+#include "platform/linux/socket_can_bus.h"
 
 namespace godobject::test {
 

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <string>
 
-#include "platform/linux_bus.h"
+#include "platform/linux/bus.h"
 
 namespace godobject::test {
 

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "platform/clock.h"
+#include "platform/rt/clock.h"
 #include "sim/rig/rig.h"
 #include "tests/support/cable.h"
 

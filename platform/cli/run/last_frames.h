@@ -1,0 +1,32 @@
+// The last frames of a rig, ready for when the program dies.
+#pragma once
+
+#include "hal/rig/params.h"
+#include "platform/rt/last_resort.h"
+#include "platform/linux/link.h"
+
+namespace godobject {
+
+/// A bus that keeps what it is given.
+class FrameNotebook final : public CanBus {
+ public:
+  bool open() noexcept override { return true; }
+  void close() noexcept override {}
+  SendResult try_send(const CanFrame& frame) noexcept override {
+    frames_.push_back(frame);
+    return SendResult::queued;
+  }
+  bool try_receive(ReceivedFrame&) noexcept override { return false; }
+  BusState state() const noexcept override { return BusState::error_active; }
+  BusCounters counters() const noexcept override { return {}; }
+
+  const std::vector<CanFrame>& frames() const { return frames_; }
+
+ private:
+  std::vector<CanFrame> frames_;
+};
+
+/// What Rig::stop() would send on each bus, as bytes: drives off, nodes pre-operational. Good until a bus is closed.
+std::vector<LastWords> last_words(const RigParams& rig, LinuxLink& link);
+
+}  // namespace godobject

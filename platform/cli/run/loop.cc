@@ -1,0 +1,292 @@
+#include "platform/cli/run/loop.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "platform/cli/run/last_frames.h"
+#include "platform/cli/run/status_line.h"
+#include "platform/cli/run/stop_signals.h"
+#include "platform/rt/clock.h"
+
+namespace godobject {
+namespace {
+
+// Of bus time; the rig's own boot_timeout_s is shorter and says which node.
+constexpr double boot_limit_s = 10;
+// About three seconds at 1 kHz: so long may the disk stall. Of long chains less.
+constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
+constexpr std::size_t cycle_ring_bytes = 64u << 20;
+constexpr std::chrono::milliseconds drain_interval{10};
+// A terminal that was stopped, a pipe that nobody reads: so much is kept for it, and so long is it waited for at the end.
+constexpr std::size_t console_bytes = 1 << 16;
+constexpr std::chrono::milliseconds console_patience{500};
+
+/// Frames straight to the files, while the thread that runs the wires may write.
+BusObserver observer_into(RunFiles& files) {
+  return {.on_frame =
+              [](void* context, std::size_t bus, const ReceivedFrame& frame) {
+                static_cast<RunFiles*>(context)->add(BusFrame{.bus = bus, .received = frame});
+              },
+          .context = &files};
+}
+
+BusObserver observer_into(Ring<BusFrame>& ring) {
+  return {.on_frame =
+              [](void* context, std::size_t bus, const ReceivedFrame& frame) {
+                static_cast<void>(
+                    static_cast<Ring<BusFrame>*>(context)->try_push({.bus = bus, .received = frame}));
+              },
+          .context = &ring};
+}
+
+Ring<CycleEntry> make_cycle_ring(const Session& session) {
+  const CycleEntry entry = entry_of(session);
+  const std::size_t bytes = sizeof entry + entry.record.bodies.size() * sizeof(BodyView) +
+                            entry.record.touching.size() * sizeof(ContactView);
+  return Ring<CycleEntry>(std::min(cycle_ring, cycle_ring_bytes / bytes), entry);
+}
+
+void prepare(Session& session, RunFiles& files) {
+  session.set_step_clock([]() noexcept { return MonotonicClock{}.now(); });
+  if (files.wants_frames()) session.set_bus_observer(observer_into(files));
+  if (files.wants_contacts()) session.list_contacts();
+  files.add(session.at_start());
+}
+
+/// Says once that a signal ends the run, and once that it is a quick stop.
+class StopNotices {
+ public:
+  StopNotices(const StopSignals& signals, RunEvents& events) : signals_(signals), events_(events) {}
+
+  void look(double t_s) {
+    if (signals_.requested() && !std::exchange(told_, true))
+      events_.tell(RunEventKind::stop, t_s,
+                   std::string(signals_.name()) + ": the torque runs down, then the drives are off",
+                   "once more: quick stop");
+    if (signals_.insisted() && !std::exchange(insisted_, true))
+      events_.tell(RunEventKind::quick_stop, t_s, "a second signal: QUICK STOP, torque is gone at once", "");
+  }
+
+ private:
+  const StopSignals& signals_;
+  RunEvents& events_;
+  bool told_ = false, insisted_ = false;
+};
+
+/// The rings' other end: to the files, the status line and the console.
+class Drain {
+ public:
+  Drain(Ring<CycleEntry>& cycles, Ring<BusFrame>& frames, RunFiles& files, RunEvents& events,
+        const StopSignals& signals, BackgroundFile& console, bool quiet)
+      : cycles_(cycles),
+        frames_(frames),
+        files_(files),
+        events_(events),
+        notices_(signals, events),
+        status_(console, quiet) {}
+
+  void run() {
+    notices_.look(t_s_);
+    events_.drain();
+    while (cycles_.try_pop(entry_)) {
+      t_s_ = entry_.record.t;
+      files_.add(entry_.record);
+      status_.update(entry_.record, entry_.wake_ns);
+    }
+    while (frames_.try_pop(frame_)) files_.add(frame_);
+  }
+  void end() {
+    run();
+    status_.end();
+  }
+
+ private:
+  Ring<CycleEntry>& cycles_;
+  Ring<BusFrame>& frames_;
+  RunFiles& files_;
+  RunEvents& events_;
+  StopNotices notices_;
+  StatusLine status_;
+  double t_s_ = 0;  // of the latest cycle
+  CycleEntry entry_;
+  BusFrame frame_;
+};
+
+/// The real-time thread, once for every time the session is started, and this thread beside it.
+class RealtimeRun {
+ public:
+  /// real: null for simulated buses.
+  RealtimeRun(Session& session, const RunPlan& plan, RunFiles& files, const StopSignals& signals,
+              RunEvents& events, BackgroundFile& console, const RunLink* real)
+      : session_(session),
+        files_(files),
+        signals_(signals),
+        console_(console),
+        real_(real),
+        cycles_(make_cycle_ring(session)),
+        frames_(frame_ring),
+        drain_(cycles_, frames_, files, events, signals, console, plan.quiet),
+        quiet_(plan.quiet),
+        watch_(events.ring()),
+        cycle_(session, plan, signals.requested(), cycles_),
+        loop_(clock_, to_ns(session.scene().step)) {
+    cycle_.cycle().quick_stop_on(signals.insisted());
+    cycle_.cycle().tell(watch_);
+  }
+
+  /// From start to end of the session. False where no thread can be started.
+  bool run() {
+    if (files_.wants_frames()) session_.set_bus_observer(observer_into(frames_));
+    session_.start(boot_limit_s);
+    ended_ = false;
+    std::optional<LastResort> last_resort;
+    if (real_) last_resort.emplace(last_words(real_->rig, real_->link));
+    std::promise<std::vector<RtStep>> thread_setup;
+    std::thread thread;
+    try {
+      thread = std::thread([&] { run_loop(thread_setup); });
+    } catch (const std::system_error&) {
+      return false;
+    }
+    try {
+      show(thread_setup.get_future().get());
+      while (!ended_.load(std::memory_order_acquire)) {
+        drain_.run();
+        std::this_thread::sleep_for(drain_interval);
+      }
+    } catch (...) {  // the loop is not left alone: motors off, then whoever called is told
+      signals_.request();
+      thread.join();
+      throw;
+    }
+    thread.join();
+    drain_.end();
+    if (files_.wants_frames()) session_.set_bus_observer(observer_into(files_));
+    return true;
+  }
+
+  RunCycle& cycle() noexcept { return cycle_.cycle(); }
+  void add_to(RunResult& result) const {
+    result.setup = setup_;
+    result.statistics = cycle_.statistics();
+    result.timing = loop_.statistics();
+    result.lost_cycles = cycles_.lost();
+    result.lost_frames = frames_.lost();
+  }
+
+ private:
+  void run_loop(std::promise<std::vector<RtStep>>& thread_setup) {
+    block_stop_signals();  // they are the other thread's
+    try {
+      const SignalStack stack;
+      thread_setup.set_value(set_up_rt_thread());
+      loop_.run(cycle_);
+    } catch (...) {  // before the loop: it throws nothing
+      thread_setup.set_exception(std::current_exception());
+    }
+    ended_.store(true, std::memory_order_release);
+  }
+
+  /// Once: it is the same for each thread.
+  void show(const std::vector<RtStep>& of_thread) {
+    if (!setup_.empty()) return;
+    setup_ = process_.steps();
+    setup_.insert(setup_.end(), of_thread.begin(), of_thread.end());
+    if (!quiet_) static_cast<void>(console_.write("real-time set-up\n" + rt_table(setup_)));
+  }
+
+  Session& session_;
+  RunFiles& files_;
+  const StopSignals& signals_;
+  BackgroundFile& console_;
+  const RunLink* real_;
+  Ring<CycleEntry> cycles_;
+  Ring<BusFrame> frames_;
+  Drain drain_;
+  bool quiet_;
+  RtProcess process_;
+  EventWatch watch_;
+  RealtimeCycle cycle_;
+  MonotonicClock clock_;
+  Cyclic<MonotonicClock> loop_;
+  std::vector<RtStep> setup_;
+  std::atomic<bool> ended_{false};
+};
+
+void finish(RunResult& result, const StopSignals& stop, const Recoveries& recoveries, RunEvents& events,
+            BackgroundFile& console) {
+  events.drain();
+  result.recoveries = recoveries.list();
+  result.events = events.list();
+  result.lost_events = events.left_out();
+  result.ready = result.statistics.cycles > 0;
+  result.stopped_by = stop.name();
+  result.lost_console_lines = console.close(BackgroundFile::Clock::now() + console_patience).lost_lines;
+}
+
+}  // namespace
+
+RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
+  const StopSignals stop(Suspension::stops);
+  BackgroundFile console(STDERR_FILENO, console_bytes);
+  RunEvents events(session, console);
+  StopNotices notices(stop, events);
+  RunResult result;
+  prepare(session, files);
+  EventWatch watch(events.ring());
+  RunCycle cycle(session, plan, stop.requested());
+  cycle.quick_stop_on(stop.insisted());
+  cycle.tell(watch);
+  Recoveries recoveries(session, cycle, plan, nullptr, stop.requested(), events);
+  const MonotonicClock clock;
+  FastProgress progress(console, static_cast<double>(plan.num_cycles) * session.scene().step, plan.quiet);
+  CycleRecord record = session.at_start();
+  do {
+    session.start(boot_limit_s);
+    while (!cycle.ended()) {
+      notices.look(record.t);
+      const Nanoseconds start = clock.now();
+      const bool stepped = cycle.run(record);
+      events.drain();
+      if (!stepped) continue;
+      const Nanoseconds end = clock.now();
+      result.timing.compute_ns.add(end - start);
+      progress.update(record.t, end);
+      files.add(record);
+    }
+  } while (recoveries.again());
+  progress.end();
+  result.statistics = cycle.statistics();
+  finish(result, stop, recoveries, events, console);
+  return result;
+}
+
+std::optional<RunResult> run_realtime(Session& session, const RunPlan& plan, RunFiles& files,
+                                      const RunLink* real) {
+  const StopSignals stop(Suspension::stops);
+  BackgroundFile console(STDERR_FILENO, console_bytes);
+  RunEvents events(session, console);
+  RunResult result;
+  files.set_patience(std::chrono::milliseconds(0));
+  prepare(session, files);
+  if (real) result.not_set_up = bring_up(*real, stop.requested());
+  result.stopped_by = stop.name();
+  if (!result.not_set_up.empty() || stop.requested()) return result;
+  const auto run = std::make_unique<RealtimeRun>(session, plan, files, stop, events, console, real);
+  Recoveries recoveries(session, run->cycle(), plan, real, stop.requested(), events);
+  do {
+    if (!run->run()) return std::nullopt;
+  } while (recoveries.again());
+  run->add_to(result);
+  finish(result, stop, recoveries, events, console);
+  return result;
+}
+
+}  // namespace godobject

@@ -1,0 +1,264 @@
+#include "platform/cli/run/options.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "hal/drive/watchdog.h"
+#include "platform/cli/bus/load_text.h"
+#include "platform/cli/run/start_check.h"
+#include "platform/rt/clock.h"
+#include "platform/linux/tracker_thread.h"
+#include "platform/scene/text/key.h"
+#include "platform/scene/profile_toml.h"
+#include "platform/scene/scene_toml.h"
+#include "sim/tracker/link.h"
+
+namespace godobject {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t max_interface_name = 15;  // of candump's format
+constexpr double min_stale_steps = 3;
+
+struct NamedPath {
+  std::string option;
+  std::string path;
+};
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+/// Empty, or why `path` could not be written.
+std::string why_not_writable(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return "is a directory";
+  fs::path folder = folder_of(path);
+  if (!fs::exists(folder, ignored)) folder = folder_of(folder);  // one folder is made, see make_folders()
+  const bool exists = fs::exists(path, ignored);
+  if (access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) == 0) return "";
+  return "cannot be written: " + std::generic_category().message(errno);
+}
+
+/// Every output can be written, and none of them over an input or another output.
+void check_outputs(const RunOptions& options, std::vector<std::string>& errors) {
+  std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
+  for (const NamedPath& out :
+       {NamedPath{"--trace", options.files.trace}, NamedPath{"--contacts", options.files.contacts},
+        NamedPath{"--record", options.files.record}, NamedPath{"--report", options.report}}) {
+    if (out.path.empty()) continue;
+    const std::string why_not = why_not_writable(out.path);
+    if (!why_not.empty()) errors.push_back(out.option + ": '" + out.path + "' " + why_not);
+    for (const NamedPath& other : taken)
+      if (!other.path.empty() && same_file(out.path, other.path))
+        errors.push_back(out.option + ": '" + out.path + "' is also " + other.option + ": give another name");
+    taken.push_back(out);
+  }
+}
+
+bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
+
+void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
+                  std::vector<std::string>& errors) {
+  if (options.files.record.empty()) return;
+  if (!has_rig(scene)) {
+    errors.push_back("--record: scene '" + scene.name + "' describes no buses to record");
+  } else if (choice == BusChoice::direct) {
+    errors.push_back("--record: with --bus direct there is no bus to record");
+  } else {
+    for (const BusParams& bus : scene.device->rig->buses)
+      if (bus.name.size() > max_interface_name)
+        errors.push_back("--record: bus name '" + bus.name + "' is too long for a candump log, at most " +
+                         std::to_string(max_interface_name) + " characters");
+  }
+}
+
+void check_contacts(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
+  if (!options.files.contacts.empty() && contact_scope(scene) == ContactScope::none)
+    errors.push_back("--contacts: nothing in scene '" + scene.name +
+                     "' can touch: give its bodies spheres, and obstacles or shapes to touch");
+}
+
+void apply_overrides(const RunOptions& options, SceneConfig& scene) {
+  if (!options.integrator.empty()) scene.integrator = options.integrator;
+  if (!options.step) return;
+  scene.step = *options.step;
+  if (!has_rig(scene)) return;
+  RigParams& rig = *scene.device->rig;
+  rig.cycle_s = scene.step;
+  // Samples come once a step: what was late at the scene's own step may be in time at a longer one.
+  rig.stale_after_s = std::max(rig.stale_after_s, min_stale_steps * scene.step);
+  rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
+}
+
+std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
+  if (options.motion.empty()) return Motion(scene);
+  MotionResult result = Motion::read(options.motion, scene);
+  append(run.errors, result.errors);
+  append(run.warnings, result.notes);
+  return std::move(result.motion);
+}
+
+void check_real_buses(const RunOptions& options, PreparedRun& run) {
+  if (run.buses.choice != BusChoice::real) {
+    if (options.rearm != Rearm::never && run.buses.choice == BusChoice::direct)
+      run.errors.push_back("--rearm: with --bus direct there is no device to arm");
+    return;
+  }
+  if (options.fast)
+    run.errors.push_back(
+        "--fast: it runs on a simulated clock, and the nodes on a real bus, as real trackers, keep time of "
+        "their "
+        "own: leave it out");
+  if (!options.motion.empty())
+    run.notes.push_back(
+        "--motion: on real buses and trackers the device says where its handles are; the file's switches "
+        "count");
+}
+
+std::string folder_of_scene(const RunOptions& options) {
+  return fs::path(options.scene).parent_path().string();
+}
+
+/// The profiles of the scene's nodes; where it shows force, every drive stops when this program dies.
+void check_profiles(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
+  if (!has_rig(scene)) return;
+  const RigParams& rig = *scene.device->rig;
+  RigProfilesResult loaded = load_profiles(rig, folder_of_scene(options));
+  append(run.errors, loaded.errors);
+  run.profiles = std::move(loaded.profiles);
+  if (!loaded.errors.empty() || !shows_force(scene.device->kind)) return;
+  for (const std::string& line : missing_watchdogs(rig, run.profiles))
+    run.errors.push_back(options.scene + ": " + line);
+}
+
+/// The trackers on their lines, each with a thread that has begun; for a check with a simulated far end instead.
+std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& options, const SceneConfig& scene,
+                                                        PreparedRun& run) {
+  std::vector<std::unique_ptr<TrackerLink>> links;
+  const std::vector<TrackerParams>& trackers = scene.device->trackers;
+  if (!options.only_check) {
+    for (auto& thread : start_trackers(trackers, folder_of_scene(options), run.errors))
+      links.push_back(std::move(thread));
+    return links;
+  }
+  for (const TrackerParams& params : trackers) {
+    static_cast<void>(read_tool_definitions(params, folder_of_scene(options), run.errors));
+    links.push_back(make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, run.errors));
+  }
+  if (!run.errors.empty()) links.clear();
+  return links;
+}
+
+/// The session on the planned buses and trackers; the threads of those have then begun.
+Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
+                           PreparedRun& run) {
+  if (run.buses.choice != BusChoice::real)
+    return Session::make(scene, std::move(motion), run.buses.choice, run.profiles);
+  RealDevice device{
+      .buses = nullptr, .trackers = {}, .clock = []() noexcept { return MonotonicClock{}.now(); }};
+  if (has_rig(scene)) {
+    auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.files.record.empty());
+    run.link = link.get();
+    device.buses = std::move(link);
+  }
+  if (!options.trackers.empty()) device.trackers = make_trackers(options, scene, run);
+  return Session::make(scene, std::move(motion), std::move(device));
+}
+
+/// What to name in a complaint about the scene as it would run: --step where it is only wrong with that.
+std::string blamed(const RunOptions& options, bool step_is_to_blame) {
+  if (!step_is_to_blame) return options.scene + ": ";
+  return options.scene + ": with --step " + shortest(*options.step) + ": ";
+}
+
+bool overloaded(const BusLoad& load) { return load.worst_percent > full_load_percent; }
+
+std::vector<BusLoad> loads_of(const RigParams& rig) { return bus_load(rig, simulated_load(rig)); }
+
+void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigParams& rig_of_scene,
+                     PreparedRun& run) {
+  run.bus_loads = loads_of(rig);
+  const std::vector<BusLoad> loads_of_scene = loads_of(rig_of_scene);
+  for (std::size_t i = 0; i < run.bus_loads.size(); ++i) {
+    const BusLoad& load = run.bus_loads[i];
+    if (!overloaded(load)) continue;
+    run.errors.push_back(blamed(options, options.step && !overloaded(loads_of_scene[i])) + load_advice(load));
+  }
+}
+
+/// At the start of the motion, of a rig that is valid.
+void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
+                     PreparedRun& run) {
+  const bool on_buses = run.buses.choice != BusChoice::direct && has_rig(scene);
+  if (!on_buses || !validate(*scene.device->rig).empty()) return;
+  run.passivity = passivity(scene, joints_at_start(scene, motion));
+  for (const std::string& warning : passivity_warnings(run.passivity))
+    if (options.strict) run.errors.push_back(options.scene + ": --strict: " + warning);
+    else run.warnings.push_back(options.scene + ": " + warning);
+}
+
+}  // namespace
+
+std::string make_folders(const RunOptions& options) {
+  for (const std::string& path :
+       {options.files.trace, options.files.contacts, options.files.record, options.report}) {
+    std::error_code error;
+    if (path.empty() || fs::exists(folder_of(path), error)) continue;
+    if (!fs::create_directory(folder_of(path), error) && error)
+      return "'" + folder_of(path).string() + "' cannot be made: " + error.message();
+  }
+  return "";
+}
+
+PreparedRun prepare(const RunOptions& options) {
+  PreparedRun run;
+  LoadResult loaded = load_scene(options.scene);
+  append(run.errors, loaded.errors);
+  append(run.warnings, loaded.warnings);
+  check_outputs(options, run.errors);
+  if (!loaded.scene) return run;
+
+  const SceneConfig scene_of_file = *loaded.scene;
+  SceneConfig& scene = *loaded.scene;
+  run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
+  plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
+  check_real_buses(options, run);
+  check_record(options, run.buses.choice, scene, run.errors);
+  check_contacts(options, scene, run.errors);
+  apply_overrides(options, scene);
+  check_profiles(options, scene, run);
+  std::optional<Motion> motion = load_motion(options, scene, run);
+  if (!motion || !run.errors.empty()) return run;
+
+  const double duration = options.duration.value_or(motion->end().value_or(scene.duration));
+  run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
+              .rearm = options.rearm,
+              .quiet = options.quiet};
+  check_passivity(options, scene, *motion, run);
+  Session::Made made = make_session(options, scene, *std::move(motion), run);
+  const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
+                              validate(*scene_of_file.device->rig).empty();
+  for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
+  if (made.session) check_start(*made.session, options.scene, run.warnings, run.errors);
+  if (made.session && made.session->rig())
+    check_bus_loads(options, *scene.device->rig, *scene_of_file.device->rig, run);
+  if (run.errors.empty()) run.session = std::move(made.session);
+  return run;
+}
+
+}  // namespace godobject

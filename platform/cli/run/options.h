@@ -1,0 +1,56 @@
+// What `godobject run` was asked for, and what becomes of it: a session that is ready to boot, or every
+// complaint with its place. Nothing is written here.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/can/bus_load.h"
+#include "hal/canopen/node_profile.h"
+#include "platform/cli/run/buses.h"
+#include "platform/cli/run/cycle.h"
+#include "platform/cli/run/files.h"
+#include "platform/cli/run/trackers.h"
+#include "platform/session/passivity.h"
+
+namespace godobject {
+
+struct RunOptions {
+  std::string scene;                  // path
+  bool realtime = false;              // on real buses always
+  bool fast = false;                  // asked for, rather than by default
+  std::vector<std::string> buses;     // see plan_buses()
+  std::vector<std::string> trackers;  // see plan_trackers()
+  Rearm rearm = Rearm::never;
+  bool strict = false;             // an axis without passivity margin is an error
+  std::optional<double> duration;  // s
+  std::optional<double> step;      // s
+  std::string integrator;          // empty: the scene's; the same goes for the paths below
+  std::string motion;
+  RunFileNames files;
+  std::string report;
+  bool quiet = false;       // nothing but warnings, faults and the exit code
+  bool only_check = false;  // as `check`: nothing is opened, started or written
+};
+
+struct PreparedRun {
+  std::unique_ptr<Session> session;  // null where there are errors
+  RunPlan plan;
+  BusPlan buses;
+  LinuxLink* link = nullptr;          // the session's, where its buses are real; they are closed
+  RigProfiles profiles;               // of the scene's nodes
+  std::vector<BusLoad> bus_loads;     // what the scene's buses carry at worst; empty with --bus direct
+  Passivity passivity;                // of the driven axes; empty with --bus direct
+  std::vector<std::string> errors;    // "file:line:column: what", "file: what" or "--option: what"
+  std::vector<std::string> warnings;  // the same forms
+  std::vector<std::string> notes;
+};
+
+PreparedRun prepare(const RunOptions& options);
+
+/// Makes the folders of the outputs that are not there yet. Empty, or why one cannot be made.
+std::string make_folders(const RunOptions& options);
+
+}  // namespace godobject

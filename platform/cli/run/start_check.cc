@@ -1,0 +1,57 @@
+#include "platform/cli/run/start_check.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace godobject {
+namespace {
+
+constexpr PoseError advised_offset{.m = 0.1, .rad = 0.5}, largest_offset{.m = 1, .rad = 3};
+
+bool exceeds(const PoseError& offset, const PoseError& bound) {
+  return offset.m > bound.m || offset.rad > bound.rad;
+}
+
+std::string text_of(const std::string& body, const PoseError& offset) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "body '%s' begins %.3f m and %.3f rad from its target",
+                body.c_str(), offset.m, offset.rad);
+  return text.data();
+}
+
+/// Degrees taken for radians: hardly a hinge begins more than a turn away from its zero.
+void check_joints(const Session& session, const std::string& file, std::vector<std::string>& warnings) {
+  const std::optional<JointTarget> start = session.joints_at_start();
+  if (!start) return;
+  const std::vector<DeviceJoint>& joints = session.scene().device->rig->tree.joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const double q = start->q[static_cast<Eigen::Index>(i)];
+    if (joints[i].kind != DeviceJointKind::hinge || std::abs(q) <= 2 * pi) continue;
+    std::array<char, 200> text{};
+    std::snprintf(text.data(), text.size(),
+                  ": joint '%s' begins at %.4g rad, more than a turn: is the motion in radians?",
+                  joints[i].name.c_str(), q);
+    warnings.push_back(file + text.data());
+  }
+}
+
+}  // namespace
+
+void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,
+                 std::vector<std::string>& errors) {
+  check_joints(session, file, warnings);
+  const SceneConfig& scene = session.scene();
+  for (const std::size_t body : driven_bodies(scene)) {
+    const std::optional<PoseError> offset = session.offset_at_start(body);
+    if (!offset || !exceeds(*offset, advised_offset)) continue;
+    const std::string what = file + ": " + text_of(scene.bodies[body].name, *offset);
+    if (exceeds(*offset, largest_offset))
+      errors.push_back(what +
+                       ", at most 1 m and 3 rad are admissible: are all lengths in metres and all angles in "
+                       "radians? Else begin the motion where the body is");
+    else warnings.push_back(what + ", and is pulled there: begin the motion where the body is");
+  }
+}
+
+}  // namespace godobject

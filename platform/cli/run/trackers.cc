@@ -1,0 +1,102 @@
+#include "platform/cli/run/trackers.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "platform/cli/named_address.h"
+#include "platform/scene/text/diagnostics.h"
+
+namespace godobject {
+namespace {
+
+void plan_port(const std::string& text, std::vector<TrackerParams>& trackers, std::vector<bool>& has_port,
+               std::vector<std::string>& errors) {
+  const NamedAddress given = split_name(text, '/');  // a port is a path
+  const auto tracker = given.name.empty() && trackers.size() == 1
+                           ? trackers.begin()
+                           : std::ranges::find(trackers, given.name, &TrackerParams::name);
+  if (tracker == trackers.end()) {
+    errors.push_back("--tracker " + text + ": the scene's trackers are " + quoted_names(trackers) +
+                     ": give " + trackers.front().name + "=PORT");
+    return;
+  }
+  const auto index = static_cast<std::size_t>(tracker - trackers.begin());
+  if (has_port[index]) errors.push_back("--tracker: tracker '" + tracker->name + "' is given twice");
+  if (given.address.empty()) errors.push_back("--tracker " + text + ": the port is missing");
+  has_port[index] = true;
+  tracker->port = given.address;
+}
+
+}  // namespace
+
+void plan_trackers(std::span<const std::string> given, bool buses_are_given, SceneConfig& scene,
+                   BusPlan& plan, std::vector<std::string>& errors) {
+  if (given.empty()) return;
+  if (!scene.device || scene.device->trackers.empty()) {
+    errors.push_back("--tracker: scene '" + scene.name + "' has no trackers");
+    return;
+  }
+  if (plan.choice != BusChoice::real && (scene.device->rig || buses_are_given)) {
+    errors.push_back(
+        "--tracker: real trackers keep real time, and the buses of this run do not: give --bus the addresses "
+        "of "
+        "real ones, or leave --tracker out");
+    return;
+  }
+  plan.choice = BusChoice::real;
+  std::vector<TrackerParams>& trackers = scene.device->trackers;
+  std::vector<bool> has_port(trackers.size(), false);
+  for (const std::string& text : given) {
+    if (text == "scene") has_port.assign(trackers.size(), true);
+    else plan_port(text, trackers, has_port, errors);
+  }
+  for (std::size_t i = 0; i < trackers.size(); ++i)
+    if (!has_port[i] && errors.empty())
+      errors.push_back("--tracker: tracker '" + trackers[i].name +
+                       "' of the scene has no port: give --tracker " + trackers[i].name + "=PORT");
+}
+
+ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::filesystem::path& folder,
+                                      std::vector<std::string>& errors) {
+  constexpr std::string_view magic("NDI\0", 4);
+  constexpr std::size_t max_definition_bytes = 1 << 20;  // they have some hundred bytes
+  ToolDefinitions definitions(params.tools.size());
+  for (std::size_t i = 0; i < params.tools.size(); ++i) {
+    const std::string& tool = params.tools[i].tool;
+    if (!needs_definition(params.protocol, tool)) continue;
+    const std::string where = "tracker '" + params.name + "': tool " + excerpt(tool) + " ";
+    const FilePath path = path_below(folder.string(), tool);
+    FileText file;
+    if (!path.path.empty()) file = read_file(path.path, max_definition_bytes);
+    if (!file.text) {
+      errors.push_back(where + (path.path.empty() ? path.why_not : file.why_not) +
+                       "; give the two digits of a port handle (\"0A\"), or a tool definition file");
+    } else if (!file.text->starts_with(magic)) {
+      errors.push_back(where + "is not a tool definition file (.rom): those begin with NDI");
+    } else {
+      definitions[i].assign(file.text->begin(), file.text->end());
+    }
+  }
+  return definitions;
+}
+
+std::vector<std::unique_ptr<TrackerThread>> start_trackers(const std::vector<TrackerParams>& trackers,
+                                                           const std::filesystem::path& folder,
+                                                           std::vector<std::string>& errors) {
+  std::vector<std::unique_ptr<Tracker>> made;
+  for (const TrackerParams& params : trackers) {
+    const std::size_t before = errors.size();
+    ToolDefinitions definitions = read_tool_definitions(params, folder, errors);
+    if (errors.size() > before) continue;
+    MadeTracker tracker = make_tracker(params, std::move(definitions));
+    errors.insert(errors.end(), tracker.errors.begin(), tracker.errors.end());
+    made.push_back(std::move(tracker.tracker));
+  }
+  std::vector<std::unique_ptr<TrackerThread>> threads;
+  if (!errors.empty()) return threads;
+  for (std::unique_ptr<Tracker>& tracker : made)
+    threads.push_back(std::make_unique<TrackerThread>(std::move(tracker)));
+  return threads;
+}
+
+}  // namespace godobject

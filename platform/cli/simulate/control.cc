@@ -1,0 +1,71 @@
+#include "platform/cli/simulate/control.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace godobject {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+constexpr std::size_t max_line = 1000;
+
+json error(const std::string& what) { return {{"ok", false}, {"error", what}}; }
+
+json play(std::string_view words, Simulation& simulation) {
+  std::string what;
+  const std::optional<FaultConfig> config = parse_fault(words, what);
+  if (config) what = simulation.play(*config);
+  if (!what.empty()) return error(what);
+  return {{"ok", true}, {"t_s", 1e-9 * static_cast<double>(simulation.now())}};
+}
+
+}  // namespace
+
+std::string answer(std::string_view command, Simulation& simulation, bool& quit) {
+  const std::size_t space = command.find(' ');
+  const std::string_view verb = command.substr(0, space);
+  json reply{{"ok", true}};
+  if (verb == "fault" && space != std::string_view::npos) {
+    reply = play(command.substr(space + 1), simulation);
+  } else if (verb == "clear") {
+    simulation.clear_faults();
+  } else if (verb == "status") {
+    reply.update(simulation.to_json());
+  } else if (verb == "quit") {
+    quit = true;
+  } else {
+    reply = error(std::string(command) +
+                  ": expected fault VERB [bus=NAME] [node=ID] [tracker=NAME] [value=X] [duration=S] [at=S], "
+                  "clear, status or "
+                  "quit");
+  }
+  return reply.dump(-1, ' ', false, json::error_handler_t::replace);  // of bytes that are no UTF-8 too
+}
+
+LineInput::LineInput(int descriptor) noexcept
+    : descriptor_(descriptor), former_flags_(fcntl(descriptor, F_GETFL)) {
+  fcntl(descriptor, F_SETFL, former_flags_ | O_NONBLOCK);
+}
+
+LineInput::~LineInput() { fcntl(descriptor_, F_SETFL, former_flags_); }
+
+bool LineInput::try_line(std::string& line) {
+  std::array<char, 256> buffer{};
+  while (!ended_ && text_.find('\n') == std::string::npos && text_.size() < max_line) {
+    const ssize_t size = ::read(descriptor_, buffer.data(), buffer.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0 && errno == EAGAIN) return false;
+    if (size <= 0) ended_ = true;
+    else text_.append(buffer.data(), static_cast<std::size_t>(size));
+  }
+  const std::size_t end = std::min(text_.find('\n'), text_.size());
+  if (text_.empty()) return false;
+  line = text_.substr(0, end);
+  text_.erase(0, end + 1);
+  return true;
+}
+
+}  // namespace godobject

@@ -1,0 +1,35 @@
+// Commands to a running simulation, one a line; each is answered with one line of JSON.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "platform/cli/simulate/simulation.h"
+
+namespace godobject {
+
+/// "fault VERB key=value ...", "clear", "status", "quit". `quit` is set by the last of them. Allocates.
+std::string answer(std::string_view command, Simulation& simulation, bool& quit);
+
+/// Whole lines from a descriptor, without waiting for them: while it lives, reading there does not block.
+class LineInput {
+ public:
+  explicit LineInput(int descriptor) noexcept;
+  ~LineInput();
+  LineInput(const LineInput&) = delete;
+  LineInput& operator=(const LineInput&) = delete;
+
+  /// False: no line is complete yet. A line longer than the buffer is cut.
+  [[nodiscard]] bool try_line(std::string& line);
+  /// -1 after its end.
+  int descriptor() const noexcept { return ended_ ? -1 : descriptor_; }
+
+ private:
+  int descriptor_;
+  int former_flags_;
+  bool ended_ = false;
+  std::string text_;
+};
+
+}  // namespace godobject

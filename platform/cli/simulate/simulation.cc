@@ -1,0 +1,197 @@
+#include "platform/cli/simulate/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hal/canopen/canopen.h"
+
+namespace godobject {
+namespace {
+
+/// With no SYNC for so many periods the mechanics run by themselves.
+constexpr int periods_without_sync = 5;
+constexpr Nanoseconds tracker_poll_ns = 1'000'000;
+
+double seconds(Nanoseconds t) noexcept { return 1e-9 * static_cast<double>(t); }
+
+}  // namespace
+
+Simulation::Simulation(const SceneConfig& scene, const Motion& motion, std::vector<OfferedBus> buses,
+                       bool motion_waits_for_sync, std::vector<std::unique_ptr<TrackerLine>> trackers)
+    : params_(scene.device->rig.value_or(RigParams{})),
+      tracker_params_(scene.device->trackers),
+      period_ns_(to_ns(scene.step)),
+      buses_(std::move(buses)),
+      motors_(params_.drives.size()),
+      trackers_(std::move(trackers)) {
+  if (scene.device->rig) rig_.emplace(scene, motion);
+  for (const OfferedBus& offered : buses_) {
+    SimCanPort& port = offered.is_tap ? rig_->attach(offered.wire) : rig_->host_port(offered.wire);
+    bridges_.emplace_back(*offered.bus, port);
+  }
+  std::vector<SimTracker*> far;
+  for (const std::unique_ptr<TrackerLine>& tracker : trackers_) far.push_back(&tracker->far());
+  if (!far.empty()) tools_.emplace(scene, motion, std::move(far));
+  if (!motion_waits_for_sync) t_motion_ns_ = 0;
+}
+
+void Simulation::step(Nanoseconds now) noexcept {
+  if (rig_) run_rig(now);
+  now_ns_ = now;
+  if (tools_) run_trackers();
+}
+
+void Simulation::run_rig(Nanoseconds now) noexcept {
+  rig_->run_wires(now);
+  now_ns_ = now;
+  take_frames();
+  const bool alone = now - t_sync_ns_ >= periods_without_sync * period_ns_;
+  if (alone && now - t_plant_ns_ >= period_ns_) run_plant();
+  rig_->run_wires(now);  // what came in takes part in the next arbitration
+  for (BusBridge& bridge : bridges_) bridge.forward(now);
+  watch_motors();
+}
+
+void Simulation::run_trackers() noexcept {
+  tools_->run(now_ns_, motion_time());
+  for (const std::unique_ptr<TrackerLine>& tracker : trackers_) {
+    tracker->step(now_ns_);
+    if (!rig_ && !t_motion_ns_ && tracker->num_received() > 0) t_motion_ns_ = now_ns_;
+  }
+}
+
+std::string Simulation::play(const FaultConfig& config) {
+  bool is_scheduled = false;
+  if (!config.tracker.empty()) {
+    const TrackerFaultResult found = resolve(config, tracker_params_);
+    if (!found.fault) return found.error;
+    is_scheduled = tools_->schedule(*found.fault);
+  } else {
+    const FaultResult found = resolve(config, params_);
+    if (!found.fault) return found.error;
+    is_scheduled = rig_->faults().schedule(*found.fault);
+  }
+  return is_scheduled ? "" : "as many faults are active as can be: clear some";
+}
+
+void Simulation::clear_faults() noexcept {
+  if (rig_) rig_->faults().clear(now_ns_);
+  if (tools_) tools_->clear();
+}
+
+void Simulation::take_frames() noexcept {
+  CanFrame frame;
+  std::uint8_t counter = 0;
+  for (BusBridge& bridge : bridges_) {
+    while (bridge.try_take(frame)) {
+      if (canopen::parse_sync(frame, counter) == ParseResult::ok) on_sync();
+      bridge.deliver(frame);
+    }
+  }
+}
+
+// Positions are those of the time of the SYNC; that of the next bus, which follows at once, changes nothing.
+void Simulation::on_sync() noexcept {
+  ++syncs_;
+  t_sync_ns_ = now_ns_;
+  if (!t_motion_ns_) t_motion_ns_ = now_ns_;
+  if (2 * (now_ns_ - t_plant_ns_) >= period_ns_) run_plant();
+}
+
+void Simulation::run_plant() noexcept {
+  rig_->run_plant(now_ns_, motion_time());
+  t_plant_ns_ = now_ns_;
+}
+
+void Simulation::watch_motors() noexcept {
+  for (std::size_t i = 0; i < motors_.size(); ++i) {
+    MotorWatch& motor = motors_[i];
+    motor.torque_Nm = rig_->applied_torque_Nm(i);
+    motor.max_torque_Nm = std::max(motor.max_torque_Nm, std::abs(motor.torque_Nm));
+    if (motor.torque_Nm != 0) motor.t_nonzero_s = seconds(now_ns_);
+  }
+}
+
+Nanoseconds Simulation::next_event() const noexcept {
+  const Nanoseconds t_tracker_ns =
+      tools_ ? now_ns_ + tracker_poll_ns : std::numeric_limits<Nanoseconds>::max();
+  if (!rig_) return t_tracker_ns;
+  const bool alone = now_ns_ - t_sync_ns_ >= periods_without_sync * period_ns_;
+  const Nanoseconds t_plant_ns =
+      alone ? t_plant_ns_ + period_ns_ : t_sync_ns_ + periods_without_sync * period_ns_;
+  return std::min({t_plant_ns, rig_->next_event().value_or(t_plant_ns), t_tracker_ns});
+}
+
+double Simulation::motion_time() const noexcept {
+  return t_motion_ns_ ? seconds(now_ns_ - *t_motion_ns_) : 0;
+}
+
+std::vector<int> Simulation::descriptors() const {
+  std::vector<int> out;
+  for (const OfferedBus& offered : buses_) out.push_back(offered.bus->descriptor());
+  for (const std::unique_ptr<TrackerLine>& tracker : trackers_) out.push_back(tracker->descriptor());
+  return out;
+}
+
+nlohmann::ordered_json Simulation::to_json() const {
+  using json = nlohmann::ordered_json;
+  json out{{"t_s", seconds(now_ns_)},
+           {"motion_s", motion_time()},
+           {"syncs", syncs_},
+           {"sync_at_s", seconds(t_sync_ns_)},
+           {"reachable", !rig_ || rig_->reachable()},
+           {"faults_begun", (rig_ ? rig_->faults().begun() : 0) + (tools_ ? tools_->begun() : 0)}};
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    const BridgeCounters& c = bridges_[i].counters();
+    out["buses"].push_back({{"name", buses_[i].name},
+                            {"address", buses_[i].address},
+                            {"tap", buses_[i].is_tap},
+                            {"trouble", buses_[i].bus->trouble()},
+                            {"from_bus", c.from_bus},
+                            {"to_bus", c.to_bus},
+                            {"refused", c.refused},
+                            {"dropped", c.dropped}});
+  }
+  out["drives"] = json::array();
+  for (std::size_t i = 0; i < motors_.size(); ++i)
+    out["drives"].push_back({{"bus", params_.buses[params_.drives[i].bus].name},
+                             {"node", params_.drives[i].node_id},
+                             {"joint", params_.drives[i].joint},
+                             {"torque_Nm", motors_[i].torque_Nm},
+                             {"max_torque_Nm", motors_[i].max_torque_Nm},
+                             {"nonzero_at_s", motors_[i].t_nonzero_s}});
+  out["trackers"] = json::array();
+  for (const std::unique_ptr<TrackerLine>& tracker : trackers_)
+    out["trackers"].push_back({{"name", tracker->name()},
+                               {"port", tracker->path()},
+                               {"bytes_from_host", tracker->num_received()},
+                               {"lost_messages", tracker->far().lost_messages()}});
+  out["faults"] = faults_json();
+  return out;
+}
+
+nlohmann::ordered_json Simulation::faults_json() const {
+  using json = nlohmann::ordered_json;
+  json out = json::array();
+  for (const ActiveFault& active : rig_ ? rig_->faults().active() : std::span<const ActiveFault>{}) {
+    json fault{{"verb", text_of(active.fault.verb).name},
+               {"node", active.fault.node_id},
+               {"value", active.fault.value}};
+    if (active.fault.end_bus == active.fault.first_bus + 1)
+      fault["bus"] = params_.buses[active.fault.first_bus].name;
+    if (active.t_end_ns) fault["ends_at_s"] = seconds(*active.t_end_ns);
+    out.push_back(fault);
+  }
+  for (const SimTrackers::Active& active :
+       tools_ ? tools_->active() : std::span<const SimTrackers::Active>{}) {
+    json fault{{"verb", text_of(active.fault.verb).name},
+               {"tracker", tracker_params_[active.fault.tracker].name},
+               {"value", active.fault.value}};
+    if (active.t_end_ns) fault["ends_at_s"] = seconds(*active.t_end_ns);
+    out.push_back(fault);
+  }
+  return out;
+}
+
+}  // namespace godobject

@@ -1,0 +1,76 @@
+// A CAN bus of this machine: one that a thread can wait on, made from an address on the command line.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "hal/can/bus.h"
+
+namespace godobject {
+
+/// The time stamps of received frames are CLOCK_MONOTONIC, as MonotonicClock::now(). Counters stay when a bus is
+/// closed and opened again.
+class LinuxBus : public CanBus {
+ public:
+  /// Readable when try_receive may have something new; -1 while closed. For ppoll.
+  virtual int descriptor() const noexcept = 0;
+  /// Why open() failed or what state() other than error_active means here, and what to do about it; empty:
+  /// nothing is wrong. Allocates: not for the loop.
+  virtual std::string trouble() const = 0;
+  /// From now on every frame that comes by, with its time on the wire and in the order of the wire, from within
+  /// try_receive: those received, and own ones once they are seen complete. False: this bus does not see its
+  /// own frames, and shows nothing.
+  [[nodiscard]] virtual bool observe(const FrameObserver&) noexcept { return false; }
+  /// Where other programs find it: the interface, the path of a terminal (of `pty:` once it is open), of a
+  /// log. Allocates.
+  virtual std::string name() const { return {}; }
+  /// The bytes that hand a frame to descriptor() in one write, for when nothing else of the program works any more
+  /// (platform/rt/last_resort.h). Empty: it carries no such frame. Allocates.
+  virtual std::string as_written(const CanFrame&) const { return {}; }
+};
+
+/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
+struct CanFilter {
+  std::uint32_t id = 0;
+  std::uint32_t mask = 0;
+  bool extended = false;
+};
+
+/// Whether a receiver with these filters gets the frame.
+constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame) noexcept {
+  if (filters.empty()) return true;
+  for (const CanFilter& filter : filters)
+    if (filter.extended == frame.extended && (frame.id & filter.mask) == (filter.id & filter.mask))
+      return true;
+  return false;
+}
+
+struct BusSettings {
+  double bit_rate = 1e6;                 // bit/s; what the scene expects of the bus
+  double data_bit_rate = 0;              // bit/s, CAN FD; 0: classic
+  std::span<const CanFilter> filters{};  // empty: everything
+};
+
+enum class BusKind : std::uint8_t {
+  socketcan,  // socketcan:can0
+  slcan,      // slcan:/dev/ttyACM0, at another baud rate than 115200 slcan:/dev/ttyUSB0,3000000
+  pty,        // pty: makes a pseudo-terminal that speaks SLCAN, and says its name
+  board,  // board:/dev/ttyACM0, an encoder board, see hal/board/nodes.h; at 921600 baud, or what follows a comma
+  replay,  // replay:run.log, one interface of it replay:run.log,can0
+};
+
+struct BusAddress {
+  BusKind kind = BusKind::socketcan;
+  std::string where;  // interface, path of a terminal, or of a log
+};
+
+/// None: `error` says what is wrong with `text` and what it may be.
+std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& error);
+
+/// Closed. Allocates; the bus does not later.
+std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings& settings);
+
+}  // namespace godobject

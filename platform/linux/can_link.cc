@@ -1,0 +1,197 @@
+#include "platform/linux/can_link.h"
+
+#include <linux/can/netlink.h>
+#include <linux/rtnetlink.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <string_view>
+
+namespace godobject {
+namespace {
+
+using Bytes = std::span<const char>;
+
+template <class T>
+bool copy_to(T& value, Bytes bytes) noexcept {
+  if (bytes.size() < sizeof value) return false;
+  std::memcpy(&value, bytes.data(), sizeof value);
+  return true;
+}
+
+constexpr std::size_t aligned(std::size_t size) noexcept { return (size + 3u) & ~std::size_t{3}; }
+
+/// Calls `use(type, payload)` for each attribute.
+template <class Use>
+void for_each_attribute(Bytes bytes, Use&& use) noexcept {
+  rtattr head{};
+  while (copy_to(head, bytes) && head.rta_len >= sizeof head && head.rta_len <= bytes.size()) {
+    use(head.rta_type & NLA_TYPE_MASK, bytes.subspan(sizeof head, head.rta_len - sizeof head));
+    bytes = bytes.subspan(std::min(aligned(head.rta_len), bytes.size()));
+  }
+}
+
+BusState bus_state(std::uint32_t state) noexcept {
+  switch (state) {
+    case CAN_STATE_ERROR_ACTIVE: return BusState::error_active;
+    case CAN_STATE_ERROR_WARNING: return BusState::error_warning;
+    case CAN_STATE_ERROR_PASSIVE: return BusState::error_passive;
+    case CAN_STATE_BUS_OFF: return BusState::bus_off;
+    default: return BusState::down;
+  }
+}
+
+void read_controller(Bytes data, CanController& controller) noexcept {
+  for_each_attribute(data, [&](int type, Bytes value) {
+    can_bittiming timing{};
+    can_berr_counter errors{};
+    std::uint32_t state = 0;
+    if (type == IFLA_CAN_BITTIMING && copy_to(timing, value)) controller.bit_rate = timing.bitrate;
+    if (type == IFLA_CAN_DATA_BITTIMING && copy_to(timing, value)) controller.data_bit_rate = timing.bitrate;
+    if (type == IFLA_CAN_RESTART_MS) copy_to(controller.restart_ms, value);
+    if (type == IFLA_CAN_STATE && copy_to(state, value)) controller.state = bus_state(state);
+    if (type == IFLA_CAN_BERR_COUNTER && copy_to(errors, value)) {
+      controller.transmit_error_counter = errors.txerr;
+      controller.receive_error_counter = errors.rxerr;
+    }
+  });
+}
+
+void read_link_info(Bytes info, CanLink& link) noexcept {
+  std::string_view kind;
+  Bytes data;
+  for_each_attribute(info, [&](int type, Bytes value) {
+    if (type == IFLA_INFO_KIND) kind = {value.data(), strnlen(value.data(), value.size())};
+    if (type == IFLA_INFO_DATA) data = value;
+  });
+  if (kind == "can") read_controller(data, link.controller.emplace());
+}
+
+void read_attributes(Bytes attributes, CanLink& link) noexcept {
+  for_each_attribute(attributes, [&](int type, Bytes value) {
+    if (type == IFLA_MTU) copy_to(link.mtu, value);
+    if (type == IFLA_TXQLEN) copy_to(link.transmit_queue_length, value);
+    if (type == IFLA_QDISC) {
+      const std::size_t size = std::min(value.size(), link.qdisc.size() - 1);
+      std::copy_n(value.begin(), size, link.qdisc.begin());
+    }
+    if (type == IFLA_LINKINFO) read_link_info(value, link);
+  });
+}
+
+int parse_reply(Bytes reply, CanLink& link) noexcept {
+  nlmsghdr head{};
+  if (!copy_to(head, reply) || head.nlmsg_len > reply.size()) return EPROTO;
+  const Bytes body = reply.first(head.nlmsg_len).subspan(sizeof head);
+  if (head.nlmsg_type == NLMSG_ERROR) {
+    nlmsgerr error{};
+    return copy_to(error, body) && error.error != 0 ? -error.error : EPROTO;
+  }
+  ifinfomsg info{};
+  if (head.nlmsg_type != RTM_NEWLINK || !copy_to(info, body)) return EPROTO;
+  if (info.ifi_type != ARPHRD_CAN) return EMEDIUMTYPE;
+  link = {};
+  link.up = (info.ifi_flags & IFF_UP) != 0;
+  read_attributes(body.subspan(aligned(sizeof info)), link);
+  return 0;
+}
+
+bool agrees(std::uint32_t is, double wanted) noexcept {
+  return std::abs(static_cast<double>(is) - wanted) <= 0.005 * wanted;  // oscillators are given 0.5 % in all
+}
+
+std::string number(double value) { return std::to_string(std::llround(value)); }
+
+std::string up_command(const std::string& interface, const CanLink& link, const BusSettings& settings) {
+  if (!link.controller) return "ip link set " + interface + " up";
+  std::string command = "ip link set " + interface + " up type can bitrate " + number(settings.bit_rate);
+  if (settings.data_bit_rate > 0) command += " dbitrate " + number(settings.data_bit_rate) + " fd on";
+  return command + " restart-ms 100";
+}
+
+std::string down_up(const std::string& interface, const CanLink& link, const BusSettings& settings) {
+  return "ip link set " + interface + " down && " + up_command(interface, link, settings);
+}
+
+}  // namespace
+
+int read_can_link(const char* interface, CanLink& link) noexcept {
+  struct {
+    nlmsghdr head;
+    ifinfomsg info;
+  } request{};
+  const unsigned index = if_nametoindex(interface);
+  if (index == 0) return ENODEV;
+  request.head.nlmsg_len = sizeof request;
+  request.head.nlmsg_type = RTM_GETLINK;
+  request.head.nlmsg_flags = NLM_F_REQUEST;
+  request.info.ifi_index = static_cast<int>(index);
+
+  const int fd = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
+  if (fd < 0) return errno;
+  // The kernel answers before send() returns, so there is nothing to wait for.
+  std::array<char, 16384> reply;
+  ssize_t size = send(fd, &request, sizeof request, 0);
+  if (size >= 0) size = recv(fd, reply.data(), reply.size(), MSG_DONTWAIT);
+  const int error = size < 0 ? errno : parse_reply(Bytes(reply).first(static_cast<std::size_t>(size)), link);
+  close(fd);
+  return error;
+}
+
+LinkFit fit(const CanLink& link, const BusSettings& settings) noexcept {
+  if (!link.up) return LinkFit::down;
+  if (link.controller && !agrees(link.controller->bit_rate, settings.bit_rate)) return LinkFit::bit_rate;
+  if (settings.data_bit_rate <= 0) return LinkFit::fits;
+  if (!link.carries_fd()) return LinkFit::classic_only;
+  if (link.controller && !agrees(link.controller->data_bit_rate, settings.data_bit_rate))
+    return LinkFit::data_bit_rate;
+  return LinkFit::fits;
+}
+
+std::string text_of(LinkFit fit, const std::string& interface, const CanLink& link,
+                    const BusSettings& settings) {
+  const CanController controller = link.controller.value_or(CanController{});
+  switch (fit) {
+    case LinkFit::fits: return {};
+    case LinkFit::down: return interface + " is down: " + up_command(interface, link, settings);
+    case LinkFit::bit_rate:
+      return interface + " runs at " + number(controller.bit_rate) + " bit/s, the scene says " +
+             number(settings.bit_rate) +
+             ": correct bit_rate of the scene, or: " + down_up(interface, link, settings);
+    case LinkFit::data_bit_rate:
+      return interface + " has a data bit rate of " + number(controller.data_bit_rate) +
+             " bit/s, the scene says " + number(settings.data_bit_rate) +
+             ": correct data_bit_rate of the scene, or: " + down_up(interface, link, settings);
+    case LinkFit::classic_only:
+      if (link.controller)
+        return interface +
+               " carries classic frames only, the scene wants CAN FD: " + down_up(interface, link, settings) +
+               " (an adapter without CAN FD refuses)";
+      return interface + " carries classic frames only, the scene wants CAN FD: ip link set " + interface +
+             " down && ip link set " + interface + " mtu 72 && ip link set " + interface + " up";
+  }
+  return {};
+}
+
+std::string link_warnings(const std::string& interface, const CanLink& link) {
+  std::string text;
+  if (link.controller && link.controller->restart_ms == 0)
+    text += interface + " stays off after a bus-off (restart-ms 0): ip link set " + interface +
+            " down && ip link set " + interface + " type can restart-ms 100 && ip link set " + interface +
+            " up\n";
+  // fq_codel may drop a frame that has waited in favour of a later one, and tells nobody.
+  if (std::string_view(link.qdisc.data()).starts_with("fq_codel"))
+    text += interface +
+            " has the queueing discipline fq_codel, which drops frames silently: tc qdisc replace dev " +
+            interface + " root pfifo_fast\n";
+  return text;
+}
+
+}  // namespace godobject

@@ -1,0 +1,172 @@
+#include "platform/rt/background_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <condition_variable>
+#include <mutex>
+#include <new>
+#include <system_error>
+
+namespace godobject {
+namespace {
+
+constexpr std::size_t chunk = 1 << 16;  // bytes in one write: progress is seen in steps of it
+
+std::uint64_t lines_in(std::string_view text) {
+  return static_cast<std::uint64_t>(std::ranges::count(text, '\n'));
+}
+
+}  // namespace
+
+struct BackgroundFile::State {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::string path;  // empty: the descriptor is somebody else's
+  int descriptor = -1;
+  std::size_t room = 0;
+  std::string waiting, writing;
+  std::size_t written = 0;     // of `writing`
+  std::uint64_t progress = 0;  // bytes written in all
+  std::uint64_t lost_lines = 0;
+  std::string why;
+  bool failed = false, closing = false, ended = false;
+
+  void run() noexcept;
+  bool open_file();
+  bool write_some(std::unique_lock<std::mutex>& lock);
+  void fail(std::string reason);
+  std::uint64_t unwritten_lines() const {
+    return lines_in(std::string_view(writing).substr(written)) + lines_in(waiting);
+  }
+};
+
+BackgroundFile::BackgroundFile(const std::string& path, std::size_t room)
+    : state_(std::make_shared<State>()) {
+  state_->path = path;
+  state_->room = room;
+  start();
+}
+
+BackgroundFile::BackgroundFile(int descriptor, std::size_t room) : state_(std::make_shared<State>()) {
+  state_->descriptor = descriptor;
+  state_->room = room;
+  start();
+}
+
+BackgroundFile::~BackgroundFile() { static_cast<void>(close(Clock::now())); }
+
+void BackgroundFile::start() {
+  try {
+    thread_ = std::thread([state = state_] { state->run(); });
+  } catch (const std::system_error& error) {
+    const std::lock_guard lock(state_->mutex);
+    state_->fail(std::string("no thread can be started to write it: ") + error.what());
+    state_->ended = true;
+  }
+}
+
+bool BackgroundFile::write(std::string_view text, std::chrono::milliseconds patience) {
+  std::unique_lock lock(state_->mutex);
+  const auto has_room = [&] {
+    return state_->failed || state_->waiting.empty() || state_->waiting.size() + text.size() <= state_->room;
+  };
+  while (!has_room() && patience.count() > 0) {
+    const std::uint64_t before = state_->progress;
+    state_->changed.wait_for(lock, patience, [&] { return has_room() || state_->progress != before; });
+    if (!has_room() && state_->progress == before)
+      state_->fail("it took nothing for " + std::to_string(patience.count()) + " ms");
+  }
+  if (state_->failed || state_->closing || !has_room()) {
+    state_->lost_lines += lines_in(text);
+    return false;
+  }
+  state_->waiting += text;
+  state_->changed.notify_all();
+  return true;
+}
+
+BackgroundFile::Result BackgroundFile::close(Clock::time_point until) {
+  std::unique_lock lock(state_->mutex);
+  state_->closing = true;
+  state_->changed.notify_all();
+  state_->changed.wait_until(lock, until, [&] { return state_->ended || state_->failed; });
+  if (!state_->ended && !state_->failed) state_->fail("it took no more, and was not waited for any longer");
+  const bool ended = state_->ended;
+  Result result{.why = state_->why, .lost_lines = state_->lost_lines};
+  lock.unlock();
+  if (thread_.joinable()) ended ? thread_.join() : thread_.detach();
+  return result;
+}
+
+/// What has not been written is lost, and whatever comes.
+void BackgroundFile::State::fail(std::string reason) {
+  if (failed) return;
+  failed = true;
+  why = std::move(reason);
+  lost_lines += unwritten_lines();
+  waiting.clear();
+  changed.notify_all();
+}
+
+void BackgroundFile::State::run() noexcept {
+  std::unique_lock lock(mutex);
+  try {
+    lock.unlock();
+    const bool is_open = open_file();
+    const int error = errno;
+    lock.lock();
+    if (!is_open) fail(std::generic_category().message(error));
+    while (!failed) {
+      changed.wait(lock, [this] { return failed || closing || !waiting.empty(); });
+      if (failed || waiting.empty()) break;
+      writing.clear();
+      written = 0;
+      writing.swap(waiting);
+      changed.notify_all();
+      while (!failed && write_some(lock)) continue;
+    }
+  } catch (const std::exception& error) {
+    if (!lock.owns_lock()) lock.lock();
+    failed = true;
+    why = error.what();
+  }
+  if (!path.empty() && descriptor >= 0 && ::close(descriptor) != 0 && !failed)
+    fail(std::generic_category().message(errno));
+  ended = true;
+  changed.notify_all();
+}
+
+bool BackgroundFile::State::open_file() {
+  if (path.empty()) return true;
+  do {
+    descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  } while (descriptor < 0 && errno == EINTR);
+  return descriptor >= 0;
+}
+
+/// False: all of it is written, or nothing more will be.
+bool BackgroundFile::State::write_some(std::unique_lock<std::mutex>& lock) {
+  const std::string_view rest = std::string_view(writing).substr(written, chunk);
+  if (rest.empty()) return false;
+  lock.unlock();
+  const ssize_t size = ::write(descriptor, rest.data(), rest.size());
+  const int error = errno;
+  lock.lock();
+  if (size < 0 && (error == EINTR || error == EAGAIN)) {
+    if (error == EAGAIN) changed.wait_for(lock, std::chrono::milliseconds(10));
+    return true;
+  }
+  if (size < 0) {
+    fail(std::generic_category().message(error));
+    return false;
+  }
+  written += static_cast<std::size_t>(size);
+  progress += static_cast<std::uint64_t>(size);
+  changed.notify_all();
+  return true;
+}
+
+}  // namespace godobject

@@ -1,0 +1,138 @@
+#include "platform/rt/last_resort.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <string_view>
+
+namespace godobject {
+namespace {
+
+constexpr int patience_ms = 50;  // with a bus that takes no more
+constexpr int settling_ms = 2;   // for a write that another thread has begun
+constexpr std::size_t stack_size = 1 << 16;
+
+struct DeadlySignal {
+  int signal;
+  const char* name;
+};
+constexpr std::array<DeadlySignal, 7> deadly_signals{{{SIGABRT, "SIGABRT"},
+                                                      {SIGSEGV, "SIGSEGV"},
+                                                      {SIGBUS, "SIGBUS"},
+                                                      {SIGFPE, "SIGFPE"},
+                                                      {SIGILL, "SIGILL"},
+                                                      {SIGSYS, "SIGSYS"},
+                                                      {SIGTRAP, "SIGTRAP"}}};
+
+std::atomic<const std::vector<LastWords>*> registered{nullptr};
+static_assert(std::atomic<const std::vector<LastWords>*>::is_always_lock_free, "read in a signal handler");
+std::atomic<bool> done{false};
+
+// From here to on_deadly_signal(): async-signal-safe, without allocation.
+
+void sleep_ms(int ms) noexcept { static_cast<void>(::poll(nullptr, 0, ms)); }
+
+/// A standard error that takes nothing is not waited for.
+void say(std::string_view text) noexcept {
+  pollfd out{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
+  if (::poll(&out, 1, 0) == 1 && (out.revents & POLLOUT) != 0)
+    static_cast<void>(!::write(STDERR_FILENO, text.data(), text.size()));
+}
+
+void write_all(int descriptor, std::string_view bytes) noexcept {
+  for (int tries = 0; !bytes.empty() && tries < patience_ms; ++tries) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written >= 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno == EAGAIN || errno == ENOBUFS) {
+      sleep_ms(1);
+    } else if (errno != EINTR) {
+      return;
+    }
+  }
+}
+
+/// Writes the last words, once. True: there were some.
+bool speak() noexcept {
+  if (!BusWrite::end()) {  // another thread is at it, and dies when it has done
+    for (int ms = 0; ms < 4 * patience_ms && !done; ++ms) sleep_ms(1);
+    return false;
+  }
+  for (int ms = 0; ms < settling_ms && !BusWrite::none_is_going_on(); ++ms) sleep_ms(1);
+  const std::vector<LastWords>* const buses = registered.load();
+  if (buses)
+    for (const LastWords& bus : *buses)
+      for (const std::string& frame : bus.writes) write_all(bus.descriptor, frame);
+  done = true;
+  return buses != nullptr;
+}
+
+constexpr std::string_view motors_off = "; the drives were told to switch their motors off\n";
+
+void on_deadly_signal(int signal) {
+  const int error = errno;
+  const bool spoken = speak();
+  for (const DeadlySignal& deadly : deadly_signals) {
+    if (deadly.signal != signal) continue;
+    say("godobject: ended by ");
+    say(deadly.name);
+    say(spoken ? motors_off : "\n");
+  }
+  // Pending until the handler returns; then with its default action, core dump and all.
+  std::signal(signal, SIG_DFL);
+  static_cast<void>(raise(signal));
+  errno = error;
+}
+
+/// Not a signal handler: the exception may be asked what it is. The motors come first.
+[[noreturn]] void on_terminate() noexcept {
+  const bool spoken = speak();
+  const char* what = "terminated";
+  std::exception_ptr exception = std::current_exception();
+  try {
+    if (exception) std::rethrow_exception(exception);
+  } catch (const std::exception& error) {
+    what = error.what();
+  } catch (...) {
+    what = "an exception of an unknown type";
+  }
+  say("godobject: a defect of the program: ");
+  say(what);
+  say(spoken ? motors_off : "\n");
+  std::abort();
+}
+
+}  // namespace
+
+LastResort::LastResort(std::vector<LastWords> buses) : buses_(std::move(buses)) { registered = &buses_; }
+
+LastResort::~LastResort() { registered = nullptr; }
+
+void LastResort::install() {
+  std::set_terminate(on_terminate);
+  struct sigaction action {};
+  action.sa_handler = on_deadly_signal;
+  action.sa_flags = SA_ONSTACK;
+  for (const DeadlySignal& deadly : deadly_signals) sigaction(deadly.signal, &action, nullptr);
+}
+
+SignalStack::SignalStack() : memory_(std::make_unique<char[]>(stack_size)) {
+  stack_t stack{};
+  stack.ss_sp = memory_.get();
+  stack.ss_size = stack_size;
+  sigaltstack(&stack, nullptr);
+}
+
+SignalStack::~SignalStack() {
+  stack_t none{};
+  none.ss_flags = SS_DISABLE;
+  sigaltstack(&none, nullptr);
+}
+
+}  // namespace godobject

@@ -1,0 +1,139 @@
+#include "platform/rt/setup.h"
+
+#include <fcntl.h>
+#include <malloc.h>
+#include <pthread.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <system_error>
+
+namespace godobject {
+namespace {
+
+constexpr std::size_t prefault_bytes = 256 * 1024;
+
+std::string error_text(int error) { return std::generic_category().message(error); }
+
+RtStep look_at_kernel() {
+  int realtime = 0;
+  std::ifstream("/sys/kernel/realtime") >> realtime;
+  if (realtime == 1) return {.name = "kernel", .result = RtResult::ok, .detail = "PREEMPT_RT", .remedy = ""};
+  return {.name = "kernel",
+          .result = RtResult::degraded,
+          .detail = "not PREEMPT_RT: wake-ups may be late by milliseconds",
+          .remedy = "apt install linux-image-rt-amd64, and boot it"};
+}
+
+/// With a limit on locked memory, locking what is yet to come would make later allocations fail: then only
+/// what is there now is locked.
+RtStep lock_memory() {
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  const bool unlimited = limit.rlim_cur == RLIM_INFINITY || geteuid() == 0;
+  RtStep step{.name = "lock memory",
+              .result = RtResult::ok,
+              .detail = "all of it, also what is yet to come",
+              .remedy = ""};
+  if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) != 0) {
+    step.result = RtResult::failed;
+    step.detail = "mlockall: " + error_text(errno);
+  } else if (!unlimited) {
+    step.result = RtResult::degraded;
+    step.detail = "what there is now; " + std::to_string(limit.rlim_cur / 1024) + " KiB are allowed";
+  }
+  if (step.result != RtResult::ok)
+    step.remedy = "'<user> - memlock unlimited' in /etc/security/limits.d/, and log in again";
+  return step;
+}
+
+/// Memory given back to the system would cost a page fault when it is needed again.
+RtStep keep_heap() {
+  const bool kept = mallopt(M_TRIM_THRESHOLD, -1) == 1 && mallopt(M_MMAP_MAX, 0) == 1;
+  if (kept)
+    return {.name = "keep heap",
+            .result = RtResult::ok,
+            .detail = "freed memory stays in the process",
+            .remedy = ""};
+  return {.name = "keep heap",
+          .result = RtResult::degraded,
+          .detail = "the allocator refused",
+          .remedy = "run without a replacement of malloc (LD_PRELOAD)"};
+}
+
+/// Touches the stack below this call, so that the loop meets no page fault there.
+[[gnu::noinline]] RtStep prefault_stack() {
+  std::array<volatile unsigned char, prefault_bytes> pages;
+  constexpr std::size_t page = 4096;
+  for (std::size_t i = 0; i < pages.size(); i += page) pages[i] = 0;
+  return {.name = "touch stack",
+          .result = RtResult::ok,
+          .detail = std::to_string(prefault_bytes / 1024) + " KiB",
+          .remedy = ""};
+}
+
+RtStep take_priority() {
+  sched_param param{};
+  param.sched_priority = rt_priority;
+  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
+  const std::string wanted = "SCHED_FIFO " + std::to_string(rt_priority);
+  if (error == 0) return {.name = "priority", .result = RtResult::ok, .detail = wanted, .remedy = ""};
+  return {.name = "priority",
+          .result = RtResult::degraded,
+          .detail = wanted + ": " + error_text(error) + "; runs as any other thread",
+          .remedy = "'<user> - rtprio 98' in /etc/security/limits.d/, and log in again"};
+}
+
+}  // namespace
+
+std::string_view name_of(RtResult result) noexcept {
+  constexpr std::array<std::string_view, 3> names{"ok", "degraded", "failed"};
+  return names[static_cast<std::size_t>(result)];
+}
+
+RtProcess::RtProcess() : steps_{look_at_kernel(), lock_memory(), keep_heap()} {
+  steps_.push_back(forbid_deep_sleep());
+}
+
+RtProcess::~RtProcess() {
+  if (latency_fd_ >= 0) close(latency_fd_);
+  munlockall();
+}
+
+/// Documentation/power/pm_qos_interface.rst of Linux: the longest wake-up of a processor, in us, while the
+/// file is open.
+RtStep RtProcess::forbid_deep_sleep() {
+  RtStep step{
+      .name = "processor sleep", .result = RtResult::ok, .detail = "no deep idle states", .remedy = ""};
+  latency_fd_ = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+  const std::int32_t longest_us = 0;
+  if (latency_fd_ < 0 || write(latency_fd_, &longest_us, sizeof longest_us) != sizeof longest_us) {
+    step.result = RtResult::degraded;
+    step.detail = "/dev/cpu_dma_latency: " + error_text(errno);
+    step.remedy = "give the user write permission on it (udev rule), or boot with processor.max_cstate=1";
+  }
+  return step;
+}
+
+std::vector<RtStep> set_up_rt_thread() { return {take_priority(), prefault_stack()}; }
+
+std::string rt_table(std::span<const RtStep> steps) {
+  std::string table;
+  for (const RtStep& step : steps) {
+    std::array<char, 64> head{};
+    std::snprintf(head.data(), head.size(), "  %-16s %-9s ", step.name.c_str(),
+                  std::string(name_of(step.result)).c_str());
+    table += head.data() + step.detail;
+    if (!step.remedy.empty()) table += "\n                             -> " + step.remedy;
+    table += '\n';
+  }
+  return table;
+}
+
+}  // namespace godobject
