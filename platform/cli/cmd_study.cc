@@ -6,7 +6,7 @@
 
 #include "platform/cli/verbs.h"
 #include "platform/rt/machine.h"
-#include "sim/study/study.h"
+#include "tests/study/study.h"
 
 namespace godobject {
 namespace {

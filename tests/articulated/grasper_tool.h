@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/study/articulated_tool.h"
+#include "tests/study/articulated_tool.h"
 #include "tests/core/one_body.h"
 
 namespace godobject {

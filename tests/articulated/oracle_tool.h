@@ -1,8 +1,8 @@
 // A case of the oracle, run by the core.
 #pragma once
 
-#include "sim/study/articulated_tool.h"
-#include "sim/study/oracle_joint.h"
+#include "tests/study/articulated_tool.h"
+#include "tests/study/oracle_joint.h"
 #include "tests/oracle/target.h"
 
 namespace godobject {

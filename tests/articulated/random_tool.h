@@ -1,7 +1,7 @@
 // Tools of random bodies on random joints of every kind, joined exactly.
 #pragma once
 
-#include "sim/study/articulated_tool.h"
+#include "tests/study/articulated_tool.h"
 #include "tests/core/one_body.h"
 
 namespace godobject {

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "sim/study/study.h"
+#include "tests/study/study.h"
 
 namespace godobject::bench {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/study/case_errors.h"
-#include "sim/study/instruction_count.h"
+#include "tests/study/case_errors.h"
+#include "tests/study/instruction_count.h"
 #include "tests/bench/contact_quality.h"
 #include "tests/bench/peer.h"
 

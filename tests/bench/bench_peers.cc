@@ -1,7 +1,7 @@
 // The same scenes by the peers that were found when the build was made.
 #include <memory>
 
-#include "sim/study/compositions.h"
+#include "tests/study/compositions.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_scene.h"
 #include "tests/bench/peer.h"

@@ -2,11 +2,11 @@
 
 #include <map>
 
-#include "sim/study/articulated_scene.h"
-#include "sim/study/case_errors.h"
-#include "sim/study/compositions.h"
-#include "sim/study/reference_solution.h"
-#include "sim/study/short_steps.h"
+#include "tests/study/articulated_scene.h"
+#include "tests/study/case_errors.h"
+#include "tests/study/compositions.h"
+#include "tests/study/reference_solution.h"
+#include "tests/study/short_steps.h"
 
 namespace godobject::bench {
 namespace {

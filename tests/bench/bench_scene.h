@@ -1,7 +1,7 @@
 // The scenes of the benchmarks with what their runs are set against, made once each.
 #pragma once
 
-#include "sim/study/reference_scene.h"
+#include "tests/study/reference_scene.h"
 #include "tests/oracle/solve.h"
 
 namespace godobject::bench {

@@ -1,7 +1,7 @@
 // Our step: S1 with and without feedback, the grasper S3, chains S5.
 #include <memory>
 
-#include "sim/study/compositions.h"
+#include "tests/study/compositions.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_scene.h"
 

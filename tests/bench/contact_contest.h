@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "sim/study/case_errors.h"
+#include "tests/study/case_errors.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/contact_quality.h"
 #include "tests/bench/peer.h"

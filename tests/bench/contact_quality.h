@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "sim/study/contact_scene.h"
+#include "tests/study/contact_scene.h"
 
 namespace godobject::bench {
 

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "sim/study/contact_run.h"
+#include "tests/study/contact_run.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/contact_quality.h"
 #include "tests/bench/peer.h"

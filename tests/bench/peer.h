@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/study/contact_scene.h"
+#include "tests/study/contact_scene.h"
 
 namespace godobject::bench {
 

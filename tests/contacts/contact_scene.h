@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "sim/study/articulated_tool.h"
+#include "tests/study/articulated_tool.h"
 #include "tests/core/one_body.h"
 
 namespace godobject {

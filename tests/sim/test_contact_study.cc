@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "platform/scene/scene_toml.h"
-#include "sim/study/contact_imposed_study.h"
-#include "sim/study/study.h"
+#include "tests/study/contact_imposed_study.h"
+#include "tests/study/study.h"
 #include "tests/support/shared_data.h"
 
 namespace godobject::study::test_contact_study {

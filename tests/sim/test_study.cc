@@ -1,4 +1,4 @@
-#include "sim/study/study.h"
+#include "tests/study/study.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "platform/engine/engine.h"
-#include "sim/study/tool.h"
+#include "tests/study/tool.h"
 
 namespace godobject::study::test_study {
 namespace {

@@ -1,0 +1,44 @@
+// Error against run time of each integrator on the reference scenes.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/study/case_errors.h"
+#include "tests/study/instruction_count.h"
+
+namespace godobject::study {
+
+using Progress = std::function<void(const std::string& line)>;
+
+struct ErrorRow {
+  std::string scene;
+  std::string integrator;
+  double h = 0;  // s
+  Errors errors;
+  std::optional<double> order_position;  // log2 of the error at 2 h over the error at h
+  std::optional<double> order_rotation;
+  double ns_per_step = 0;  // median
+  std::optional<double> instructions_per_step;
+
+  double ns_per_second() const { return ns_per_step / h; }  // of simulated time
+  std::optional<double> instructions_per_second() const;
+};
+
+/// Steps, s, each half of the one before; the slowest sets the times of comparison.
+std::vector<double> error_steps(bool quick);
+
+/// Every scene with every integrator and step.
+std::vector<ErrorRow> study_error(const std::vector<ReferenceScene>& scenes, bool quick,
+                                  InstructionCounter& counter, const Progress& progress);
+
+/// Errors of one integrator ("implicit-euler", "tr-bdf2") on one scene. Throws
+/// std::runtime_error for a fault.
+Errors measure_errors(const ReferenceScene& scene, const std::string& integrator, double h);
+
+void write_csv(const std::filesystem::path& file, const std::vector<ErrorRow>& rows);
+
+}  // namespace godobject::study

@@ -1,0 +1,18 @@
+// Compiled once per composition, with its three choices defined by tests/study/CMakeLists.txt.
+#include "tests/study/probe/probe_step.h"
+
+#include "tests/study/compositions.h"
+
+namespace godobject::study {
+
+template <Scene S>
+void probe_step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
+                Output<S>& out) noexcept {
+  step(par, in, x, w, out);
+}
+
+using Probed = PROBE_SCENE<PROBE_INTEGRATOR, PROBE_CAPACITY>;
+template void probe_step(const Params<Probed>&, const Input<Probed>&, State<Probed>&, Scratch<Probed>&,
+                         Output<Probed>&) noexcept;
+
+}  // namespace godobject::study

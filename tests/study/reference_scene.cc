@@ -1,0 +1,96 @@
+#include "tests/study/reference_scene.h"
+
+#include "tests/study/articulated_scene.h"
+#include "tests/oracle/reference_case.h"
+#include "tests/oracle/scenes.h"
+#include "tests/oracle/target.h"
+
+namespace godobject::study {
+namespace {
+
+using oracle::Quaterniond;
+using oracle::Vector3d;
+
+/// sim/scenes/reference/coupling-step.toml: at rest, released to a fixed target.
+ReferenceScene coupling_step() {
+  oracle::RigidState target;
+  target.p = Vector3d(0.05, -0.03, 0.02);
+  target.q =
+      Quaterniond(0.796083798549056, 0.363111843441624, -0.387319299671065, 0.290489474753299).normalized();
+
+  oracle::Body tool;
+  tool.name = "tool";
+  tool.m = 0.1;
+  tool.I_B = Vector3d(0.000750833333333, 0.000750833333333, 1.66666666667e-06).asDiagonal();
+  tool.coupling = {.k_t = 1000, .g_t = 14, .k_r = 1, .g_r = 0.0383618734336};
+  tool.coupling->target = std::make_shared<oracle::FunctionTarget>([target](double) { return target; });
+
+  ReferenceScene scene{.name = "coupling-step",
+                       .about = "a slender body released to a fixed target pose",
+                       .problem = {},
+                       .duration = 1};
+  scene.problem.bodies = {tool};
+  return scene;
+}
+
+/// sim/scenes/reference/torque-free.toml: spun about its intermediate axis.
+ReferenceScene torque_free() {
+  oracle::Body body;
+  body.name = "body";
+  body.m = 1;
+  body.I_B = Vector3d(0.02, 0.05, 0.08).asDiagonal();
+  body.start.v = Vector3d(0.1, -0.2, 0.3);
+  body.start.w = Vector3d(0.01, 12, 0.02);
+
+  ReferenceScene scene{.name = "torque-free",
+                       .about = "a free body tumbling about its intermediate axis",
+                       .problem = {},
+                       .duration = 4};
+  scene.problem.bodies = {body};
+  return scene;
+}
+
+}  // namespace
+
+ReferenceScene scene_s1() {
+  return {.name = "S1",
+          .about = "a slender body on a moving target, six sines",
+          .problem = oracle::scene_s1(),
+          .duration = 20,
+          .from = 0.5};
+}
+
+ReferenceScene reference_s3() {
+  return {.name = "S3",
+          .about = "a grasper on a moving device: four bodies, four joints, roll at 4e4 1/s",
+          .problem = scene_s3(),
+          .duration = 10,
+          .from = 0.5,
+          .stiff = true};
+}
+
+ReferenceScene reference_chain() {
+  return {.name = "chain-5",
+          .about = "S5 with five links: on ball joints, released at 45 degrees",
+          .problem = scene_s5(5),
+          .duration = 0.5};
+}
+
+std::vector<ReferenceScene> reference_scenes(const std::filesystem::path& shared,
+                                             std::vector<std::string>& skipped) {
+  std::vector<ReferenceScene> scenes{coupling_step(), scene_s1(), torque_free(), reference_s3(),
+                                     reference_chain()};
+  const std::filesystem::path lissajous = shared / "reference" / "coupling-lissajous";
+  if (std::filesystem::exists(lissajous / "case.json")) {
+    const oracle::ReferenceCase loaded = oracle::load_reference_case(lissajous);
+    scenes.insert(scenes.begin() + 1, {.name = "coupling-lissajous",
+                                       .about = "a very slender body on a moving target, from a file",
+                                       .problem = loaded.problem,
+                                       .duration = loaded.duration});
+  } else {
+    skipped.push_back("coupling-lissajous: its motion file was not found (set GODOBJECT_SHARED)");
+  }
+  return scenes;
+}
+
+}  // namespace godobject::study

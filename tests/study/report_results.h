@@ -1,0 +1,16 @@
+// The results chapter of the report: one section per part.
+#pragma once
+
+#include <ostream>
+
+#include "tests/study/study.h"
+
+namespace godobject::study {
+
+void write_error(std::ostream& out, const std::vector<ErrorRow>& rows);
+void write_stability(std::ostream& out, const StudyResults& results);
+void write_joints(std::ostream& out, const StudyResults& results);
+void write_contacts(std::ostream& out, const StudyResults& results);
+void write_footprint(std::ostream& out, const std::vector<FootprintRow>& rows);
+
+}  // namespace godobject::study

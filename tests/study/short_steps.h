@@ -1,0 +1,32 @@
+// A reference by the core itself, at steps so short that its error does not count.
+#pragma once
+
+#include <stdexcept>
+#include <vector>
+
+#include "tests/study/case_run.h"
+#include "tests/oracle/solve.h"
+
+namespace godobject::study {
+
+/// The case at `times` (evenly spaced from 0), by `steps_between` steps of tr-bdf2 from one to the next. The target is
+/// read no later than t_last. Throws std::runtime_error for a fault.
+template <Scene S>
+oracle::Solution by_short_steps(const oracle::Case& problem, const std::vector<double>& times,
+                                std::size_t steps_between, double t_last) {
+  static_assert(S::Integrator::order == 2);
+  oracle::Solution solution{.times = times, .states = {}};
+  CaseRun<S> run(problem, (times.at(1) - times.at(0)) / static_cast<double>(steps_between));
+  for (std::size_t n = 0; n < times.size(); ++n) {
+    std::vector<oracle::RigidState>& bodies = solution.states.emplace_back(problem.bodies.size());
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const RigidBodyState& x = run.body(i);
+      bodies[i] = {.p = x.X_WB.p, .q = x.X_WB.q, .v = x.v_W, .w = to_world(x.X_WB.q, x.w_B)};
+    }
+    for (const Input<S>& in : run.inputs(steps_between, t_last, n * steps_between)) run.step(in);
+    if (any(run.output().fault)) throw std::runtime_error("the step of a reference reported a fault");
+  }
+  return solution;
+}
+
+}  // namespace godobject::study

@@ -1,0 +1,34 @@
+// How long a step takes.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "tests/study/case_run.h"
+
+namespace godobject::study {
+
+/// Median time of one step, ns, over stretches of up to 1000 steps: long enough for the clock, short enough that most
+/// are not interrupted. The inputs are there before the clock starts; the run begins anew until min_steps are taken.
+template <Scene S>
+double time_step(CaseRun<S>& run, const std::vector<Input<S>>& inputs, std::size_t min_steps) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::size_t stretch = 1000;
+  std::vector<double> times;
+  for (std::size_t done = 0; done < min_steps; done += inputs.size()) {
+    run.restart();
+    for (std::size_t n = 0; n < inputs.size();) {
+      const std::size_t first = n, end = std::min(inputs.size(), n + stretch);
+      const Clock::time_point start = Clock::now();
+      for (; n < end; ++n) run.step(inputs[n]);
+      const std::chrono::duration<double, std::nano> elapsed = Clock::now() - start;
+      times.push_back(elapsed.count() / static_cast<double>(end - first));
+    }
+  }
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
+}
+
+}  // namespace godobject::study

@@ -1,0 +1,65 @@
+// The study: what the integrators cost and how good they are, as CSV files, figures and a report.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/study/contact_cost_study.h"
+#include "tests/study/contact_error_study.h"
+#include "tests/study/contact_imposed_study.h"
+#include "tests/study/contact_stability_study.h"
+#include "tests/study/error_study.h"
+#include "tests/study/footprint_study.h"
+#include "tests/study/joint_cost_study.h"
+#include "tests/study/joint_study.h"
+#include "tests/study/stability_study.h"
+
+namespace godobject::study {
+
+struct StudyOptions {
+  bool error = true, stability = true, footprint = true, joints = true, contacts = true;  // parts
+  bool quick = false;            // small grids, well under a minute
+  std::filesystem::path out;     // folder of the results; made if absent
+  std::filesystem::path report;  // report.md to write; empty: none. Needs all parts.
+  std::filesystem::path shared;  // folder with reference/, may be absent
+  std::filesystem::path
+      probe_directory;  // of the probe program and archives; empty: default_probe_directory()
+  std::filesystem::path scene_directory;  // with lego.toml; empty: default_scene_directory()
+  std::string machine;                    // for the report
+  std::string command;                    // for the report
+};
+
+struct ExplicitLimit {
+  double damping = 0, measured = 0;
+};
+
+struct StudyResults {
+  std::vector<ErrorRow> errors;
+  std::vector<StabilityResult> stability;
+  std::vector<ExplicitLimit> explicit_limits;
+  std::vector<FootprintRow> footprint;
+  std::vector<JointRun> joint_drift, joint_stability;
+  JointCosts joint_costs;
+  ContactErrors contact_errors;
+  std::vector<ContactStability> contact_stability;
+  std::vector<PileRun> piles;
+  std::vector<ContactCostRow> contact_costs;
+  double s3_reference_error = 0;   // m
+  std::vector<std::string> notes;  // what was left out, and why
+};
+
+/// Runs the parts, writes <part>.csv, <part>.gp, .png and .svg into `out`, and the report. Throws
+/// std::runtime_error when a file cannot be written.
+StudyResults run_study(const StudyOptions& options, const Progress& progress);
+
+/// Where the build puts the probe program and the archives.
+std::filesystem::path default_probe_directory();
+
+/// Where the source has the shipped scenes.
+std::filesystem::path default_scene_directory();
+
+/// Compiler and flags of this build.
+std::string build_description();
+
+}  // namespace godobject::study
