@@ -156,7 +156,7 @@ class PlainHost:
 def test_every_row_has_its_test():
     covered = RUN_DOWN + IGNORED + DEADLY + UNNOTICED + OUTPUTS + OTHERS + list(ELSEWHERE)
     assert sorted(table()) == sorted(covered)
-    tests = (SOURCE / "tests/platform/test_last_resort.cc").read_text()
+    tests = (SOURCE / "tests/platform/rt/test_last_resort.cc").read_text()
     for test in filter(None, ELSEWHERE.values()):
         assert "TEST({}, {})".format(*test.split(".")) in tests
 

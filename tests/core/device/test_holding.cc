@@ -93,7 +93,7 @@ using Integrators = ::testing::Types<ImplicitEuler, TrBdf2>;
 TYPED_TEST_SUITE(Holding, Integrators);
 
 /// Wherever the two are and however they move and turn: after the step of the capture the target is where the
-/// body is, and nothing has pulled. (How free that step is: tests/core/test_engage.cc.)
+/// body is, and nothing has pulled. (How free that step is: tests/core/device/test_engage.cc.)
 TYPED_TEST(Holding, CapturesThePoseAtThatInstant) {
   Random random(3);
   for (int n = 0; n < 200; ++n) {

@@ -78,7 +78,7 @@ class FaultPromiseKept : public testing::TestWithParam<FaultPromise> {
       ASSERT_TRUE(any(device.rig.faults() & promised.fault)) << name << " has not come\n"
                                                              << device.rig.fault_text();
       const auto within_ns = within(promised);
-      if (!within_ns) continue;  // of travel: tests/sim/test_fault_injector.cc
+      if (!within_ns) continue;  // of travel: tests/sim/fault/test_fault_injector.cc
       EXPECT_LE(after(log().first(promised.fault).t_ns), *within_ns) << name;
     }
     for (const RigFaultRecord& record : log().records())
