@@ -24,7 +24,6 @@ void add_run_options(CLI::App& verb, RunOptions& options);
 
 void add_run(CLI::App& app, ExitCode& code);
 void add_check(CLI::App& app, ExitCode& code);
-void add_study(CLI::App& app, ExitCode& code);
 void add_simulate(CLI::App& app, ExitCode& code);
 void add_bus_load(CLI::App& app, ExitCode& code);
 void add_monitor(CLI::App& app, ExitCode& code);
@@ -35,7 +34,7 @@ void add_drive(CLI::App& app, ExitCode& code);
 void add_encoder(CLI::App& app, ExitCode& code);
 void add_documents(CLI::App& app, ExitCode& code);
 
-inline constexpr std::array<AddVerb, 12> verbs{add_run,      add_check,   add_study,   add_simulate,
+inline constexpr std::array<AddVerb, 11> verbs{add_run,      add_check,   add_simulate,
                                                add_bus_load, add_monitor, add_faults,  add_sdo,
                                                add_lss,      add_drive,   add_encoder, add_documents};
 

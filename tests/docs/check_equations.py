@@ -10,7 +10,7 @@ import sys
 
 def cited_in_core(core):
     cited = {}
-    for path in sorted(core.glob("*.h")):
+    for path in sorted(core.rglob("*.h")):
         for number, line in enumerate(path.read_text().splitlines(), 1):
             comment = line.partition("//")[2]
             for equation in re.findall(r"\((\d+)\)", comment):

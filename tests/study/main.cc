@@ -1,10 +1,11 @@
-// godobject study: error against run time, stability map, footprint, and the report on them.
+// godobject-study: error against run time, stability map, footprint, and the report on them.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <memory>
+#include <string>
 
-#include "platform/cli/verbs.h"
+#include <CLI/CLI.hpp>
+
 #include "platform/rt/machine.h"
 #include "tests/study/study.h"
 
@@ -19,7 +20,7 @@ struct StudyArguments {
 
 /// The command line that gives these arguments.
 std::string command_of(const StudyArguments& a) {
-  std::string command = "godobject study " + a.part;
+  std::string command = "godobject-study " + a.part;
   if (a.quick) command += " --quick";
   command += " --out " + a.out;
   if (!a.report.empty()) command += " --report " + a.report;
@@ -48,10 +49,10 @@ study::StudyOptions study_options(const StudyArguments& a) {
   return options;
 }
 
-ExitCode run(const StudyArguments& a) {
+int run(const StudyArguments& a) {
   if (!a.report.empty() && a.part != "all") {
-    std::fprintf(stderr, "--report needs the results of all parts: godobject study all --report ...\n");
-    return ExitCode::usage;
+    std::fprintf(stderr, "--report needs the results of all parts: godobject-study all --report ...\n");
+    return 2;
   }
   try {
     const study::StudyResults results =
@@ -59,25 +60,28 @@ ExitCode run(const StudyArguments& a) {
     for (const std::string& note : results.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "study: %s\n", error.what());
-    return ExitCode::fault;
+    return 1;
   }
   std::printf("results in %s\n", a.out.c_str());
   if (!a.report.empty()) std::printf("report in %s\n", a.report.c_str());
-  return ExitCode::ok;
+  return 0;
 }
 
 }  // namespace
-
-void add_study(CLI::App& app, ExitCode& code) {
-  CLI::App* verb = app.add_subcommand(
-      "study", "Measure error against run time, stability, footprint, joints and contacts.");
-  const auto arguments = std::make_shared<StudyArguments>();
-  verb->add_option("PART", arguments->part, "error, stability, footprint, joints, contacts or all (default)")
-      ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "all"}));
-  verb->add_flag("--quick", arguments->quick, "small grids, well under a minute");
-  verb->add_option("--out", arguments->out, "folder for CSV files and figures")->required();
-  verb->add_option("--report", arguments->report, "report (Markdown) to write; figures go beside it");
-  verb->callback([arguments, &code] { code = run(*arguments); });
-}
-
 }  // namespace godobject
+
+int main(int argc, char** argv) {
+  godobject::StudyArguments arguments;
+  CLI::App app("Measure error against run time, stability, footprint, joints and contacts.", "godobject-study");
+  app.add_option("PART", arguments.part, "error, stability, footprint, joints, contacts or all (default)")
+      ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "all"}));
+  app.add_flag("--quick", arguments.quick, "small grids, well under a minute");
+  app.add_option("--out", arguments.out, "folder for CSV files and figures")->required();
+  app.add_option("--report", arguments.report, "report (Markdown) to write; figures go beside it");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return godobject::run(arguments);
+}
