@@ -1,7 +1,8 @@
-// printf into a string, for what people read.
+// Numbers and printf in strings, for what people read.
 #pragma once
 
 #include <array>
+#include <charconv>
 #include <cstdarg>
 #include <cstdio>
 #include <string>
@@ -16,6 +17,20 @@ namespace godobject {
   std::vsnprintf(text.data(), text.size(), pattern, arguments);
   va_end(arguments);
   return text.data();
+}
+
+/// The shortest decimal text that reads back as the same double: "3", "0.1".
+inline std::string shortest_plain(double x) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
+  return {text.data(), end};
+}
+
+/// The same with a point or an exponent: "3.0".
+inline std::string shortest(double x) {
+  std::string text = shortest_plain(x);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
 }
 
 }  // namespace godobject

@@ -111,4 +111,17 @@ std::vector<BusLoad> bus_load(const RigParams& rig, const BusLoadParams& params)
   return loads;
 }
 
+BusLoadParams usual_load(const RigParams& rig) noexcept {
+  constexpr double usual_s = 0.1;
+  constexpr double resolution_s = 1e-3;  // of object 1017h
+  constexpr double per_timeout = 5;      // the slowest node still sends two
+  BusLoadParams load;
+  // the host's may be fast for the sake of drives that watch it: the nodes' need not
+  const double period_s = std::max(usual_s, rig.heartbeat_period_s);
+  load.heartbeat_period_s = std::max(resolution_s, std::min(period_s, rig.heartbeat_timeout_s / per_timeout));
+  load.host_heartbeat_period_s = std::min(rig.heartbeat_period_s, load.heartbeat_period_s);
+  load.host_node_id = rig.host_node_id;
+  return load;
+}
+
 }  // namespace godobject

@@ -18,6 +18,9 @@ struct BusLoadParams {
   std::optional<double> host_heartbeat_period_s{};  // none: as the nodes'
 };
 
+/// What nodes like the shipped profiles' send besides their answers to SYNC: a heartbeat well within the host's timeout.
+BusLoadParams usual_load(const RigParams& rig) noexcept;
+
 struct BusMessage {
   std::string name;
   std::uint32_t cob_id = 0;

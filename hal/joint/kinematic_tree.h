@@ -20,6 +20,12 @@ using JointVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, Eigen::ColMajor, stat
 using HandleJacobian =
     Eigen::Matrix<Real, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(max_joints)>;
 
+/// Joint coordinates of the device and their rates.
+struct JointTarget {
+  JointVector q;
+  JointVector q_dot;
+};
+
 /// The link that joint `index` sits on: 0 is the base, k + 1 the link of joint k. None where the parent is
 /// not an earlier joint.
 std::optional<std::size_t> parent_link(std::span<const DeviceJoint> joints, std::size_t index) noexcept;

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "core/body/target.h"
 #include "hal/can/bus.h"
 #include "hal/drive/drive.h"
 #include "hal/joint/encoder.h"
@@ -40,14 +41,9 @@ struct DeviceButtons {
   bool clutch = false;
 };
 
-struct HandleSample {
-  Pose X_WH;
-  Twist V_WH;  // joints whose sample is stale count as at rest
-};
-
 /// The device as the joint sensors have it.
 struct DeviceSample {
-  std::array<HandleSample, max_handles> handles{};  // the first num_handles() of them
+  std::array<Target, max_handles> handles{};  // the first num_handles() of them; stale joints count as at rest
   JointVector q, q_dot;                             // one number per joint
   DeviceButtons buttons;
   bool valid =

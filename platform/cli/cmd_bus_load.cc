@@ -36,7 +36,7 @@ std::optional<RigParams> load_rig(const std::string& path) {
 ExitCode show_bus_load(const BusLoadOptions& options) {
   const std::optional<RigParams> rig = load_rig(options.scene);
   if (!rig) return ExitCode::usage;
-  const std::vector<BusLoad> loads = bus_load(*rig, simulated_load(*rig));
+  const std::vector<BusLoad> loads = bus_load(*rig, usual_load(*rig));
   if (options.json) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const BusLoad& load : loads) json.push_back(to_json(load));

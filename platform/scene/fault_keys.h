@@ -4,22 +4,17 @@
 #include <string>
 #include <vector>
 
-#include "sim/fault/target.h"
+#include "platform/scene/fault_checks.h"
 #include "platform/scene/text/visit.h"
 
 namespace godobject {
 
-inline std::vector<std::string> fault_verb_names() {
-  std::vector<std::string> names;
-  for (const FaultVerbText& text : fault_verb_texts()) names.emplace_back(text.name);
-  return names;
-}
-
 template <class V>
 void visit_fault(V& v, const DeviceConfig* device, FaultConfig& f) {
-  if (f.verb.empty()) f.verb = text_of(FaultVerb::drop).name;
-  choose(v, Key{.name = "verb", .unit = "", .meaning = "what happens, see docs/faults.md", .required = true},
-         fault_verb_names(), f.verb);
+  if (f.verb.empty()) f.verb = "drop";
+  const Key verb{.name = "verb", .unit = "", .meaning = "what happens, see docs/faults.md", .required = true};
+  if (const std::vector<std::string> names = fault_verb_names(); names.empty()) v.value(verb, f.verb);
+  else choose(v, verb, names, f.verb);
   v.value(Key{"bus", "", "name of a bus; empty: that of the node, without a node all of them"}, f.bus);
   std::uint8_t node_id = f.node_id.value_or(0);
   v.value(Key{"node_id", "", "of a node; 0: the host's end of the bus", {0, 127}}, node_id);
@@ -32,8 +27,7 @@ void visit_fault(V& v, const DeviceConfig* device, FaultConfig& f) {
   const bool has_place = device && (device->rig || !f.tracker.empty());
   v.check(has_place, "verb", "needs a [device] with buses, or a tracker");
   if (!has_place) return;
-  const std::string error =
-      f.tracker.empty() ? resolve(f, *device->rig).error : resolve(f, device->trackers).error;
+  const std::string error = why_not_playable(f, *device);
   v.check(error.empty(), "verb", "'" + f.verb + "' cannot be played: " + error);
 }
 

@@ -12,6 +12,7 @@
 #include "hal/rig/params.h"
 #include "hal/tracker/params.h"
 #include "platform/scene/contact_config.h"
+#include "sim/config.h"
 
 namespace godobject {
 
@@ -48,15 +49,6 @@ enum class DeviceKind : std::uint8_t {
   non_haptic,  // pose in, nothing out
   admittance,  // force in, pose out
   relative,    // increments in through a clutch
-};
-
-/// The simulated rig behind the bus: what the hand and the mechanics of the device do.
-struct PlantConfig {
-  double inertia = 1e-3;       // per joint, kg m^2 or kg at the joint
-  double damping = 1e-2;       // per joint, N m s/rad or N s/m
-  double friction = 1e-3;      // Coulomb, per joint, N m or N
-  double hand_stiffness = 20;  // per joint, N m/rad or N/m; the user's arm
-  double hand_damping = 0.5;   // per joint, N m s/rad or N s/m
 };
 
 /// What scene files and motions call the body nearest to the device. No body that can be held has this name.
@@ -152,25 +144,6 @@ struct MotionConfig {
   std::vector<HoldConfig> holds{};  // in the order of time
 };
 
-/// Faults the simulated wire makes by chance; all zero by default.
-struct WireConfig {
-  std::uint64_t seed = 1;
-  double loss_probability = 0;        // per frame
-  double corruption_probability = 0;  // per frame
-  double delay_s = 0;                 // added to every frame
-};
-
-/// A fault that the simulated rig plays: what it is, where, and when.
-struct FaultConfig {
-  std::string verb;                       // "drop", "unplug", ...: see docs/faults.md
-  std::string bus{};                      // name of a bus; empty: all, or the bus of the node
-  std::optional<std::uint8_t> node_id{};  // of a node on that bus; none: the bus itself
-  std::string tracker{};                  // name of a tracker instead
-  double at = 0;                          // s of the motion
-  std::optional<double> duration{};       // s; none: to the end, or one event where the verb is one
-  double value = 0;                       // the verb's own: probability, s, counts, ppm, code
-};
-
 /// Names of CouplingMode in scene files, in its order.
 inline constexpr std::array coupling_names{"god-object", "imposed"};
 
@@ -243,6 +216,20 @@ inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConf
       if (scene.bodies[driven[i]].name == handle.body) by_handle.back() = i;
   }
   return by_handle;
+}
+
+/// What the hand feels of such a device is the torque of its drives.
+constexpr bool shows_force(DeviceKind kind) noexcept {
+  return kind == DeviceKind::impedance || kind == DeviceKind::relative;
+}
+
+/// Which of motion_targets() a tracker's tool is.
+inline std::size_t driven_by_tool(const SceneConfig& scene, const TrackedToolParams& tool) {
+  if (takes_hold(scene)) return 0;
+  const std::vector<std::size_t> driven = driven_bodies(scene);
+  std::size_t i = 0;
+  while (i < driven.size() && scene.bodies[driven[i]].name != tool.body) ++i;
+  return i;
 }
 
 }  // namespace godobject

@@ -40,14 +40,9 @@ std::optional<std::size_t> Grip::nearest(const Vec3& p_WD, const Engine& engine)
 }
 
 Wrench Grip::feel(const BodySample& device, const Engine& engine, Limited& limited) noexcept {
-  Wrench wanted;
-  if (body_) {
-    if (device.valid) lever_W_ = engine.view(*body_).target.X_WD.p - device.X_WD.p;
-    wanted = moved_to_parent(engine.feedback(*body_), lever_W_, Vec3::Zero());  // (9)
-  }
-  LimitedFeedback::Output out;
-  LimitedFeedback::show(limits_, wanted, step_, shown_, out, limited);
-  return out.F_D;
+  const Wrench F_W = body_ ? engine.feedback(*body_) : Wrench{};
+  const Vec3 p_WT = body_ ? engine.view(*body_).target.X_WD.p : Vec3::Zero();
+  return HeldFeedback::show(limits_, body_ ? &F_W : nullptr, p_WT, device.X_WD.p, device.valid, step_, felt_, limited);
 }
 
 }  // namespace godobject

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/device/feedback.h"
+#include "core/device/held_feedback.h"
 #include "platform/engine/engine.h"
 #include "platform/session/motion.h"
 
@@ -41,8 +41,7 @@ class Grip {
   double grab_radius_ = 0;
   double step_ = 0;
   FeedbackParams limits_;
-  LimitedFeedback::State shown_;
-  Vec3 lever_W_ = Vec3::Zero();  // from the device to where the feedback acts
+  HeldFeedback::State felt_;
   HoldWish wish_;
   bool button_ = false;
   std::optional<std::size_t> body_;

@@ -28,7 +28,7 @@ Sample<double> sine(const CoordinateMotion& m, double t) noexcept {
 
 Quat turn(const Vec3& axis, double angle) noexcept { return Quat(Eigen::AngleAxis<Real>(angle, axis)); }
 
-MotionSample evaluate(const MotionConfig& m, double t) noexcept {
+Target evaluate(const MotionConfig& m, double t) noexcept {
   const Sample<Vec3> p = sines(m.amplitude, m.frequency_hz, m.phase, t);
   const Sample<Vec3> angles = sines(m.angle_amplitude, m.angle_frequency_hz, m.angle_phase, t);
   // q = q_0 qz qy qx;  w_W = q_0 (z a_z' + qz (y a_y' + qy x a_x'))
@@ -81,7 +81,7 @@ void Motion::take_holds(const SceneConfig& scene) {
   hold_grid_.emplace(std::move(times));
 }
 
-MotionSample Motion::target(std::size_t body, double t) const noexcept {
+Target Motion::target(std::size_t body, double t) const noexcept {
   if (!poses_.empty()) {
     const TimeGrid::Place place = grid_->locate(t);
     const Sample<Vec3> p = poses_[body].p.at(place);

@@ -6,24 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "core/body/target.h"
 #include "hal/joint/kinematic_tree.h"
 #include "platform/scene/text/csv.h"
 #include "platform/session/curve.h"
 #include "platform/scene/scene.h"
 
 namespace godobject {
-
-/// Target of a body: pose and its exact time derivative.
-struct MotionSample {
-  Pose X_WD;
-  Twist V_WD;
-};
-
-/// Joint coordinates of the device and their rates.
-struct JointTarget {
-  JointVector q;
-  JointVector q_dot;
-};
 
 /// What the user does besides moving: lets go and takes hold again, opens and closes the clutch.
 struct MotionSwitches {
@@ -68,7 +57,7 @@ class Motion {
   static MotionResult parse(std::string_view csv, const std::string& file, const SceneConfig& scene);
 
   std::size_t num_bodies() const noexcept { return starts_.size(); }
-  MotionSample target(std::size_t body, double t) const noexcept;
+  Target target(std::size_t body, double t) const noexcept;
   /// The hand's wrench on an admittance device's body, world axes about the body's origin.
   Wrench wrench(std::size_t body, double t) const noexcept;
   /// True for a motion of the device's joints; then joints() has them and target(i, t) is the pose of the

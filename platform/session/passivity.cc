@@ -8,7 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "sim/rig/inverse_kinematics.h"
+#include "hal/joint/inverse_kinematics.h"
 
 namespace godobject {
 namespace {

@@ -1,4 +1,4 @@
-// Session: the phases of a run, one period at a time, and the frames of a period.
+// Session: the phases of a run, one period at a time.
 #include <algorithm>
 #include <cmath>
 
@@ -16,8 +16,8 @@ constexpr double tracker_patience_s = 2;
 
 void Session::start(double limit_s) noexcept {
   if (phase_ != RunPhase::off) return;
-  phase_ = rig_ || tracked_ ? RunPhase::booting : RunPhase::running;
-  if (tracked_)
+  phase_ = rig_ || trackers_ ? RunPhase::booting : RunPhase::running;
+  if (trackers_)
     for (const TrackerParams& tracker : scene_.device->trackers)
       limit_s = std::max(limit_s, tracker.boot_timeout_s + tracker_patience_s);
   periods_left_ = std::llround(limit_s / scene_.step);
@@ -43,7 +43,7 @@ void Session::stop() noexcept {
 
 void Session::quick_stop() noexcept {
   stop();
-  if (rig_ && phase_ == RunPhase::running_down) rig_->quick_stop();
+  if (rig_ && phase_ == RunPhase::running_down) rig_->rig().quick_stop();
 }
 
 void Session::give_up_running() noexcept {
@@ -58,7 +58,7 @@ void Session::give_up_running() noexcept {
 
 void Session::deadlines_missed() noexcept {
   deadlines_missed_ = true;
-  if (rig_) rig_->deadlines_missed();
+  if (rig_) rig_->rig().deadlines_missed();
 }
 
 void Session::restart() {
@@ -66,8 +66,7 @@ void Session::restart() {
   phase_ = RunPhase::off;
   on_hold_ = deadlines_missed_ = false;
   if (!rig_) return;
-  earlier_rigs_ = rig_counters();
-  rig_.emplace(*scene_.device->rig, link_->buses());
+  rig_->restart();
   swings_->reset();
   let_go_ = true;
 }
@@ -84,110 +83,45 @@ void Session::shut_down() noexcept {
   while (phase_ == RunPhase::closing) closing_cycle();
 }
 
+Period& Session::begin_period() noexcept {
+  t_before_ns_ = period_.began;
+  period_.t = motion_time();
+  period_.has_begun = false;
+  return period_;
+}
+
 void Session::boot_cycle() noexcept {
-  if (rig_) {
-    static_cast<void>(exchange());
-    static_cast<void>(command({}));
-  } else {
-    pass_period();
-  }
-  if (tracked_) track();
-  if (cycle_ == 0) motion_start_ns_ = t_bus_ns_;
-  if (device_ready()) {
+  Period& period = begin_period();
+  for (HandDevice* const device : devices_) device->boot(period);
+  if (cycle_ == 0) motion_start_ns_ = period.began;
+  if (arm()) {
     phase_ = RunPhase::running;
-  } else if (device_failed() || --periods_left_ <= 0) {
+  } else if (failed() || --periods_left_ <= 0) {
     give_up_running();
   }
 }
 
-/// The rig is armed last.
-bool Session::device_ready() noexcept {
-  if (tracked_ && !tracked_->ready()) return false;
-  return !rig_ || (rig_->state() == RigState::ready && rig_->arm());
+/// None is armed before all are ready.
+bool Session::arm() noexcept {
+  return std::ranges::all_of(devices_, [](const HandDevice* device) { return device->ready(); }) &&
+         std::ranges::all_of(devices_, [](HandDevice* device) { return device->arm(); });
 }
 
-bool Session::device_failed() const noexcept {
-  for (std::size_t i = 0; tracked_ && i < tracked_->num_trackers(); ++i)
-    if (tracked_->report(i).state == TrackerState::failed) return true;
-  return rig_ && rig_->state() == RigState::fault;
-}
-
-/// Of a device without buses, which have a clock of their own.
-void Session::pass_period() noexcept {
-  t_bus_ns_ = clock_ ? clock_() : t_bus_ns_ + to_ns(scene_.step);
-  t_now_ns_ = t_bus_ns_;
-}
-
-void Session::track() noexcept {
-  if (sim_trackers_) sim_trackers_->run(t_now_ns_, motion_time(cycle_));
-  tracked_->update(t_now_ns_);
+bool Session::failed() noexcept {
+  return std::ranges::any_of(devices_, [](const HandDevice* device) { return device->failed(); });
 }
 
 void Session::run_down_cycle() noexcept {
-  if (commands_torque() && periods_left_-- > 0) {
-    static_cast<void>(exchange());
-    static_cast<void>(command({}));
-    return;
-  }
-  take_in();  // room in the transmit queues
-  rig_->stop();
+  Period& period = begin_period();
+  if (periods_left_-- > 0 && rig_->run_down(period)) return;
+  rig_->stop(period);
   phase_ = RunPhase::closing;
   periods_left_ = closing_periods;
 }
 
 void Session::closing_cycle() noexcept {
-  take_in();
+  rig_->close(begin_period());
   if (--periods_left_ == 0) phase_ = RunPhase::ended;
-}
-
-/// SYNC, and its answers: until all are in or their share of the period is over.
-DeviceSample Session::exchange() noexcept {
-  t_bus_ns_ = link_->begin_cycle(motion_time(cycle_));
-  if (phase_ == RunPhase::booting) rig_->start(t_bus_ns_);
-  rig_->sync(t_bus_ns_);
-  t_now_ns_ = t_bus_ns_;
-  const Nanoseconds deadline = t_bus_ns_ + gather_ns_;
-  do {
-    t_now_ns_ = link_->wait(deadline);
-    rig_->receive(t_now_ns_);
-  } while (!rig_->complete() && t_now_ns_ < deadline);
-  return rig_->read(t_now_ns_);
-}
-
-CommandReport Session::command(std::span<const Wrench> F_hand_W) noexcept {
-  const CommandReport report = rig_->command(F_hand_W, t_now_ns_);
-  link_->end_cycle();
-  return report;
-}
-
-/// A period without SYNC.
-void Session::take_in() noexcept {
-  t_bus_ns_ = link_->begin_cycle(motion_time(cycle_));
-  t_now_ns_ = link_->wait(t_bus_ns_);
-  rig_->receive(t_now_ns_);
-}
-
-/// To a drive that can still be told otherwise.
-bool Session::commands_torque() const noexcept {
-  const std::vector<DriveParams>& drives = scene_.device->rig->drives;
-  for (std::size_t i = 0; i < rig_->num_drives(); ++i)
-    if (rig_->commanded_torque_Nm(i) != 0 && !is_cut_off(link_->buses()[drives[i].bus]->state())) return true;
-  return false;
-}
-
-RigCounters Session::rig_counters() const noexcept {
-  static_assert(sizeof(RigCounters) == 7 * sizeof(std::uint64_t), "every counter is added up here");
-  RigCounters sum = earlier_rigs_;
-  if (!rig_) return sum;
-  const RigCounters& now = rig_->counters();
-  sum.syncs += now.syncs;
-  sum.incomplete_syncs += now.incomplete_syncs;
-  sum.frames += now.frames;
-  sum.malformed += now.malformed;
-  sum.repeated += now.repeated;
-  sum.foreign += now.foreign;
-  sum.receive_truncated += now.receive_truncated;
-  return sum;
 }
 
 }  // namespace godobject

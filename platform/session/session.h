@@ -1,22 +1,21 @@
-// A running scene: engine, motion, and the rig on its buses and the trackers, simulated or real. advance() is what a real-time
-// loop calls once per period, from the first NMT command to the last; it does not allocate, and waits only for
-// the answers of real buses.
+// A running scene: an engine, and the devices that its bodies follow. advance() is what a real-time loop calls once per
+// period, from the first NMT command to the last; it does not allocate, and waits only for the answers of real buses.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "hal/rig/rig.h"
 #include "platform/engine/engine.h"
 #include "platform/session/force_swings.h"
 #include "platform/session/grip.h"
-#include "platform/session/motion.h"
-#include "sim/rig/link.h"
-#include "sim/tracker/trackers.h"
-#include "platform/session/tracked_poses.h"
+#include "platform/session/handed_motion.h"
+#include "platform/session/record.h"
+#include "platform/session/rig_device.h"
+#include "platform/session/tracker_device.h"
+#include "platform/session/truth.h"
 
 namespace godobject {
 
@@ -38,49 +37,12 @@ enum class RunPhase : std::uint8_t {
   ended,
 };
 
-/// Distance and angle between two poses.
-struct PoseError {
-  double m = 0;
-  double rad = 0;
-};
-
-/// What one cycle did. Records of one session have the same number of bodies: once a record is one of them,
-/// taking over another allocates nothing, so that a real-time thread can hand it to another.
-struct CycleRecord {
-  std::uint64_t cycle = 0;  // from 1
-  double t = 0;             // of the state, s
-  bool engaged = false;     // the device holds the first driven body, or one that it has taken hold of
-  std::vector<BodyView> bodies;
-  Fault fault = Fault::none;
-  Limited limited = Limited::none;
-  ContactReport contacts;
-  RigFault rig_faults = RigFault::none;
-  bool on_hold = false;  // too many deadlines were missed: see Session::hold()
-  CommandReport drives;  // bounds on the motor commands
-  bool force_oscillates =
-      false;  // what is shown has begun to swing between its bounds: of a rig also a fault
-  // Where the device takes hold of bodies:
-  std::optional<std::size_t> held;  // index of the held body
-  Wrench hand_W;                    // shown to the hand, about the device's origin, world axes
-  // Worst of the driven bodies. The handle is where the device really is; without a bus, where the motion is;
-  // on a real bus, where nobody knows, what the core was told: sensing is then zero.
-  PoseError following;  // body against handle (relative devices, and what is held: against its target)
-  PoseError sensing;    // sample the core got against handle
-  // Of an engine beside it that is told the handle exactly; zero without a simulated bus.
-  PoseError exact_following;  // its body against the handle
-  PoseError encoders;         // body against its body
-  double energy = 0;          // J, see Engine::energy()
-  // Contacts that bear a force, with room for all that can; no room unless the session lists them.
-  std::vector<ContactView> touching;
-  std::size_t num_touching = 0;
-  Nanoseconds step_ns = 0;  // the engine's step alone, by the step clock
-};
-
-/// What a device has on this machine.
-struct RealDevice {
+/// What a device has, on this machine or simulated.
+struct DeviceParts {
   std::unique_ptr<RigLink> buses;                      // null for a device without any
   std::vector<std::unique_ptr<TrackerLink>> trackers;  // in the order of the scene's
-  Nanoseconds (*clock)() noexcept = nullptr;           // that of both
+  Nanoseconds (*clock)() noexcept = nullptr;           // that of both; null: a step a period
+  std::unique_ptr<Truth> truth;                        // of a simulated device
 };
 
 class Session {
@@ -89,12 +51,12 @@ class Session {
     std::unique_ptr<Session> session;  // null: see errors
     std::vector<std::string> errors;
   };
-  /// The motion is moved in. bus: sim or direct. profiles: by which the simulated nodes have been set up.
-  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus, RigProfiles profiles = {});
-  /// On real buses, which may still be closed: to be opened before start(). The motion then moves nothing that
-  /// the device has a handle for; its switches count.
+  /// Without a device: the motion, which is moved in, is handed to the core as it is.
+  static Made make(const SceneConfig& scene, Motion motion);
+  /// On buses, which may still be closed: to be opened before start(). The motion then moves nothing that the device has a
+  /// handle for; its switches count. A simulated device is made by platform/simulated/session.h.
   static Made make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses);
-  static Made make(const SceneConfig& scene, Motion motion, RealDevice device);
+  static Made make(const SceneConfig& scene, Motion motion, DeviceParts device);
 
   /// off -> booting, given up after `limit_s` of bus time, or that of the slowest tracker; without a bus and a
   /// tracker -> running.
@@ -139,21 +101,26 @@ class Session {
   std::optional<PoseError> offset_at_start(std::size_t body) const noexcept;
   /// Where the motion is one of the device's joints.
   std::optional<JointTarget> joints_at_start() const noexcept;
-  BusChoice bus() const noexcept { return rig_ || tracked_ ? bus_ : BusChoice::direct; }
+  BusChoice bus() const noexcept {
+    if (!rig_ && !trackers_) return BusChoice::direct;
+    return truth_ ? BusChoice::sim : BusChoice::real;
+  }
   /// Null without a bus.
-  const Rig* rig() const noexcept { return rig_ ? &*rig_ : nullptr; }
+  const Rig* rig() const noexcept { return rig_ ? &rig_->rig() : nullptr; }
   /// Null without trackers.
-  const TrackedPoses* trackers() const noexcept { return tracked_ ? &*tracked_ : nullptr; }
+  const TrackedPoses* trackers() const noexcept { return trackers_ ? &trackers_->poses() : nullptr; }
   /// Of all rigs so far: see restart().
-  RigCounters rig_counters() const noexcept;
+  RigCounters rig_counters() const noexcept { return rig_ ? rig_->counters() : RigCounters{}; }
   /// The host's ends; none without a bus.
   std::span<CanBus* const> host_buses() const noexcept {
-    return link_ ? link_->buses() : std::span<CanBus* const>{};
+    return rig_ ? rig_->buses() : std::span<CanBus* const>{};
   }
   /// Mean load of each simulated bus so far, percent; empty without one.
-  std::vector<double> bus_load_percent() const;
+  std::vector<double> bus_load_percent() const {
+    return truth_ ? truth_->bus_load_percent() : std::vector<double>{};
+  }
   /// Time on the buses' and the trackers' clock at which this period began, or the last one; 0 without either.
-  Nanoseconds bus_time_ns() const noexcept { return t_bus_ns_; }
+  Nanoseconds bus_time_ns() const noexcept { return period_.began; }
   /// The same at which the motion began, after the first boot.
   Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
   /// Steps are timed by this; by default they are not.
@@ -161,89 +128,63 @@ class Session {
   /// Records list their contacts from here on; before at_start().
   void list_contacts() noexcept { lists_contacts_ = true; }
   void set_bus_observer(const BusObserver& observer) noexcept {
-    if (link_) link_->set_observer(observer);
+    if (rig_) rig_->link().set_observer(observer);
   }
   /// False when the motion left the workspace of the simulated device.
-  bool reachable() const noexcept { return !sim_ || sim_->rig().reachable(); }
+  bool reachable() const noexcept { return !truth_ || truth_->reachable(); }
 
  private:
-  /// A joint that the device leads, and the device's joints for its coordinates.
-  struct ImposedJoint {
-    std::size_t body = 0;
-    std::size_t num_coordinates = 0;
-    std::array<Eigen::Index, 2> device_joints{};
-    std::array<bool, 2> turns{};
-  };
-
   Session(const SceneConfig& scene, Motion motion);
 
-  static Made make(const SceneConfig& scene, Motion motion, BusChoice bus, RealDevice device,
-                   const RigProfiles& profiles);
-  void take_motion_at_start();
-  void connect(RealDevice device, const RigProfiles& profiles, std::vector<std::string>& errors);
-  void connect_rig(std::unique_ptr<RigLink> buses, const RigProfiles& profiles,
-                   std::vector<std::string>& errors);
-  void connect_trackers(RealDevice device, std::vector<std::string>& errors);
-  void find_imposed_joints(bool real, std::vector<std::string>& errors);
+  /// device: null for none.
+  static Made make(const SceneConfig& scene, Motion motion, DeviceParts* device);
+  void connect(DeviceParts device, std::vector<std::string>& errors);
 
-  // session_phases.cc
+  // phases.cc
   void boot_cycle() noexcept;
   void run_down_cycle() noexcept;
   void closing_cycle() noexcept;
   void give_up_running() noexcept;
-  bool device_ready() noexcept;
-  bool device_failed() const noexcept;
-  void pass_period() noexcept;
-  void track() noexcept;
-  DeviceSample exchange() noexcept;
-  CommandReport command(std::span<const Wrench> F_hand_W) noexcept;
-  void take_in() noexcept;
-  bool commands_torque() const noexcept;
+  bool arm() noexcept;
+  bool failed() noexcept;
+  Period& begin_period() noexcept;
 
-  double motion_time(std::uint64_t cycle) const noexcept { return static_cast<double>(cycle) * scene_.step; }
-  BodySample motion_sample(std::size_t driven, double t) const noexcept;
-  void impose(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
-  void pass_missed_time(Nanoseconds t_before) noexcept;
-  void sense(double t) noexcept;
-  void sense_through_rig() noexcept;
-  void sense_through_trackers() noexcept;
-  void grip(double t) noexcept;
-  void act(CycleRecord& record) noexcept;
-  void watch_force(CycleRecord& record) noexcept;
+  // one period, in this order: see cycle()
+  void read() noexcept;
+  void check() noexcept;
+  void step(CycleRecord& record) noexcept;
+  void limit(CycleRecord& record) noexcept;
+  void command(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
-  void measure(CycleRecord& record) const noexcept;
+
+  void take_hold() noexcept;
+  void pass_missed_time() noexcept;
+  double motion_time() const noexcept { return static_cast<double>(cycle_) * scene_.step; }
 
   SceneConfig scene_;
   Motion motion_;
   std::vector<std::size_t> driven_;  // bodies with a target
-  std::vector<std::size_t> held_;    // with a bus: the body of each handle
-  std::optional<Grip>
-      grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
-  DeviceButtons buttons_, buttons_before_;  // of the device; pressed in this step and in the one before
-  std::vector<ImposedJoint> imposed_;
-  std::vector<BodySample> samples_;        // one per body, as the core gets them
-  std::vector<BodySample> exact_samples_;  // the same with the handle as it really is
   std::unique_ptr<Engine> engine_;
-  std::unique_ptr<Engine> exact_engine_;  // runs beside it on exact_samples_, with a bus only
-  std::unique_ptr<RigLink> link_;
-  const SimLink* sim_ = nullptr;  // the link, where that is simulated
-  BusChoice bus_ = BusChoice::sim;
-  std::vector<std::size_t> tracked_bodies_;  // of each pose of tracked_
-  std::optional<TrackedPoses> tracked_;
-  std::optional<SimTrackers> sim_trackers_;    // their far ends, where those are simulated
-  Nanoseconds (*clock_)() noexcept = nullptr;  // of real trackers
-  std::optional<Rig> rig_;
+  std::vector<BodySample> samples_;  // one per body, as the core gets them
+
+  // The devices, each writing over what those before it say.
+  HandedMotion handed_;
+  std::optional<RigDevice> rig_;
+  std::optional<TrackerDevice> trackers_;
+  std::vector<HandDevice*> devices_;
+  std::optional<Grip> grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
+
   std::optional<ForceSwings> swings_;
-  RigCounters earlier_rigs_;
+  std::unique_ptr<Truth> truth_;  // of a simulated device
+  Period period_;
+  Nanoseconds t_before_ns_ = 0;  // at which the period before this one began
   RunPhase phase_ = RunPhase::off;
   std::int64_t periods_left_ = 0;  // of this phase at most
   bool let_go_ = false;            // for the next step: what was held is engaged anew
   bool on_hold_ = false, deadlines_missed_ = false;
   bool lists_contacts_ = false;
+  bool real_ = false;  // the device is one, and time passes by itself
   Nanoseconds (*step_clock_)() noexcept = []() noexcept { return Nanoseconds{0}; };
-  Nanoseconds gather_ns_ = 0;
-  Nanoseconds t_bus_ns_ = 0;  // bus time at the start of this cycle
-  Nanoseconds t_now_ns_ = 0;  // bus time after the answers to SYNC
   Nanoseconds motion_start_ns_ = 0;
   std::uint64_t cycle_ = 0;
 };

@@ -24,7 +24,8 @@ TrackedPoses::TrackedPoses(std::vector<std::unique_ptr<TrackerLink>> links)
   }
 }
 
-void TrackedPoses::update(Nanoseconds now) noexcept {
+void TrackedPoses::update(Nanoseconds now, double motion_time) noexcept {
+  for (const std::unique_ptr<TrackerLink>& link : links_) link->begin_cycle(now, motion_time);
   for (std::size_t i = 0; i < links_.size(); ++i) static_cast<void>(links_[i]->try_read(reports_[i], now));
   for (std::size_t i = 0; i < tools_.size(); ++i) {
     Tool& tool = tools_[i];

@@ -28,8 +28,9 @@ class TrackedPoses {
   /// Allocates; nothing later does. The order of poses() is that of the trackers and their tools.
   explicit TrackedPoses(std::vector<std::unique_ptr<TrackerLink>> links);
 
-  /// Once per cycle, before poses(). `now`: of the clock that the links' reports are in.
-  void update(Nanoseconds now) noexcept;
+  /// Once per cycle, before poses(). `now`: of the clock that the links' reports are in. motion_time: s, of a simulated
+  /// hand.
+  void update(Nanoseconds now, double motion_time = 0) noexcept;
   std::span<const TrackedPose> poses() const noexcept { return poses_; }
 
   /// Every tracker is tracking. A tool that is not seen does not count: it is not a fault.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hal/canopen/canopen.h"
-#include "platform/scene/text/key.h"
+#include "hal/base/format.h"
 
 namespace godobject {
 namespace {

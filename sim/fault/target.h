@@ -8,7 +8,8 @@
 #include "hal/can/frame.h"
 #include "hal/rig/params.h"
 #include "sim/fault/verb.h"
-#include "platform/scene/scene.h"
+#include "hal/tracker/params.h"
+#include "sim/config.h"
 
 namespace godobject {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "platform/scene/text/key.h"
+#include "hal/base/format.h"
 
 namespace godobject {
 namespace {

@@ -9,10 +9,10 @@ namespace godobject {
 /// Its time moves in its calls alone: begin_cycle() is one period after the one before, wait() one poll later.
 class SimLink final : public RigLink {
  public:
-  /// SimRig::why_not(scene, motion) is empty; both outlive the link. Allocates; nothing later does.
-  SimLink(const SceneConfig& scene, const Motion& motion, Nanoseconds period, Nanoseconds poll,
+  /// SimRig::why_not() is empty. Allocates; nothing later does.
+  SimLink(const SimRigConfig& config, std::shared_ptr<const Hand> hand, Nanoseconds period, Nanoseconds poll,
           const RigProfiles& profiles = {})
-      : rig_(scene, motion, profiles), period_ns_(period), poll_ns_(poll) {}
+      : rig_(config, std::move(hand), profiles), period_ns_(period), poll_ns_(poll) {}
 
   std::span<CanBus* const> buses() noexcept override { return rig_.host_buses(); }
   /// The rest of the last period, with the mechanics up to its end.

@@ -3,7 +3,7 @@
 
 #include "hal/can/frame.h"
 #include "hal/joint/kinematic_tree.h"
-#include "platform/scene/scene.h"
+#include "sim/config.h"
 
 namespace godobject {
 

@@ -65,27 +65,8 @@ std::vector<SdoStep> steps_of(const std::optional<NodeProfile>& profile, const R
 
 }  // namespace
 
-BusLoadParams simulated_load(const RigParams& rig) noexcept {
-  constexpr double usual_s = 0.1;
-  constexpr double resolution_s = 1e-3;  // of object 1017h
-  constexpr double per_timeout = 5;      // the slowest node still sends two
-  BusLoadParams load;
-  // the host's may be fast for the sake of drives that watch it: the nodes' need not
-  const double period_s = std::max(usual_s, rig.heartbeat_period_s);
-  load.heartbeat_period_s = std::max(resolution_s, std::min(period_s, rig.heartbeat_timeout_s / per_timeout));
-  load.host_heartbeat_period_s = std::min(rig.heartbeat_period_s, load.heartbeat_period_s);
-  load.host_node_id = rig.host_node_id;
-  return load;
-}
-
-std::string SimRig::why_not(const SceneConfig& scene, const Motion& motion) {
-  const KinematicTreeParams& tree = scene.device->rig->tree;
-  const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
-  for (std::size_t handle = 0; handle < by_handle.size(); ++handle) {
-    if (!by_handle[handle])
-      return "handle of body '" + tree.handles[handle].body + "': the scene has no such coupled body";
-  }
-  if (motion.has_joints() || InverseKinematics(tree).invertible()) return "";
+std::string SimRig::why_not(const KinematicTreeParams& tree, const Hand& hand) {
+  if (hand.moves_joints() || InverseKinematics(tree).invertible()) return "";
   std::string joints;
   for (const DeviceJoint& joint : tree.joints) joints += (joints.empty() ? "'" : ", '") + joint.name + "'";
   return "a motion of poses goes through the simulated bus only where the device has one handle and six "
@@ -94,39 +75,41 @@ std::string SimRig::why_not(const SceneConfig& scene, const Motion& motion) {
          joints + "), or use --bus direct";
 }
 
-SimRig::SimRig(const SceneConfig& scene, const Motion& motion, const RigProfiles& profiles)
-    : params_(*scene.device->rig), motion_(motion), tree_(params_.tree), ik_(params_.tree) {
+SimRig::SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, const RigProfiles& profiles)
+    : params_(config.rig),
+      hand_(std::move(hand)),
+      tree_(params_.tree),
+      ik_(params_.tree),
+      ik_target_(config.target) {
   for (std::size_t i = 0; i < params_.buses.size(); ++i) {
     SimWireParams wire;
     const BusParams& bus = params_.buses[i];
     wire.rates = {.nominal = bus.bit_rate, .data = bus.data_bit_rate > 0 ? bus.data_bit_rate : bus.bit_rate};
-    wire.corruption_probability = scene.wire.corruption_probability;
-    wire.seed = scene.wire.seed + i;
+    wire.corruption_probability = config.wire.corruption_probability;
+    wire.seed = config.wire.seed + i;
     buses_.push_back(std::make_unique<Bus>(wire));
     buses_[i]->rig = this;
     buses_[i]->index = i;
     SimCanPort& host = buses_[i]->host;
     static_cast<void>(host.open());
-    host.set_loss_probability(scene.wire.loss_probability);
-    host.set_receive_delay(static_cast<Nanoseconds>(scene.wire.delay_s * 1e9));
+    host.set_loss_probability(config.wire.loss_probability);
+    host.set_receive_delay(static_cast<Nanoseconds>(config.wire.delay_s * 1e9));
     host_buses_.push_back(&host);
     faults_.add_bus(buses_[i]->wire, host, buses_[i]->nodes, params_);
   }
-  const double heartbeat_s = simulated_load(params_).heartbeat_period_s;
+  const double heartbeat_s = usual_load(params_).heartbeat_period_s;
   for (std::size_t i = 0; i < params_.encoders.size(); ++i)
     add_encoder(params_.encoders[i], profile_of(profiles.encoders, i), heartbeat_s);
   for (std::size_t i = 0; i < params_.drives.size(); ++i)
     add_drive(params_.drives[i], profile_of(profiles.drives, i), heartbeat_s);
   for (const ButtonParams& b : params_.buttons) add_button(b, heartbeat_s);
   std::vector<SimFault> faults;
-  for (const FaultConfig& config : scene.faults)
-    if (const FaultResult found = resolve(config, params_); found.fault) faults.push_back(*found.fault);
+  for (const FaultConfig& fault : config.faults)
+    if (const FaultResult found = resolve(fault, params_); found.fault) faults.push_back(*found.fault);
   faults_.schedule_all(faults);
-  ik_target_ = driven_by_handles(scene).front().value_or(0);
   const JointTarget start = hand_at(0);
-  const bool haptic = shows_force(scene.device->kind);
-  plant_ = std::make_unique<SimPlant>(scene.device->plant, params_.tree.joints.size(),
-                                      haptic && !drives_.empty(), start.q, 0);
+  plant_ = std::make_unique<SimPlant>(config.plant, params_.tree.joints.size(),
+                                      config.shows_force && !drives_.empty(), start.q, 0);
   show_joints();
   press_buttons(0);
 }
@@ -168,14 +151,13 @@ void SimRig::add_button(const ButtonParams& b, double heartbeat_s) {
   buttons_.push_back({.node = std::move(node), .bus = b.bus});
 }
 
-/// As the motion has them: its columns for the button and for the clutch.
 void SimRig::press_buttons(double motion_time) noexcept {
   for (const ButtonsAt& at : buttons_) {
     unsigned inputs = 0;
     for (const ButtonParams& b : params_.buttons) {
       if (b.bus != at.bus || b.node_id != at.node->node_id()) continue;
-      const bool pressed = b.use == ButtonUse::hold ? motion_.button(motion_time)
-                                                    : motion_.switches(ik_target_, motion_time).clutch;
+      const bool pressed = b.use == ButtonUse::hold ? hand_->presses_hold(motion_time)
+                                                    : hand_->presses_clutch(ik_target_, motion_time);
       inputs |= (pressed != b.active_low ? 1u : 0u) << b.bit;
     }
     at.node->set_inputs(static_cast<std::uint8_t>(inputs));
@@ -209,12 +191,12 @@ void SimRig::set_observer(const BusObserver& observer) noexcept {
 
 JointTarget SimRig::hand_at(double motion_time) noexcept {
   JointTarget hand =
-      motion_.has_joints() ? motion_.joints(motion_time) : invert(motion_.target(ik_target_, motion_time));
+      hand_->moves_joints() ? hand_->joints(motion_time) : invert(hand_->target(ik_target_, motion_time));
   if (motion_time <= 0) hand.q_dot.setZero();  // the motion has not begun
   return hand;
 }
 
-JointTarget SimRig::invert(const MotionSample& target) noexcept {
+JointTarget SimRig::invert(const Target& target) noexcept {
   const IkSolution solution = ik_.solve(target.X_WD);
   JointTarget hand{.q = solution.q, .q_dot = JointVector::Zero(solution.q.size())};
   const bool solved = solution.status == IkStatus::solved && ik_.joint_rates(target.V_WD, hand.q_dot);
@@ -253,7 +235,7 @@ void SimRig::show_joints() noexcept {
   for (const DriveAt& d : drives_) d.motor->set_joint(faults_.shown(d.fault_node), plant_->q_dot()[d.joint]);
 }
 
-MotionSample SimRig::handle(std::size_t index) const noexcept {
+Target SimRig::handle(std::size_t index) const noexcept {
   const TreeConfiguration at = tree_.at(plant_->q());
   return {.X_WD = at.X_WH(index), .V_WD = at.twist(index, plant_->q_dot())};
 }

@@ -10,31 +10,33 @@
 #include "hal/canopen/node_profile.h"
 #include "hal/rig/link.h"
 #include "sim/fault/injector.h"
-#include "sim/rig/inverse_kinematics.h"
-#include "platform/session/motion.h"
+#include "hal/joint/inverse_kinematics.h"
+#include "sim/config.h"
+#include "sim/hand.h"
 #include "sim/node/button.h"
 #include "sim/node/encoder.h"
 #include "sim/rig/plant.h"
 
 namespace godobject {
 
-/// What the simulated nodes send besides their answers to SYNC: a heartbeat well within the host's timeout.
-BusLoadParams simulated_load(const RigParams& rig) noexcept;
-
-/// What the hand feels of such a device is the torque of its drives.
-constexpr bool shows_force(DeviceKind kind) noexcept {
-  return kind == DeviceKind::impedance || kind == DeviceKind::relative;
-}
+struct SimRigConfig {
+  RigParams rig;                      // valid
+  PlantConfig plant;
+  WireConfig wire;
+  std::vector<FaultConfig> faults;    // those that name a tracker are not for a rig
+  bool shows_force = false;           // its drives' torque is felt; otherwise the mechanics follow the hand exactly
+  std::size_t target = 0;             // of the hand: what the first handle follows where it does not move the joints
+};
 
 class SimRig {
  public:
-  /// Why the scene's rig, which must be valid, cannot follow the motion; empty when it can. Poses need
-  /// inverse kinematics, which not every device has; columns of joints do for all of them.
-  static std::string why_not(const SceneConfig& scene, const Motion& motion);
+  /// Why a rig with this tree, which must be valid, cannot follow the hand; empty when it can. Poses need inverse
+  /// kinematics, which not every device has; a hand that moves the joints does for all of them.
+  static std::string why_not(const KinematicTreeParams& tree, const Hand& hand);
 
-  /// scene.device->rig must be there and valid, why_not() empty. profiles: what the nodes have been set up by
-  /// and have stored; without, it is for the host to do. Allocates; nothing later does.
-  SimRig(const SceneConfig& scene, const Motion& motion, const RigProfiles& profiles = {});
+  /// why_not() is empty. profiles: what the nodes have been set up by and have stored; without, it is for the host to
+  /// do. Allocates; nothing later does.
+  SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, const RigProfiles& profiles = {});
   SimRig(const SimRig&) = delete;
   SimRig& operator=(const SimRig&) = delete;
 
@@ -46,11 +48,11 @@ class SimRig {
   void run_wires(Nanoseconds t) noexcept;
   /// When run_wires() has something to do again; none when nothing is under way.
   std::optional<Nanoseconds> next_event() const noexcept;
-  /// Begins and ends the faults that are due, and moves the mechanics to t under the torque the drives apply now; the hand is where the motion is at
+  /// Begins and ends the faults that are due, and moves the mechanics to t under the torque the drives apply now; the hand is where it is at
   /// motion_time (s).
   void run_plant(Nanoseconds t, double motion_time) noexcept;
 
-  /// The scene's faults are scheduled in it.
+  /// The config's faults are scheduled in it.
   FaultInjector& faults() noexcept { return faults_; }
   const FaultInjector& faults() const noexcept { return faults_; }
   /// An open port for one more node on a bus. Allocates: set-up.
@@ -62,7 +64,7 @@ class SimRig {
   }
 
   /// Where the handle of this index really is, and how it moves: what the encoders measure.
-  MotionSample handle(std::size_t index) const noexcept;
+  Target handle(std::size_t index) const noexcept;
   /// Where its joints really are.
   JointTarget joints() const noexcept { return {.q = plant_->q(), .q_dot = plant_->q_dot()}; }
   /// True while every pose so far could be reached by the device.
@@ -107,14 +109,14 @@ class SimRig {
   void press_buttons(double motion_time) noexcept;
   Eigen::Index joint_named(const std::string& name) const;
   JointTarget hand_at(double motion_time) noexcept;
-  JointTarget invert(const MotionSample& target) noexcept;
+  JointTarget invert(const Target& target) noexcept;
   void show_joints() noexcept;
 
   RigParams params_;
-  const Motion& motion_;
+  std::shared_ptr<const Hand> hand_;
   KinematicTree tree_;
   InverseKinematics ik_;
-  std::size_t ik_target_ = 0;  // the motion's body that ik_ follows
+  std::size_t ik_target_ = 0;  // of the hand: what ik_ follows
   bool reachable_ = true;
   std::vector<std::unique_ptr<Bus>> buses_;
   std::vector<CanBus*> host_buses_;

@@ -6,21 +6,14 @@
 
 namespace godobject {
 
-std::size_t driven_by_tool(const SceneConfig& scene, const TrackedToolParams& tool) {
-  if (takes_hold(scene)) return 0;
-  const std::vector<std::size_t> driven = driven_bodies(scene);
-  const auto body =
-      std::ranges::find_if(driven, [&](std::size_t index) { return scene.bodies[index].name == tool.body; });
-  return static_cast<std::size_t>(body - driven.begin());
-}
-
-SimTrackers::SimTrackers(const SceneConfig& scene, const Motion& motion, std::vector<SimTracker*> far)
-    : params_(scene.device->trackers), motion_(motion), far_(std::move(far)) {
+SimTrackers::SimTrackers(const SimTrackersConfig& config, std::shared_ptr<const Hand> hand,
+                         std::vector<SimTracker*> far)
+    : params_(config.trackers), hand_(std::move(hand)), far_(std::move(far)) {
   for (std::size_t i = 0; i < params_.size(); ++i)
     for (std::size_t k = 0; k < params_[i].tools.size(); ++k)
-      tools_.push_back({.tracker = i, .index = k, .target = driven_by_tool(scene, params_[i].tools[k])});
-  for (const FaultConfig& config : scene.faults)
-    if (const TrackerFaultResult found = resolve(config, params_); found.fault)
+      tools_.push_back({.tracker = i, .index = k, .target = config.targets[i][k]});
+  for (const FaultConfig& fault : config.faults)
+    if (const TrackerFaultResult found = resolve(fault, params_); found.fault)
       waiting_.push_back(*found.fault);
   active_.reserve(waiting_.size() + capacity);
   waiting_.reserve(waiting_.size() + capacity);
@@ -29,7 +22,7 @@ SimTrackers::SimTrackers(const SceneConfig& scene, const Motion& motion, std::ve
 void SimTrackers::run(Nanoseconds now, double motion_time) noexcept {
   play_faults(now, motion_time);
   for (const Tool& tool : tools_) {
-    const Pose X_WD = motion_.target(tool.target, motion_time).X_WD;
+    const Pose X_WD = hand_->target(tool.target, motion_time).X_WD;
     far_[tool.tracker]->set_pose(tool.index, tool_pose_for(params_[tool.tracker], tool.index, X_WD));
   }
 }

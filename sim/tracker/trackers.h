@@ -1,12 +1,14 @@
-// The far ends of a scene's trackers: their tools are moved by the scene's motion, their faults played.
+// The far ends of a scene's trackers: their tools are moved by the hand, their faults played.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "sim/fault/target.h"
-#include "platform/session/motion.h"
+#include "sim/config.h"
+#include "sim/hand.h"
 #include "sim/tracker/tracker.h"
 
 namespace godobject {
@@ -16,12 +18,15 @@ constexpr double simulated_rate_hz(TrackerProtocol protocol) noexcept {
   return protocol == TrackerProtocol::ndi ? 60 : 120;
 }
 
-/// Which of the motion's targets a tool is: index in driven_bodies().
-std::size_t driven_by_tool(const SceneConfig& scene, const TrackedToolParams& tool);
+struct SimTrackersConfig {
+  std::vector<TrackerParams> trackers;
+  std::vector<FaultConfig> faults;                // those that name no tracker are not for trackers
+  std::vector<std::vector<std::size_t>> targets;  // of the hand: what each tool of each tracker is
+};
 
 class SimTrackers {
  public:
-  /// Faults that are active or wait at the same time, besides those of the scene.
+  /// Faults that are active or wait at the same time, besides those of the config.
   static constexpr std::size_t capacity = 64;
 
   struct Active {
@@ -29,8 +34,8 @@ class SimTrackers {
     std::optional<Nanoseconds> t_end_ns;  // none: to the end
   };
 
-  /// far: one per tracker of the scene's device, in its order. All of it outlives this. Allocates; nothing later does.
-  SimTrackers(const SceneConfig& scene, const Motion& motion, std::vector<SimTracker*> far);
+  /// far: one per tracker, in their order; they outlive this. Allocates; nothing later does.
+  SimTrackers(const SimTrackersConfig& config, std::shared_ptr<const Hand> hand, std::vector<SimTracker*> far);
 
   /// Moves the tools to where they are at motion_time, begins and ends faults. At least once per measurement, before
   /// the trackers' advance(now).
@@ -50,11 +55,11 @@ class SimTrackers {
 
   struct Tool {
     std::size_t tracker, index;
-    std::size_t target;  // of the motion
+    std::size_t target;  // of the hand
   };
 
   std::vector<TrackerParams> params_;
-  const Motion& motion_;
+  std::shared_ptr<const Hand> hand_;
   std::vector<SimTracker*> far_;
   std::vector<Tool> tools_;
   std::vector<SimTrackerFault> waiting_;

@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (result.motion.has_value() == !result.errors.empty()) std::abort();
   if (!result.motion) return 0;
   for (const double t : {0.0, 1e-3, 1.0, 1e9}) {
-    const MotionSample sample = result.motion->target(0, t);
+    const Target sample = result.motion->target(0, t);
     if (!sample.X_WD.p.allFinite()) std::abort();
   }
   return 0;

@@ -93,10 +93,10 @@ class VcanBus final : public CanBus {
 /// Its time moves as that of a SimLink.
 class VcanLink final : public RigLink {
  public:
-  VcanLink(const SceneConfig& scene, const Motion& motion, Nanoseconds period, Nanoseconds poll,
+  VcanLink(const SimRigConfig& config, std::shared_ptr<const Hand> hand, Nanoseconds period, Nanoseconds poll,
            const RigProfiles& profiles)
-      : rig_(scene, motion, profiles), period_ns_(period), poll_ns_(poll) {
-    const std::vector<std::vector<CanFilter>> filters = rig_filters(*scene.device->rig);
+      : rig_(config, std::move(hand), profiles), period_ns_(period), poll_ns_(poll) {
+    const std::vector<std::vector<CanFilter>> filters = rig_filters(config.rig);
     for (std::size_t i = 0; i < filters.size(); ++i) {
       vcans_.push_back(
           std::make_unique<VcanBus>("vcanlink" + std::to_string(i), rig_.host_port(i), filters[i]));

@@ -10,6 +10,7 @@
 #include "hal/rig/rig.h"
 #include "platform/scene/profile_toml.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/simulated/session.h"
 #include "sim/rig/link.h"
 
 namespace godobject::test {
@@ -115,8 +116,7 @@ class FaultyRigOn {
 
   explicit FaultyRigOn(const SceneConfig& config = two_joints())
       : scene(config),
-        motion(scene),
-        link(scene, motion, period_ns, poll_ns, profiles_of(scene)),
+        link(sim_rig_config(scene), hand_of(Motion(scene)), period_ns, poll_ns, profiles_of(scene)),
         rig(*scene.device->rig, link.buses()) {}
 
   void cycle() {
@@ -175,7 +175,6 @@ class FaultyRigOn {
   }
 
   SceneConfig scene;
-  Motion motion;
   Link link;
   Rig rig;
   DeviceSample sample;

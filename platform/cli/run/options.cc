@@ -18,7 +18,7 @@
 #include "platform/scene/text/key.h"
 #include "platform/scene/profile_toml.h"
 #include "platform/scene/scene_toml.h"
-#include "sim/tracker/link.h"
+#include "platform/session/make_session.h"
 
 namespace godobject {
 namespace {
@@ -158,7 +158,7 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
   }
   for (const TrackerParams& params : trackers) {
     static_cast<void>(read_tool_definitions(params, folder_of_scene(options), run.errors));
-    links.push_back(make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, run.errors));
+    links.push_back(make_resting_tracker(params, run.errors));
   }
   if (!run.errors.empty()) links.clear();
   return links;
@@ -168,9 +168,11 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
 Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
                            PreparedRun& run) {
   if (run.buses.choice != BusChoice::real)
-    return Session::make(scene, std::move(motion), run.buses.choice, run.profiles);
-  RealDevice device{
-      .buses = nullptr, .trackers = {}, .clock = []() noexcept { return MonotonicClock{}.now(); }};
+    return make_session(scene, std::move(motion), run.buses.choice, run.profiles);
+  DeviceParts device{.buses = nullptr,
+                     .trackers = {},
+                     .clock = []() noexcept { return MonotonicClock{}.now(); },
+                     .truth = nullptr};
   if (has_rig(scene)) {
     auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.files.record.empty());
     run.link = link.get();
@@ -188,7 +190,7 @@ std::string blamed(const RunOptions& options, bool step_is_to_blame) {
 
 bool overloaded(const BusLoad& load) { return load.worst_percent > full_load_percent; }
 
-std::vector<BusLoad> loads_of(const RigParams& rig) { return bus_load(rig, simulated_load(rig)); }
+std::vector<BusLoad> loads_of(const RigParams& rig) { return bus_load(rig, usual_load(rig)); }
 
 void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigParams& rig_of_scene,
                      PreparedRun& run) {

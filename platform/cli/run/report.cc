@@ -113,7 +113,7 @@ void add_trackers_not_ready(const RunReport& report, std::vector<FaultReport>& f
 std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig) {
   std::vector<BusReport> reports;
   const std::vector<double> measured = run.session->bus_load_percent();
-  const std::vector<BusLoad> computed = bus_load(rig, simulated_load(rig));
+  const std::vector<BusLoad> computed = bus_load(rig, usual_load(rig));
   for (std::size_t i = 0; i < computed.size(); ++i)
     reports.push_back({.computed = computed[i],
                        .address = run.link ? run.buses.texts[i] : "",

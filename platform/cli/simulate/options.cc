@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hal/rig/validate.h"
+#include "platform/simulated/session.h"
 #include "platform/scene/fault_file.h"
 #include "platform/scene/scene_toml.h"
 
@@ -119,7 +120,7 @@ PreparedSimulation prepare(const SimulateOptions& options) {
   append(out.errors, motion.errors);
   append(out.notes, motion.notes);
   if (out.errors.empty() && has_rig) {
-    const std::string why_not = SimRig::why_not(*scene, *motion.motion);
+    const std::string why_not = SimRig::why_not(scene->device->rig->tree, *hand_of(*motion.motion));
     if (!why_not.empty()) out.errors.push_back(options.scene + ": " + why_not);
   }
   std::vector<OfferedBus> offered = offer_all(options, scene->device->rig.value_or(RigParams{}), out);
@@ -127,8 +128,7 @@ PreparedSimulation prepare(const SimulateOptions& options) {
   if (out.errors.empty()) open_all(offered, out);
   if (out.errors.empty()) trackers = offer_trackers(*scene, out);
   if (!out.errors.empty()) return out;
-  out.motion = std::make_unique<Motion>(*std::move(motion.motion));
-  out.simulation = std::make_unique<Simulation>(*scene, *out.motion, std::move(offered), !options.start_now,
+  out.simulation = std::make_unique<Simulation>(*scene, *motion.motion, std::move(offered), !options.start_now,
                                                 std::move(trackers));
   return out;
 }

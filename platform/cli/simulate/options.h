@@ -23,7 +23,6 @@ struct SimulateOptions {
 };
 
 struct PreparedSimulation {
-  std::unique_ptr<Motion> motion;          // of the simulation
   std::unique_ptr<Simulation> simulation;  // null where there are errors
   std::vector<std::string> errors, notes;
   bool not_available = false;  // the errors are of this machine's buses and terminals

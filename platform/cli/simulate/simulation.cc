@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "hal/canopen/canopen.h"
+#include "platform/simulated/session.h"
 
 namespace godobject {
 namespace {
@@ -25,14 +26,15 @@ Simulation::Simulation(const SceneConfig& scene, const Motion& motion, std::vect
       buses_(std::move(buses)),
       motors_(params_.drives.size()),
       trackers_(std::move(trackers)) {
-  if (scene.device->rig) rig_.emplace(scene, motion);
+  const std::shared_ptr<const Hand> hand = hand_of(motion);
+  if (scene.device->rig) rig_.emplace(sim_rig_config(scene), hand);
   for (const OfferedBus& offered : buses_) {
     SimCanPort& port = offered.is_tap ? rig_->attach(offered.wire) : rig_->host_port(offered.wire);
     bridges_.emplace_back(*offered.bus, port);
   }
   std::vector<SimTracker*> far;
   for (const std::unique_ptr<TrackerLine>& tracker : trackers_) far.push_back(&tracker->far());
-  if (!far.empty()) tools_.emplace(scene, motion, std::move(far));
+  if (!far.empty()) tools_.emplace(sim_trackers_config(scene), hand, std::move(far));
   if (!motion_waits_for_sync) t_motion_ns_ = 0;
 }
 

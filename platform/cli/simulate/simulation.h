@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "platform/cli/bus/bridge.h"
-#include "platform/cli/bus/tracker_line.h"
+#include "platform/cli/simulate/bridge.h"
+#include "platform/cli/simulate/tracker_line.h"
 #include "platform/session/motion.h"
 #include "sim/rig/rig.h"
 #include "sim/tracker/trackers.h"

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "hal/base/format.h"
+
 namespace godobject {
 
 /// Admissible numbers; both ends belong to it unless min_open.
@@ -41,8 +43,5 @@ struct TableKey {
 
 /// ">= 0", "> 0", "0 to 1"; empty for any number.
 std::string to_string(const Range& range);
-
-/// The shortest decimal text that reads back as the same double, with a point or an exponent.
-std::string shortest(double x);
 
 }  // namespace godobject

@@ -166,7 +166,7 @@ TEST_F(RigTest, EncoderAndDrivePositionsMakeThePose) {
   EXPECT_DOUBLE_EQ(sample.q(0), 0.03);
   EXPECT_DOUBLE_EQ(sample.q(1), -0.02);
   EXPECT_TRUE(sample.valid);
-  EXPECT_NEAR(sample.handles[0].X_WH.p.z(), 0.1 * std::sin(0.02), 1e-15);
+  EXPECT_NEAR(sample.handles[0].X_WD.p.z(), 0.1 * std::sin(0.02), 1e-15);
 }
 
 TEST_F(RigTest, CommandIsTheJointTorque) {

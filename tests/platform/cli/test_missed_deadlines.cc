@@ -1,6 +1,7 @@
 // What missed deadlines do to a run: period by period, without a clock.
 #include <gtest/gtest.h>
 
+#include "platform/session/make_session.h"
 #include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
 
@@ -11,7 +12,7 @@ class Watched {
  public:
   Watched(const char* name, BusChoice bus) {
     LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + name);
-    Session::Made made = Session::make(*loaded.scene, Motion(*loaded.scene), bus);
+    Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), bus);
     session = std::move(made.session);
     cycle.emplace(*session, RunPlan{.num_cycles = 100'000}, stop);
     record = session->at_start();

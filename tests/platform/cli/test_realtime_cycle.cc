@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "platform/session/make_session.h"
 #include "platform/cli/bus/candump_log.h"
 #include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
@@ -26,7 +27,7 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
     ASSERT_TRUE(switched.motion.has_value()) << switched.errors.front();
     motion = *switched.motion;
   }
-  Session::Made made = Session::make(*loaded.scene, motion, GetParam().second);
+  Session::Made made = make_session(*loaded.scene, motion, GetParam().second);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   made.session->start(5);
 

@@ -5,6 +5,7 @@
 
 #include <numbers>
 
+#include "platform/session/make_session.h"
 #include "platform/engine/joint_params.h"
 #include "tests/support/tool_scene.h"
 
@@ -54,7 +55,7 @@ TEST(ArticulatedSession, JointCarriesTheWeight) {
   SceneConfig scene = load_shipped("pendulum.toml");
   BodyConfig& rod = scene.bodies.front();
   rod.X_WB = {Vec3(0, 0, -0.15), Quat(0, 0, 1, 0)};
-  const Session::Made made = Session::make(scene, Motion(scene), BusChoice::direct);
+  const Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   CycleRecord record = made.session->at_start();
   for (int i = 0; i < 100; ++i) made.session->cycle(record);
@@ -66,7 +67,7 @@ TEST(ArticulatedSession, ImposedJawsAreWhereTheDeviceHasThem) {
   const SceneConfig scene = load_shipped("scissors-imposed.toml");
   const Motion motion(scene);
   for (const BusChoice bus : {BusChoice::direct, BusChoice::sim}) {
-    const Session::Made made = Session::make(scene, motion, bus);
+    const Session::Made made = make_session(scene, motion, bus);
     ASSERT_NE(made.session, nullptr) << made.errors.front();
     ASSERT_TRUE(made.session->boot(5));
     CycleRecord record = made.session->at_start();
@@ -96,7 +97,7 @@ TEST(ArticulatedSession, ImposedTurnBeyondHalfATurnIsHeld) {
       "t,pitch,yaw,roll,insertion,left,right\n0,0,0,0,0.15,0,0\n0.5,0,0,0,0.15,3,0\n1,0,0,0,0.15,4,0\n",
       "m.csv", scene);
   ASSERT_TRUE(motion.motion.has_value());
-  const Session::Made made = Session::make(scene, *motion.motion, BusChoice::direct);
+  const Session::Made made = make_session(scene, *motion.motion, BusChoice::direct);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   CycleRecord record = made.session->at_start();
   for (int i = 0; i < 500; ++i) made.session->cycle(record);
@@ -115,7 +116,7 @@ TEST(ArticulatedSession, WrenchesOfALoadedGrasperAtRestBalance) {
   SceneConfig scene = load_shipped("reference/grasper.toml");
   scene.gravity = Vec3(1, 2, -9.81);
   for (BodyConfig& b : scene.bodies) b.V_WB = {};
-  const Session::Made made = Session::make(scene, Motion(scene), BusChoice::direct);
+  const Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   CycleRecord record = made.session->at_start();
   for (int i = 0; i < 20000; ++i) made.session->cycle(record);
@@ -153,7 +154,7 @@ TEST(ArticulatedSession, GrasperComesToRestInAHandAtRest) {
   SceneConfig scene = load_shipped("grasper.toml");
   for (CoordinateMotion& m : scene.motion->joints) m = {.coordinate = m.coordinate, .offset = m.offset};
   const Motion motion(scene);
-  const Session::Made made = Session::make(scene, motion, BusChoice::sim);
+  const Session::Made made = make_session(scene, motion, BusChoice::sim);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   ASSERT_TRUE(made.session->boot(5));
   CycleRecord record = made.session->at_start();
@@ -173,7 +174,7 @@ TEST(ArticulatedSession, GrasperComesToRestInAHandAtRest) {
 TEST(ArticulatedSession, ImposedJointNeedsAMotionOfJoints) {
   SceneConfig scene = load_shipped("scissors-imposed.toml");
   scene.motion.reset();
-  const Session::Made made = Session::make(scene, Motion(scene), BusChoice::direct);
+  const Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
   EXPECT_EQ(made.session, nullptr);
   EXPECT_THAT(made.errors, ElementsAre(HasSubstr("joint 'left_hinge' is imposed"),
                                        HasSubstr("joint 'right_hinge' is imposed")));
@@ -202,7 +203,7 @@ TEST(ArticulatedSession, ChainOf256LinksHoldsTogetherAndReadsBack) {
   const LoadResult loaded = parse_scene(text, "chain-256");
   ASSERT_THAT(loaded.errors, IsEmpty());
   EXPECT_THAT(loaded.warnings, IsEmpty());
-  const Session::Made made = Session::make(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
+  const Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   EXPECT_EQ(made.session->engine().composition().name, "free-joints-256 tr-bdf2");
   CycleRecord record = made.session->at_start();

@@ -7,7 +7,7 @@
 
 #include "platform/scene/text/csv.h"
 #include "platform/scene/scene_toml.h"
-#include "platform/session/session.h"
+#include "platform/session/make_session.h"
 #include "tests/support/shared_data.h"
 
 namespace godobject::test_contact_scenes {
@@ -29,7 +29,7 @@ class SceneRun {
       EXPECT_THAT(read.errors, testing::IsEmpty());
       moves = read.motion.value();
     }
-    Session::Made made = Session::make(scene_, std::move(moves), BusChoice::direct);
+    Session::Made made = make_session(scene_, std::move(moves), BusChoice::direct);
     if (!made.session) throw std::runtime_error(made.errors.front());
     session_ = std::move(made.session);
     record_ = session_->at_start();

@@ -67,7 +67,7 @@ TEST(DeviceTreeEndToEnd, EveryHandleIsWhereItsJointsPutItWithinHalfACount) {
         position_bound += half_count * J.col(j).tail<3>().norm();
         angle_bound += half_count * J.col(j).head<3>().norm();
       }
-      const Pose& X_WH = sim.sample.handles[i].X_WH;
+      const Pose& X_WH = sim.sample.handles[i].X_WD;
       ASSERT_LT((X_WH.p - exact.X_WH(i).p).norm(), position_bound) << k << ' ' << i;
       ASSERT_LT(2 * (X_WH.q * exact.X_WH(i).q.conjugate()).vec().norm(), angle_bound) << k << ' ' << i;
     }
@@ -87,7 +87,7 @@ TEST(DeviceTreeEndToEnd, EveryHandleHasItsVelocity) {
     const TreeConfiguration exact = tree.at(moving(t));
     for (std::size_t i = 0; i < num_handles; ++i) {
       const Twist V = exact.twist(i, moving_rates(t));
-      error_sq[i] += (sim.sample.handles[i].V_WH.w - V.w).squaredNorm();
+      error_sq[i] += (sim.sample.handles[i].V_WD.w - V.w).squaredNorm();
       speed_sq[i] += V.w.squaredNorm();
     }
   }

@@ -1,5 +1,5 @@
 // Scenes whose device takes hold of bodies and lets go of them: by script, by button, through a bus.
-#include "platform/session/session.h"
+#include "platform/session/make_session.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ std::vector<std::string> errors_of(const SceneConfig& scene, const std::string& 
 
 std::unique_ptr<Session> session_of(const SceneConfig& scene, const Motion& motion,
                                     BusChoice bus = BusChoice::direct) {
-  Session::Made made = Session::make(scene, motion, bus);
+  Session::Made made = make_session(scene, motion, bus);
   if (!made.session) throw std::runtime_error(made.errors.front());
   if (!made.session->boot(5)) throw std::runtime_error("the rig does not boot");
   return std::move(made.session);

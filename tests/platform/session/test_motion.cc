@@ -98,7 +98,7 @@ struct WorstErrors {
 WorstErrors compare(const Motion& motion, const Motion& exact, double end) {
   WorstErrors worst;
   for (double t = 0; t <= end; t += 0.77e-3) {
-    const MotionSample a = motion.target(0, t), b = exact.target(0, t);
+    const Target a = motion.target(0, t), b = exact.target(0, t);
     worst.p = std::max(worst.p, (a.X_WD.p - b.X_WD.p).norm());
     worst.q = std::max(worst.q, angle_between(a.X_WD.q, b.X_WD.q));
     worst.v = std::max(worst.v, (a.V_WD.v - b.V_WD.v).norm());
@@ -215,7 +215,7 @@ TEST(Motion, JointColumnsGiveTheHandlePose) {
   ASSERT_TRUE(result.motion->has_joints());
   EXPECT_NEAR(result.motion->joints(1.5).q[0], 0.75, 1e-12);
   EXPECT_NEAR(result.motion->joints(1.5).q_dot[1], 1, 1e-12);
-  const MotionSample sample = result.motion->target(0, 1);
+  const Target sample = result.motion->target(0, 1);
   EXPECT_NEAR((sample.X_WD.p - Vec3(0.5 - 0.1 * std::sin(1), 0.1 * std::cos(1), 0)).norm(), 0, 1e-12);
   EXPECT_NEAR(sample.V_WD.w.z(), 1, 1e-12);
 }
@@ -239,7 +239,7 @@ TEST(Motion, JointColumnsDriveEveryBodyThatHasAHandle) {
       Motion::parse("t,slide,jaw_left,jaw_right\n0,0,0,0\n1,0.5,1,2\n2,1,2,4\n", "m.csv", scene);
   ASSERT_THAT(result.errors, IsEmpty());
   EXPECT_EQ(result.motion->target(0, 1).X_WD.p, Vec3(1, 2, 3));
-  const MotionSample left = result.motion->target(1, 1), right = result.motion->target(2, 1);
+  const Target left = result.motion->target(1, 1), right = result.motion->target(2, 1);
   EXPECT_LT((left.X_WD.p - Vec3(0.5 - 0.1 * std::sin(1), 0.1 * std::cos(1), 0)).norm(), 1e-12);
   EXPECT_LT((right.X_WD.p - Vec3(0.5 + 0.1 * std::sin(2), 0.1 * std::cos(2), 0)).norm(), 1e-12);
   EXPECT_LT((left.V_WD.w - Vec3(0, 0, 1)).norm(), 1e-12);
@@ -442,7 +442,7 @@ TEST(Motion, RecordedTeleoperationStaysBounded) {
     const auto p = [&](std::size_t k) { return Vec3(table.at(k, 1), table.at(k, 2), table.at(k, 3)); };
     const double t = table.at(i, 0), h = table.at(i + 1, 0) - t;
     for (const double s : {0.25, 0.5, 0.75}) {
-      const MotionSample sample = result.motion->target(0, t + s * h);
+      const Target sample = result.motion->target(0, t + s * h);
       const Vec3 chord = p(i + 1) - p(i);
       overshoot = std::max(overshoot, (sample.X_WD.p - p(i) - s * chord).norm());
       speed = std::max(speed, sample.V_WD.v.norm());

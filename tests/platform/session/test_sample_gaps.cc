@@ -4,7 +4,7 @@
 #include <random>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/session.h"
+#include "platform/session/make_session.h"
 
 namespace godobject::test_sample_gaps_on_buses {
 namespace {
@@ -24,7 +24,7 @@ SceneConfig scene_of(const char* name) {
 
 Felt feel(const SceneConfig& scene) {
   Felt felt;
-  Session::Made made = Session::make(scene, Motion(scene), BusChoice::sim);
+  Session::Made made = make_session(scene, Motion(scene), BusChoice::sim);
   EXPECT_TRUE(made.session && made.session->boot(5));
   if (!made.session) return felt;
   CycleRecord before = made.session->at_start(), now = before;

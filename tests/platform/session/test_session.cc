@@ -1,5 +1,5 @@
 // A running scene while the user lets go, takes hold again and works the clutch.
-#include "platform/session/session.h"
+#include "platform/session/make_session.h"
 
 #include <gtest/gtest.h>
 
@@ -60,7 +60,7 @@ class SessionSwitches : public testing::TestWithParam<Case> {
   std::unique_ptr<Session> session(const std::string& csv) const {
     const MotionResult motion = Motion::parse(csv, "switches.csv", scene_);
     if (!motion.motion) throw std::runtime_error(motion.errors.front());
-    Session::Made made = Session::make(scene_, *motion.motion, std::get<1>(GetParam()));
+    Session::Made made = make_session(scene_, *motion.motion, std::get<1>(GetParam()));
     if (!made.session) throw std::runtime_error(made.errors.front());
     if (!made.session->boot(5)) throw std::runtime_error("the rig does not boot");
     return std::move(made.session);
@@ -134,7 +134,7 @@ TEST_P(SessionFollow, LetsGoAndFollowsAgain) {
 
 TEST_P(SessionEngage, SwitchesThatStayOnChangeNothing) {
   const std::unique_ptr<Session> with = session("t,tool.engaged,tool.clutch\n0,1,1\n");
-  Session::Made without = Session::make(scene_, Motion(scene_), std::get<1>(GetParam()));
+  Session::Made without = make_session(scene_, Motion(scene_), std::get<1>(GetParam()));
   ASSERT_TRUE(without.session->boot(5));
   CycleRecord record;
   for (int i = 0; i < 300; ++i) {

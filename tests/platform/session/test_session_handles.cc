@@ -1,5 +1,5 @@
 // A session whose device has several handles: each drives its own body and shows that body's feedback.
-#include "platform/session/session.h"
+#include "platform/session/make_session.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST(SessionHandles, EveryHandleDrivesItsBodyAndTheOthersRest) {
   const SceneConfig scene = shaft_and_blade();
   const KinematicTree tree(scene.device->rig->tree);
   const Motion motion = both_joints(scene);
-  const Session::Made made = Session::make(scene, motion, BusChoice::sim);
+  const Session::Made made = make_session(scene, motion, BusChoice::sim);
   ASSERT_THAT(made.errors, IsEmpty());
   ASSERT_TRUE(made.session->boot(3)) << made.session->rig()->fault_text();
   CycleRecord record;
@@ -84,7 +84,7 @@ TEST(SessionHandles, TheFeedbackOfEveryBodyReachesTheMotors) {
   const SceneConfig scene = shaft_and_blade();
   const KinematicTree tree(scene.device->rig->tree);
   const Motion motion = both_joints(scene);
-  const Session::Made made = Session::make(scene, motion, BusChoice::sim);
+  const Session::Made made = make_session(scene, motion, BusChoice::sim);
   ASSERT_THAT(made.errors, IsEmpty());
   ASSERT_TRUE(made.session->boot(3));
   CycleRecord record;
@@ -107,16 +107,16 @@ TEST(SessionHandles, TheFeedbackOfEveryBodyReachesTheMotors) {
 
 TEST(SessionHandles, AMotionOfPosesIsRefusedWhereTheDeviceCannotBeInverted) {
   const SceneConfig scene = shaft_and_blade();
-  EXPECT_THAT(Session::make(scene, Motion(scene), BusChoice::sim).errors,
+  EXPECT_THAT(make_session(scene, Motion(scene), BusChoice::sim).errors,
               ElementsAre(AllOf(HasSubstr("a column for each joint ('slide', 'turn')"),
                                 HasSubstr("one handle and six joints"), HasSubstr("--bus direct"))));
-  EXPECT_THAT(Session::make(scene, Motion(scene), BusChoice::direct).errors, IsEmpty());
+  EXPECT_THAT(make_session(scene, Motion(scene), BusChoice::direct).errors, IsEmpty());
 }
 
 TEST(SessionHandles, AHandleOfABodyThatIsNotThereIsRefused) {
   SceneConfig scene = shaft_and_blade();
   scene.device->rig->tree.handles[1].body = "jaw";
-  EXPECT_THAT(Session::make(scene, both_joints(scene), BusChoice::sim).errors,
+  EXPECT_THAT(make_session(scene, both_joints(scene), BusChoice::sim).errors,
               ElementsAre(HasSubstr("handle of body 'jaw': the scene has no such coupled body")));
 }
 

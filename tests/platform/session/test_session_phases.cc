@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/session.h"
+#include "platform/session/make_session.h"
 
 namespace godobject::test_session_phases {
 namespace {
@@ -13,7 +13,7 @@ class SessionPhases : public testing::Test {
  protected:
   SessionPhases() {
     const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml");
-    Session::Made made = Session::make(*loaded.scene, Motion(*loaded.scene), BusChoice::sim);
+    Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::sim);
     session_ = std::move(made.session);
     record_ = session_->at_start();
   }

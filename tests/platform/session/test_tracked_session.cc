@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/session.h"
+#include "platform/session/make_session.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_tracked_session {
@@ -23,7 +23,7 @@ FaultConfig fault(const std::string& verb, double at) {
 
 struct TrackedSession {
   explicit TrackedSession(const SceneConfig& scene = tracked_scene()) {
-    Session::Made made = Session::make(scene, Motion(scene), BusChoice::sim);
+    Session::Made made = make_session(scene, Motion(scene), BusChoice::sim);
     EXPECT_THAT(made.errors, testing::IsEmpty());
     session = std::move(made.session);
     record = session->at_start();
@@ -104,7 +104,7 @@ TEST(TrackedSession, ATrackerThatDoesNotComeUpEndsTheBoot) {
 
 TEST(TrackedSession, ReachesNoBodyWithoutATracker) {
   const SceneConfig scene = tracked_scene();
-  const Session::Made made = Session::make(scene, Motion(scene), RealDevice{});
+  const Session::Made made = Session::make(scene, Motion(scene), DeviceParts{});
   EXPECT_FALSE(made.session);
   ASSERT_EQ(made.errors.size(), 1u);
   EXPECT_THAT(made.errors[0], HasSubstr("--tracker polaris=PORT"));
@@ -112,7 +112,7 @@ TEST(TrackedSession, ReachesNoBodyWithoutATracker) {
 
 TEST(TrackedSession, DirectKnowsNoTracker) {
   const SceneConfig scene = tracked_scene();
-  const Session::Made made = Session::make(scene, Motion(scene), BusChoice::direct);
+  const Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
   ASSERT_TRUE(made.session);
   EXPECT_EQ(made.session->trackers(), nullptr);
   EXPECT_TRUE(made.session->boot(1));

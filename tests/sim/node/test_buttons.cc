@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/session.h"
+#include "platform/session/make_session.h"
 
 namespace godobject::test_buttons {
 namespace {
@@ -20,7 +20,7 @@ SceneConfig scene_with(const ButtonParams& button) {
 std::unique_ptr<Session> session_of(const SceneConfig& scene, const std::string& motion) {
   const MotionResult read = Motion::parse(motion, "m.csv", scene);
   EXPECT_TRUE(read.motion);
-  Session::Made made = Session::make(scene, *read.motion, BusChoice::sim);
+  Session::Made made = make_session(scene, *read.motion, BusChoice::sim);
   EXPECT_TRUE(made.session && made.session->boot(5));
   return std::move(made.session);
 }

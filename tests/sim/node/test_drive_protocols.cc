@@ -63,7 +63,7 @@ TEST_P(DriveProtocols, LoadIsWhatTheBusCarries) {
   device.cycles(1000);
   const double now_s = 1e-9 * static_cast<double>(device.t_sync_ns);
   const double measured = (device.link.load_percent(1) * now_s - before) / (now_s - before_s);
-  const BusLoad computed = bus_load(*device.scene.device->rig, simulated_load(*device.scene.device->rig))[1];
+  const BusLoad computed = bus_load(*device.scene.device->rig, usual_load(*device.scene.device->rig))[1];
   EXPECT_GE(measured, 0.98 * computed.nominal_percent);
   EXPECT_LE(measured, 1.01 * computed.worst_percent);
 }

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "sim/rig/inverse_kinematics.h"
+#include "hal/joint/inverse_kinematics.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_rig.h"
 
@@ -74,8 +74,8 @@ TEST(RigEndToEnd, PoseIsTheTruePoseWithinHalfACountPerJoint) {
       position_bound += half_count * J.col(i).tail<3>().norm();
       angle_bound += half_count * J.col(i).head<3>().norm();
     }
-    ASSERT_LT((sim.sample.handles[0].X_WH.p - X.p).norm(), position_bound) << k;
-    ASSERT_LT(2 * (sim.sample.handles[0].X_WH.q * X.q.conjugate()).vec().norm(), angle_bound) << k;
+    ASSERT_LT((sim.sample.handles[0].X_WD.p - X.p).norm(), position_bound) << k;
+    ASSERT_LT(2 * (sim.sample.handles[0].X_WD.q * X.q.conjugate()).vec().norm(), angle_bound) << k;
   }
 }
 
@@ -85,16 +85,16 @@ TEST(RigEndToEnd, VelocityIsFarBetterThanDifferencesOfCounts) {
   ASSERT_TRUE(sim.boot());
   sim.cycles(50);
   double sum_sq = 0, difference_sum_sq = 0;
-  Vec3 last_p = sim.sample.handles[0].X_WH.p;
+  Vec3 last_p = sim.sample.handles[0].X_WD.p;
   constexpr int samples = 2000;
   for (int k = 0; k < samples; ++k) {
     sim.cycle();
     const double t = 1e-9 * static_cast<double>(sim.cycle_start_ns - SimulatedRig::cycle_ns + 50'000);
     const Vec3 v = PoseMotion::twist(t).v;
-    ASSERT_LT((sim.sample.handles[0].V_WH.v - v).norm(), 0.10);  // speeds go up to 0.36 m/s
-    sum_sq += (sim.sample.handles[0].V_WH.v - v).squaredNorm();
-    difference_sum_sq += ((sim.sample.handles[0].X_WH.p - last_p) / 1e-3 - v).squaredNorm();
-    last_p = sim.sample.handles[0].X_WH.p;
+    ASSERT_LT((sim.sample.handles[0].V_WD.v - v).norm(), 0.10);  // speeds go up to 0.36 m/s
+    sum_sq += (sim.sample.handles[0].V_WD.v - v).squaredNorm();
+    difference_sum_sq += ((sim.sample.handles[0].X_WD.p - last_p) / 1e-3 - v).squaredNorm();
+    last_p = sim.sample.handles[0].X_WD.p;
   }
   EXPECT_LT(std::sqrt(sum_sq / samples), 0.2 * std::sqrt(difference_sum_sq / samples));
 }
@@ -135,7 +135,7 @@ TEST(RigEndToEnd, AForceDeflectsTheHandAlongIt) {
   for (Eigen::Index i = 0; i < 3; ++i) {
     EXPECT_NEAR(sim.plant.q()(i), tau(i) / plant.hand_stiffness, 2e-3 / plant.hand_stiffness) << i;
   }
-  EXPECT_GT(sim.sample.handles[0].X_WH.p.dot(F.f), 0);
+  EXPECT_GT(sim.sample.handles[0].X_WD.p.dot(F.f), 0);
 }
 
 TEST(RigEndToEnd, CommandsSaturateAndSlew) {
@@ -166,7 +166,7 @@ TEST(RigEndToEnd, UnpluggedEncoderIsStaleWithinTheLimitAndTorqueRunsDown) {
   F.f = Vec3(0, 1, 0);
   sim.cycles(50, F);
   ASSERT_GT(std::abs(sim.drives[0]->applied_torque_Nm()), 0.03);
-  const Pose X_held = sim.sample.handles[0].X_WH;
+  const Pose X_held = sim.sample.handles[0].X_WD;
 
   sim.encoder_ports[2]->set_connected(false);
   const Nanoseconds unplugged_ns = sim.now;
@@ -180,7 +180,7 @@ TEST(RigEndToEnd, UnpluggedEncoderIsStaleWithinTheLimitAndTorqueRunsDown) {
   EXPECT_EQ(sim.rig->faults(), RigFault::sample_stale);
   EXPECT_EQ(sim.rig->state(), RigState::fault);
   EXPECT_FALSE(sim.sample.valid);
-  EXPECT_EQ((sim.sample.handles[0].X_WH.p - X_held.p).norm(), 0);
+  EXPECT_EQ((sim.sample.handles[0].X_WD.p - X_held.p).norm(), 0);
   EXPECT_NE(sim.rig->fault_text().find("can0 node 3, encoder of elbow"), std::string::npos)
       << sim.rig->fault_text();
 

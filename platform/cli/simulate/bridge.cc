@@ -1,4 +1,4 @@
-#include "platform/cli/bus/bridge.h"
+#include "platform/cli/simulate/bridge.h"
 
 namespace godobject {
 

@@ -1,4 +1,4 @@
-#include "sim/rig/inverse_kinematics.h"
+#include "hal/joint/inverse_kinematics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "platform/cli/bus/tracker_line.h"
+#include "platform/cli/simulate/tracker_line.h"
 
 #include <unistd.h>
 

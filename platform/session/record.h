@@ -1,0 +1,60 @@
+// What one period of a run leaves for those who look on: traces, statistics, the status line.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "core/math/rotation_error.h"
+#include "hal/rig/rig.h"
+#include "platform/engine/engine.h"
+
+namespace godobject {
+
+/// Distance and angle between two poses.
+struct PoseError {
+  double m = 0;
+  double rad = 0;
+};
+
+/// What one cycle did. Records of one session have the same number of bodies: once a record is one of them,
+/// taking over another allocates nothing, so that a real-time thread can hand it to another.
+struct CycleRecord {
+  std::uint64_t cycle = 0;  // from 1
+  double t = 0;             // of the state, s
+  bool engaged = false;     // the device holds the first driven body, or one that it has taken hold of
+  std::vector<BodyView> bodies;
+  Fault fault = Fault::none;
+  Limited limited = Limited::none;
+  ContactReport contacts;
+  RigFault rig_faults = RigFault::none;
+  bool on_hold = false;  // too many deadlines were missed: see Session::hold()
+  CommandReport drives;  // bounds on the motor commands
+  bool force_oscillates =
+      false;  // what is shown has begun to swing between its bounds: of a rig also a fault
+  // Where the device takes hold of bodies:
+  std::optional<std::size_t> held;  // index of the held body
+  Wrench hand_W;                    // shown to the hand, about the device's origin, world axes
+  // Worst of the driven bodies. The handle is where the device really is; without a bus, where the motion is;
+  // on a real bus, where nobody knows, what the core was told: sensing is then zero.
+  PoseError following;  // body against handle (relative devices, and what is held: against its target)
+  PoseError sensing;    // sample the core got against handle
+  // Of an engine beside it that is told the handle exactly; zero without a simulated bus.
+  PoseError exact_following;  // its body against the handle
+  PoseError encoders;         // body against its body
+  double energy = 0;          // J, see Engine::energy()
+  // Contacts that bear a force, with room for all that can; no room unless the session lists them.
+  std::vector<ContactView> touching;
+  std::size_t num_touching = 0;
+  Nanoseconds step_ns = 0;  // the engine's step alone, by the step clock
+};
+
+inline PoseError difference(const Pose& a, const Pose& b) noexcept {
+  return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
+}
+
+inline PoseError worst(const PoseError& a, const PoseError& b) noexcept {
+  return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
+}
+
+}  // namespace godobject

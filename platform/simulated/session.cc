@@ -1,0 +1,127 @@
+#include "platform/simulated/session.h"
+
+#include <cmath>
+
+#include "platform/simulated/truth.h"
+#include "sim/rig/link.h"
+#include "sim/tracker/link.h"
+
+namespace godobject {
+namespace {
+
+class MotionHand final : public Hand {
+ public:
+  explicit MotionHand(Motion motion) : motion_(std::move(motion)) {}
+  bool moves_joints() const noexcept override { return motion_.has_joints(); }
+  JointTarget joints(double t) const noexcept override { return motion_.joints(t); }
+  Target target(std::size_t index, double t) const noexcept override { return motion_.target(index, t); }
+  bool presses_clutch(std::size_t index, double t) const noexcept override {
+    return motion_.switches(index, t).clutch;
+  }
+  bool presses_hold(double t) const noexcept override { return motion_.button(t); }
+
+ private:
+  Motion motion_;
+};
+
+/// A link of a simulated tracker whose tools the hand moves.
+class MovedTrackerLink final : public TrackerLink {
+ public:
+  /// mover: moves the tools of all trackers; null: another link of the scene does it.
+  MovedTrackerLink(std::unique_ptr<SimTrackerLink> link, std::shared_ptr<SimTrackers> tools, bool moves_tools)
+      : link_(std::move(link)), tools_(std::move(tools)), moves_tools_(moves_tools) {}
+
+  void begin_cycle(Nanoseconds now, double motion_time) noexcept override {
+    if (moves_tools_) tools_->run(now, motion_time);
+  }
+  [[nodiscard]] bool try_read(TrackerReport& out, Nanoseconds now) noexcept override {
+    return link_->try_read(out, now);
+  }
+  const TrackerParams& params() const noexcept override { return link_->params(); }
+
+ private:
+  std::unique_ptr<SimTrackerLink> link_;
+  std::shared_ptr<SimTrackers> tools_;
+  bool moves_tools_;
+};
+
+/// The rig's link; null with errors.
+std::unique_ptr<SimLink> make_rig(const SceneConfig& scene, const std::shared_ptr<const Hand>& hand,
+                                  const RigProfiles& profiles, std::vector<std::string>& errors) {
+  errors = RigDevice::complaints(scene);
+  if (!errors.empty()) return nullptr;
+  const std::string why_not = SimRig::why_not(scene.device->rig->tree, *hand);
+  if (!why_not.empty()) {
+    errors.push_back(why_not);
+    return nullptr;
+  }
+  return std::make_unique<SimLink>(sim_rig_config(scene), hand, std::llround(scene.step * 1e9),
+                                   gather_time(scene.step) / gather_polls, profiles);
+}
+
+std::vector<std::unique_ptr<TrackerLink>> make_trackers(const SceneConfig& scene,
+                                                        const std::shared_ptr<const Hand>& hand,
+                                                        std::vector<std::string>& errors) {
+  const std::vector<TrackerParams>& trackers = scene.device->trackers;
+  std::vector<std::unique_ptr<SimTrackerLink>> made;
+  std::vector<SimTracker*> far;
+  for (std::size_t i = 0; i < trackers.size(); ++i) {
+    auto link = make_sim_tracker_link(trackers[i], simulated_rate_hz(trackers[i].protocol), scene.wire.seed + i,
+                                      errors);
+    if (link) far.push_back(&link->far());
+    made.push_back(std::move(link));
+  }
+  std::vector<std::unique_ptr<TrackerLink>> links;
+  if (!errors.empty()) return links;
+  const auto tools = std::make_shared<SimTrackers>(sim_trackers_config(scene), hand, std::move(far));
+  for (std::size_t i = 0; i < made.size(); ++i)
+    links.push_back(std::make_unique<MovedTrackerLink>(std::move(made[i]), tools, i == 0));
+  return links;
+}
+
+}  // namespace
+
+std::shared_ptr<const Hand> hand_of(Motion motion) { return std::make_shared<MotionHand>(std::move(motion)); }
+
+SimRigConfig sim_rig_config(const SceneConfig& scene) {
+  const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
+  return {.rig = *scene.device->rig,
+          .plant = scene.device->plant,
+          .wire = scene.wire,
+          .faults = scene.faults,
+          .shows_force = shows_force(scene.device->kind),
+          .target = by_handle.empty() ? 0 : by_handle.front().value_or(0)};
+}
+
+SimTrackersConfig sim_trackers_config(const SceneConfig& scene) {
+  SimTrackersConfig config{.trackers = scene.device->trackers, .faults = scene.faults, .targets = {}};
+  for (const TrackerParams& tracker : config.trackers) {
+    config.targets.emplace_back();
+    for (const TrackedToolParams& tool : tracker.tools)
+      config.targets.back().push_back(driven_by_tool(scene, tool));
+  }
+  return config;
+}
+
+Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bus, const RigProfiles& profiles) {
+  if (bus == BusChoice::direct || driven_bodies(scene).empty()) return Session::make(scene, std::move(motion));
+  SceneConfig with_cycle = scene;
+  const bool has_rig = scene.device && scene.device->rig;
+  if (has_rig) with_cycle.device->rig->cycle_s = scene.step;
+  DeviceParts device;
+  std::vector<std::string> errors;
+  const std::shared_ptr<const Hand> hand = hand_of(motion);
+  std::unique_ptr<SimLink> rig;
+  if (has_rig) rig = make_rig(with_cycle, hand, profiles, errors);
+  if (errors.empty() && scene.device) device.trackers = make_trackers(scene, hand, errors);
+  if (!errors.empty()) return {.session = nullptr, .errors = errors};
+  device.truth = std::make_unique<SimulatedTruth>(with_cycle, hand, rig.get());
+  device.buses = std::move(rig);
+  return Session::make(scene, std::move(motion), std::move(device));
+}
+
+std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params, std::vector<std::string>& errors) {
+  return make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, errors);
+}
+
+}  // namespace godobject

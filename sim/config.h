@@ -1,0 +1,38 @@
+// What a simulated device is made of besides the rig it stands in for: mechanics, wires, faults. Plain values, SI.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace godobject {
+
+/// The simulated rig behind the bus: what the hand and the mechanics of the device do.
+struct PlantConfig {
+  double inertia = 1e-3;       // per joint, kg m^2 or kg at the joint
+  double damping = 1e-2;       // per joint, N m s/rad or N s/m
+  double friction = 1e-3;      // Coulomb, per joint, N m or N
+  double hand_stiffness = 20;  // per joint, N m/rad or N/m; the user's arm
+  double hand_damping = 0.5;   // per joint, N m s/rad or N s/m
+};
+
+/// Faults the simulated wire makes by chance; all zero by default.
+struct WireConfig {
+  std::uint64_t seed = 1;
+  double loss_probability = 0;        // per frame
+  double corruption_probability = 0;  // per frame
+  double delay_s = 0;                 // added to every frame
+};
+
+/// A fault that the simulated rig plays: what it is, where, and when.
+struct FaultConfig {
+  std::string verb;                       // "drop", "unplug", ...: see docs/faults.md
+  std::string bus{};                      // name of a bus; empty: all, or the bus of the node
+  std::optional<std::uint8_t> node_id{};  // of a node on that bus; none: the bus itself
+  std::string tracker{};                  // name of a tracker instead
+  double at = 0;                          // s of the motion
+  std::optional<double> duration{};       // s; none: to the end, or one event where the verb is one
+  double value = 0;                       // the verb's own: probability, s, counts, ppm, code
+};
+
+}  // namespace godobject
