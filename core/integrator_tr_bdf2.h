@@ -54,7 +54,7 @@ struct TrBdf2 {
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
     }
     lead_joints(par, c, w);
-    begin_stage<S>({.t_0 = dh, .letting_out = c * h}, w);
+    begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     solve_stage(par, x, h_1, inside, w);
 
@@ -79,7 +79,7 @@ struct TrBdf2 {
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
                     .t_1 = still_smooth ? bh : h_1,
-                    .letting_out = (1 - c) * h,
+                    .relaxing = (1 - c) * h,
                     .goes_on = true},
                    w);
     solve_stage(par, x, h_2, targets_at_the_end(par, w), w);

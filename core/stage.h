@@ -1,13 +1,13 @@
 // One stage of an integrator: from the bases of all bodies to the velocities they move with.
 #pragma once
 
+#include "core/body/implicit_stage.h"
 #include "core/contact/bodies.h"
 #include "core/contact/fixed.h"
 #include "core/device/device.h"
+#include "core/joint/tree.h"
 #include "core/math/flatten.h"
 #include "core/math/lanes.h"
-#include "core/body/implicit_stage.h"
-#include "core/joint/tree.h"
 
 namespace godobject {
 
@@ -123,13 +123,13 @@ GODOBJECT_FLATTEN [[gnu::noinline]] void solve_with_contacts(const Params<S>& pa
   }
   static_cast<void>(
       update_contacts(w.tree, contact_pass(0), contacts));  // cases at the velocities of the base
-  w.contacts.report.passes = 1;
-  for (int pass = 0; pass < max_contact_passes; ++pass) {
+  w.contacts.report.newton_iterations = 1;
+  for (int pass = 0; pass < max_newton_iterations; ++pass) {
     for (std::size_t i = 0; pass > 0 && i < num_bodies(par); ++i) w.tree.nodes[i].body = contacts.loaded[i];
     hang_contacts(contacts, h, w.tree);
     solve_tree(par, x, h, w);
     if (update_contacts(w.tree, contact_pass(pass + 1), contacts)) break;
-    ++w.contacts.report.passes;
+    ++w.contacts.report.newton_iterations;
   }
   end_contacts(par.contacts, h, w.tree, contacts);
 }

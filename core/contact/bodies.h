@@ -7,7 +7,7 @@
 //
 //   (28)  V^T A V = V^T b
 //
-// the balance of energy of the exact solution. The cases of the contacts are found by passes over that (29), island by
+// the balance of energy of the exact solution. The modes of the contacts (open, stick, slip) are found by Newton iterations over that (29), island by
 // island. What they leave is the residual.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace godobject {
 /// With eight, 9 of 16000 cases of the stability sweep gain energy; with sixteen none. On joints with sixteen one of 8000,
 /// with twice as many none: what the joints take back (18) presses stiff contacts together.
 template <bool jointed>
-inline constexpr int max_touching_passes = jointed ? 32 : 16;
+inline constexpr int max_touching_newton_iterations = jointed ? 32 : 16;
 /// The first ones seek friction.
 inline constexpr int num_seeking_passes = 5;
 constexpr Pass touching_pass(int pass) noexcept {
@@ -26,8 +26,8 @@ constexpr Pass touching_pass(int pass) noexcept {
 }
 /// Of a pass: few while friction is still sought.
 constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == Pass::by_secant ? 3 : 8; }
-/// The passes end when no force misses its law by more than this part of the largest normal force. What lasts is found in
-/// two passes; where many bodies hit each other the next ones find more of it, and are content with less: of the friction
+/// The iterations end when no force misses its law by more than this part of the largest normal force. What lasts is found in
+/// two iterations; where many bodies hit each other the next ones find more of it, and are content with less: of the friction
 /// in the end with what there is, of normal forces with as much as the sweep of tests/contacts allows.
 constexpr Real friction_tolerance(int pass) noexcept {
   return 3e-3 * static_cast<Real>(1 << std::max(pass - 1, 0));
@@ -90,10 +90,11 @@ void load_contacts(Real h, bool all, const Island& island, BodyContactScratch<Co
 template <class Contacts, std::size_t N>
 void eliminate_tree(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.tree.each_body(island, [&](std::uint32_t i, TouchingBody& body) noexcept {
-    body.hung = sum(body.on_world * tamed(body.on_world, w.stages[i].M), w.stages[i]);
+    body.subtree_A = sum(body.on_world * stiffness_cap(body.on_world, w.stages[i].M), w.stages[i]);
   });
-  w.tree.each_pair(island,
-                   [&](TouchingPair& pair) noexcept { pair.tamed = tamed(pair.A, w.stages[pair.child].M); });
+  w.tree.each_pair(island, [&](TouchingPair& pair) noexcept {
+    pair.stiffness_cap = stiffness_cap(pair.A, w.stages[pair.child].M);
+  });
   eliminate(island, w.tree);
 }
 
@@ -101,7 +102,7 @@ void eliminate_tree(const Island& island, BodyContactScratch<Contacts, N>& w) no
 /// forces obey the law.
 template <class Contacts, std::size_t N>
 bool settle_contacts(int pass, const Island& island, BodyContactScratch<Contacts, N>& w,
-                     ContactMiss& most) noexcept {
+                     ContactResidual& most) noexcept {
   const Real F_small = friction_left_alone * most.F_n();
   most = {};
   const Pass next = touching_pass(pass + 1);
@@ -120,28 +121,31 @@ bool settle_contacts(int pass, const Island& island, BodyContactScratch<Contacts
 template <class Contacts, std::size_t N>
 void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   if constexpr (Contacts::jointed) shift_contacts(w.tree.joints.V_p, h, island, w);
-  ContactMiss most;
+  ContactResidual most;
   each_pack(w.V_0, island, w, [](ContactPack& c, const AnchorTwist& V) noexcept { foresee(c, V); });
   w.factored = false;
   Real left = 0;
-  int passes = 0, iterations = 0;
-  for (bool done = false; !done && passes < max_touching_passes<Contacts::jointed>; ++passes) {
-    load_contacts(h, passes == 0, island, w);
+  int newton_iterations = 0, iterations = 0;
+  for (bool done = false; !done && newton_iterations < max_touching_newton_iterations<Contacts::jointed>;
+       ++newton_iterations) {
+    load_contacts(h, newton_iterations == 0, island, w);
     w.factored = factorize(island, w.factored, w.tree, w.factor);
     if (!w.factored) eliminate_tree(island, w);
-    left = w.factored ? eliminated(island, w) : iterate(num_iterations(passes), island, w, iterations);
+    left = w.factored ? solve_factored(island, w)
+                      : iterate(num_iterations(newton_iterations), island, w, iterations);
     if (move_contacts(island, w)) {
-      if (passes > 0) {  // those predicted solve nothing that could be lost
+      if (newton_iterations > 0) {  // those predicted solve nothing that could be lost
         if (w.factored) multiply(island, w.tree, w.V_0, w.AV_0);
         search_line(h, island, w);
       }
       left = scale_velocities(h, island, w);
     }
-    done = settle_contacts(passes, island, w, most) && left <= normal_tolerance(passes) * h * most.F_n();
+    done = settle_contacts(newton_iterations, island, w, most) &&
+           left <= normal_tolerance(newton_iterations) * h * most.F_n();
     w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
   }
   w.report.residual = std::max({w.report.residual, left / h, most.worst()});
-  w.report.passes = std::max(w.report.passes, passes);
+  w.report.newton_iterations = std::max(w.report.newton_iterations, newton_iterations);
   w.report.iterations = std::max(w.report.iterations, iterations);
 }
 

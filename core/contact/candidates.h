@@ -25,7 +25,8 @@ struct NearContact {
 
 /// The list of a stage.
 template <std::size_t max_contacts>
-using NearContacts = Deepest<NearContact, max_contacts, NearContact::is_deeper, NearContact::comes_before>;
+using NearContacts =
+    BoundedList<NearContact, max_contacts, NearContact::is_deeper, NearContact::comes_before>;
 
 /// Number of a sphere among what touches.
 template <std::size_t max_spheres, std::size_t max_surfaces>

@@ -4,15 +4,15 @@
 //   (23)  F_t = -(k_t xi + c_t v_t) while |F_t| <= mu F_n; beyond, the contact point slips and |F_t| = mu F_n
 //
 // d: depth of the sphere in the surface; v: velocity of the contact point against the surface, n off the surface;
-// xi: how far the contact point has been dragged since it stuck; e: the part of d that no motion explains. Bodies put
-// into each other, by whoever made the scene or let go of one, begin with e = d, which is let out at a speed of its own.
+// xi: how far the contact point has been dragged since it stuck; e: the rest penetration, the offset of the contact spring. Bodies put
+// into each other, by whoever made the scene or let go of one, begin with e = d, which is relaxed at the depenetration velocity.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "core/math/block.h"
 #include "core/joint/joint.h"
+#include "core/math/block.h"
 #include "core/shape/list.h"
 
 namespace godobject {
@@ -24,7 +24,7 @@ struct ContactLaw {
   Real mu = 0;           // Coulomb, sticking and slipping
   Real k_t = 0;          // N/m, of a contact point that sticks
   Real c_t = 0;          // N s/m; k_t and c_t are not both zero where mu is not
-  Real push_out = 0.05;  // m/s, at which what no motion explains is let out
+  Real push_out = 0.05;  // m/s, depenetration velocity: the rest penetration is relaxed at it
 };
 
 inline constexpr std::size_t max_materials = 8;
@@ -62,7 +62,7 @@ struct ContactReport {
   std::size_t num_contacts = 0;  // that bear a force
   std::size_t num_near = 0;      // listed
   Real deepest = 0;              // depth of the deepest sphere, m
-  int passes = 0;                // over the cases of the contacts, of the island that took most
+  int newton_iterations = 0;     // Newton iterations over the contact modes, of the island that took most
   int iterations = 0;            // of the solve, in all of them, likewise
   Real residual = 0;             // by how much the worst contact's force misses (22), (23), N
 };

@@ -1,7 +1,7 @@
 // Contacts of a tool with the world, solved with its bodies and their joints.
 //
 // Every contact is an impedance on its body (24), hung there before the bodies are solved along the tree of their
-// joints; the cases of the contacts by passes over that. What the last pass leaves is reported as the residual.
+// joints; the modes of the contacts by Newton iterations over that. What the last pass leaves is reported as the residual.
 #pragma once
 
 #include "core/contact/candidates.h"
@@ -85,7 +85,7 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
     const Real d_0 = near.d + h * v_n;
     BegunContact& begun = w.begun[i];
     begun = recalled(law, w.stage, of_step.find(near.key), of_stage.find(near.key), near.n_W,
-                     {.d_0 = d_0, .e_new = unexplained(d_0, v_n, step)});
+                     {.d_0 = d_0, .e_new = initial_offset(d_0, v_n, step)});
     set_contact(StageLaw(law, h), begun.e, d_0, r, near.n_W, begun.xi_W, w.packs[w.num_packs - 1], j);
   }
   for (; w.num_packs > 0 && j < 4; ++j) put_nothing(w.packs[w.num_packs - 1], j);
@@ -113,7 +113,7 @@ void hang_contacts(const FixedContactScratch<Contacts, N>& w, Real h, Tree<N, Jo
 /// Forces and next cases of all contacts. True: the forces obey the law.
 template <class Contacts, std::size_t N, class Joints>
 bool update_contacts(const Tree<N, Joints>& tree, Pass next, FixedContactScratch<Contacts, N>& w) noexcept {
-  ContactMiss most;
+  ContactResidual most;
   for (std::size_t i = 0; i < w.num_packs; ++i) {
     move(w.packs[i], tree.nodes[w.packs[i].body].V);
     settle<true>(w.packs[i], next, 0, most);
@@ -129,7 +129,9 @@ void end_contacts(const typename Contacts::Params& par, Real h, const Tree<N, Jo
   w.last = 1 - w.last;
   ContactMemories<Contacts::max_contacts>& next = w.memories[w.last];
   next.size = 0;
-  w.report = {.num_near = w.near.size, .passes = w.report.passes, .residual = w.report.residual};
+  w.report = {.num_near = w.near.size,
+              .newton_iterations = w.report.newton_iterations,
+              .residual = w.report.residual};
   for (Wrench& F : w.wrenches) F = {};
   std::size_t p = 0, j = 0;
   for (std::size_t i = 0; i < w.near.size; ++i, ++j) {

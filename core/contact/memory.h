@@ -13,7 +13,7 @@ struct ContactMemory {
   std::uint64_t key = 0;
   Vec3 xi_W = Vec3::Zero();      // how far the contact point has been dragged since it stuck, m
   Vec3 xi_dot_W = Vec3::Zero();  // how fast it was, m/s
-  Real e = 0;                    // depth that no motion explains, m
+  Real e = 0;                    // rest penetration: the offset of the contact spring, m
   Real pressed = 0;              // by which it was deeper than e where the last stage ended, m
   Vec3 F_W = Vec3::Zero();       // force in the last stage, N
   Vec3 n_W = Vec3::Zero();       // normal
@@ -67,7 +67,7 @@ bool touch_alike(const ContactMemories<max_contacts>& a, const ContactMemories<m
 /// Where a stage starts from: the memories of the step and those of the stage before in it, and how far in time.
 struct ContactStage {
   Real t_0 = 0, t_1 = 0;  // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
-  Real letting_out = 0;   // s, for which e is let out
+  Real relaxing = 0;      // s, for which e is relaxed
   bool goes_on =
       false;  // after another stage of the step; otherwise that one's memories are none of this step
 
@@ -75,37 +75,42 @@ struct ContactStage {
   bool is_of_base() const noexcept { return t_0 == 0 && !goes_on; }
 };
 
-/// (35)  By which a contact spring may be pressed together without a motion that did the work, m: it holds the energy
-/// that the lighter body, of mass m, has at the speed at which it is let out. More would drive where stiff bodies are found
+/// (35)  Largest penetration stored without measured approach, m: its spring holds the energy
+/// that the lighter body, of mass m, has at the depenetration velocity. More would drive where stiff bodies are found
 /// deep in each other since they turned where nothing foresaw it.
-inline Real unpaid(const ContactLaw& law, Real m) noexcept { return law.push_out * std::sqrt(m / law.k); }
-/// What is let out in a stage presses together by at most this many times as much: bodies that are locked into each other
+inline Real max_stored_penetration(const ContactLaw& law, Real m) noexcept {
+  return law.push_out * std::sqrt(m / law.k);
+}
+/// What is relaxed in a stage presses together by at most this many times as much: bodies that are locked into each other
 /// do not move with it, and solves that stop early may not give all of it back.
-inline constexpr Real max_let_out = 30;
+inline constexpr Real max_relaxation = 30;
 /// Between bodies by no more than in this many steps: nothing winds up. The world lets out whatever presses on it.
 inline constexpr Real max_pushed_steps = 3;
 
 /// e a while later, in which it would fall by `by` if the depth d followed; most: by which d may be behind.
-inline Real let_out(Real e, Real d, Real by, Real most) noexcept {
+inline Real relax_offset(Real e, Real d, Real by, Real most) noexcept {
   return std::max(std::min(e, std::max(e - by, d - most)), Real(0));
 }
 
 /// A contact where a stage starts.
 struct ContactStart {
   Real d_0 = 0;    // depth, m
-  Real e_new = 0;  // the part of it that no motion explains if the contact is new; less than zero: none
-  Real let_out = std::numeric_limits<Real>::infinity();  // by which e may fall, m
-  Real most = std::numeric_limits<Real>::infinity();    // by which e may be behind the depth when it falls, m
-  Real unpaid = std::numeric_limits<Real>::infinity();  // by which it may be deeper than it was left, m
+  Real e_new = 0;  // the rest penetration if the contact is new; less than zero: none
+  Real max_relaxed = std::numeric_limits<Real>::infinity();  // by which e may fall, m
+  Real most = std::numeric_limits<Real>::infinity();  // by which e may be behind the depth when it falls, m
+  Real max_stored_penetration =
+      std::numeric_limits<Real>::infinity();  // by which it may be deeper than it was left, m
 };
 
 /// The part of a depth d_0 that its speed v_n of opening does not explain in two steps h.
-inline Real unexplained(Real d_0, Real v_n, Real h) noexcept { return d_0 - 2 * h * std::max(-v_n, Real(0)); }
+inline Real initial_offset(Real d_0, Real v_n, Real h) noexcept {
+  return d_0 - 2 * h * std::max(-v_n, Real(0));
+}
 
 /// What a stage knows of a contact where it begins.
 struct BegunContact {
   Vec3 xi_W = Vec3::Zero();  // how far it has been dragged along the surface, m
-  Real e = 0;                // depth that no motion explains, m
+  Real e = 0;                // rest penetration: the offset of the contact spring, m
   Real F_n = -1;             // normal force of the stage before, N; < 0: the contact is new
 };
 
@@ -126,8 +131,10 @@ inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, c
   if (of_step != nullptr) xi = of_step->xi_W + stage.t_0 * of_step->xi_dot_W;
   if (of_stage != nullptr) xi += stage.t_1 * of_stage->xi_dot_W;
   const ContactMemory& last = of_stage != nullptr ? *of_stage : *of_step;
-  c.e = let_out(last.e, start.d_0, std::min(stage.letting_out * law.push_out, start.let_out), start.most);
-  if (stage.is_of_base()) c.e += std::max(start.d_0 - last.e - last.pressed - start.unpaid, Real(0));
+  c.e =
+      relax_offset(last.e, start.d_0, std::min(stage.relaxing * law.push_out, start.max_relaxed), start.most);
+  if (stage.is_of_base())
+    c.e += std::max(start.d_0 - last.e - last.pressed - start.max_stored_penetration, Real(0));
   c.xi_W = xi - n_W * n_W.dot(xi);
   c.F_n = std::max(last.n_W.dot(last.F_W), Real(0));
   return c;

@@ -1,9 +1,9 @@
 // The bodies that touch each other or the world in a stage: which they are, in pairs, and their contacts (24).
 #pragma once
 
-#include "core/system/factor.h"
 #include "core/contact/find/find.h"
 #include "core/contact/stage.h"
+#include "core/system/factor.h"
 
 namespace godobject {
 
@@ -123,12 +123,15 @@ inline Real foreseen(const BegunContact& begun, Real F_n) noexcept {
 struct GroupLaw {
   const ContactLaw* of;
   StageLaw stage;
-  Real unpaid, let_out;
+  Real max_stored_penetration, max_relaxed;
 
   GroupLaw(const ContactLaw& law, Real m, Real h) noexcept
-      : of(&law), stage(law, h), unpaid(godobject::unpaid(law, m)), let_out(max_let_out * unpaid) {}
+      : of(&law),
+        stage(law, h),
+        max_stored_penetration(godobject::max_stored_penetration(law, m)),
+        max_relaxed(max_relaxation * max_stored_penetration) {}
   Real most(const ContactStage& at) const noexcept {
-    return std::min(max_pushed_steps * at.letting_out * of->push_out, let_out);
+    return std::min(max_pushed_steps * at.relaxing * of->push_out, max_relaxed);
   }
 };
 
@@ -153,10 +156,10 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
         recalled(*law.of, w.stage, of_step.find(near.key),
                  w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
                  {.d_0 = d_0,
-                  .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.unpaid,
-                  .let_out = law.let_out,
+                  .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
+                  .max_relaxed = law.max_relaxed,
                   .most = on_world ? std::numeric_limits<Real>::infinity() : law.most(w.stage),
-                  .unpaid = law.unpaid});
+                  .max_stored_penetration = law.max_stored_penetration});
     ContactPack& pack = w.packs[first + n / 4];
     const std::size_t j = n % 4;
     const Real side = child == near.a ? 1 : -1;

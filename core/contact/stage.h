@@ -7,8 +7,8 @@
 //         F_t = -eta_t s,  s = v_t + k_t xi / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
 //
 // So a contact is an impedance h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and goes into its body's A and b as a
-// mass would. Which case holds, touching or not and eta_t, is found by passes over the solve, each with the cases that
-// the one before ended in, at most max_contact_passes. The first passes take a slipping contact by its tangent,
+// mass would. Which mode holds, touching or not and eta_t, is found by Newton iterations on the active set, each with the modes that
+// the one before ended in, at most max_newton_iterations. The first iterations take a slipping contact by its tangent,
 //
 //   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
 //
@@ -23,7 +23,7 @@
 
 namespace godobject {
 
-inline constexpr int max_contact_passes = 8;
+inline constexpr int max_newton_iterations = 8;
 inline constexpr int num_tangent_passes = 4;
 inline constexpr int num_secant_passes = 2;
 /// How a pass takes the friction.
@@ -32,7 +32,7 @@ constexpr Pass contact_pass(int pass) noexcept {
   if (pass < num_tangent_passes) return Pass::by_tangent;
   return pass < num_tangent_passes + num_secant_passes ? Pass::by_secant : Pass::as_it_was;
 }
-/// The passes end when no force misses its law by more than this part of the largest normal force.
+/// The iterations end when no force misses its law by more than this part of the largest normal force.
 inline constexpr Real contact_tolerance = 1e-6;
 
 /// Four contacts of a body with the world, or with one other body.
@@ -90,7 +90,7 @@ inline Pack case_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), 
 inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) || any(b < a); }
 
 /// How far the forces of a pass are from the law, and the largest normal force.
-struct ContactMiss {
+struct ContactResidual {
   Pack normal_miss = 0, friction_miss_sq = 0, normal_force = 0;
 
   Real normal() const noexcept { return largest(normal_miss); }
@@ -118,7 +118,7 @@ inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) n
 /// The forces of a pass, and the cases of the next, at the velocities of the contact points. tangents: as in add();
 /// otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
 template <bool tangents>
-void settle(ContactPack& c, Pass next, Real F_small, ContactMiss& most) noexcept {
+void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
   const Pack speed = speed_of(s);

@@ -25,8 +25,8 @@ struct TouchingPair {
   std::uint32_t block = 0;  // of a factor
   Column d;                 // from the parent's centre of mass to the child's
   TwistBlock A;
-  Real tamed = 1;  // part of A that the tree takes
-  AnchorTwist F;   // impulse of its contacts at rest
+  Real stiffness_cap = 1;  // part of A that the tree takes
+  AnchorTwist F;           // impulse of its contacts at rest
 };
 
 /// A body among those that touch. Worthless between steps.
@@ -36,7 +36,7 @@ struct TouchingBody {
   TwistBlock on_world;                         // of its contacts with the world
   TwistBlock A;                                // of these and its stage
   AnchorTwist F;                               // impulse of these at rest
-  TwistBlock hung;                             // the same for the tree, tamed; then with all that hangs on it
+  TwistBlock subtree_A;                        // the same for the tree, tamed; then with all that hangs on it
   TwistBlock S_inverse;                        // (27)
   Block Y_ww, Y_wv, Y_vw, Y_vv;
   bool hangs = false;  // on its parent, by a pair that bears a force

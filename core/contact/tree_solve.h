@@ -21,7 +21,7 @@ namespace godobject {
 /// Beside an impedance this much larger than its mass, elimination forgets a body: the tree takes less of it, which
 /// costs iterations and no accuracy.
 inline constexpr Real max_contrast = 1e4;
-inline Real tamed(const TwistBlock& A, Real mass) noexcept {
+inline Real stiffness_cap(const TwistBlock& A, Real mass) noexcept {
   const Real trace = A.vv.col[0].x() + A.vv.col[1].y() + A.vv.col[2].z();
   return std::min(Real(1), max_contrast * mass / std::max(trace, std::numeric_limits<Real>::min()));
 }
@@ -31,11 +31,11 @@ template <std::size_t N, std::size_t max_pairs>
 void eliminate_joint(std::uint32_t i, const JointEdge& joint, ContactTree<N, max_pairs, true>& w) noexcept {
   TouchingBody& c = w.bodies[i];
   c.hangs = c.parent != i;
-  eliminate_axes(joint, w.joints.p[i], c.hung, w.joints.axes[i]);
-  if (c.hangs) hang(c.hung, w.joints.p[i] - w.joints.p[c.parent], w.bodies[c.parent].hung);
+  eliminate_axes(joint, w.joints.p[i], c.subtree_A, w.joints.axes[i]);
+  if (c.hangs) add_to_parent(c.subtree_A, w.joints.p[i] - w.joints.p[c.parent], w.bodies[c.parent].subtree_A);
 }
 
-/// (27), (30) from the leaves up. hung: A of the bodies, tamed.
+/// (27), (30) from the leaves up. subtree_A: A of the bodies, capped.
 template <std::size_t N, std::size_t max_pairs, bool jointed>
 void eliminate(const Island& island, ContactTree<N, max_pairs, jointed>& w) noexcept {
   for (std::uint32_t k = island.end_body; k-- > island.first_body;) {
@@ -49,12 +49,13 @@ void eliminate(const Island& island, ContactTree<N, max_pairs, jointed>& w) noex
     }
     c.hangs = c.parent != i && w.pairs[c.pair].touches;
     if (!c.hangs) {
-      c.S_inverse = inverse(c.hung);
+      c.S_inverse = inverse(c.subtree_A);
       continue;
     }
     const TouchingPair& pair = w.pairs[c.pair];
-    const TwistBlock A = pair.A * pair.tamed;
-    c.S_inverse = inverse({.ww = c.hung.ww + A.ww, .wv = c.hung.wv + A.wv, .vv = c.hung.vv + A.vv});
+    const TwistBlock A = pair.A * pair.stiffness_cap;
+    c.S_inverse =
+        inverse({.ww = c.subtree_A.ww + A.ww, .wv = c.subtree_A.wv + A.wv, .vv = c.subtree_A.vv + A.vv});
     const TwistBlock& S = c.S_inverse;
     const Block A_vw = transposed(A.wv), S_vw = transposed(S.wv);
     c.Y_ww = S.ww * A.ww + S.wv * A_vw;
@@ -63,11 +64,11 @@ void eliminate(const Island& island, ContactTree<N, max_pairs, jointed>& w) noex
     c.Y_vv = S_vw * A.wv + S.vv * A.vv;
     // A (1 - Y) as A_c S^-1 A: nothing cancels where A is much stiffer than the child is heavy
     TwistBlock rest;
-    const TwistBlock& H = c.hung;
+    const TwistBlock& H = c.subtree_A;
     rest.ww = H.ww * c.Y_ww + H.wv * c.Y_vw;
     rest.wv = H.ww * c.Y_wv + H.wv * c.Y_vv;
     rest.vv = transposed(H.wv) * c.Y_wv + H.vv * c.Y_vv;
-    hang(rest, pair.d, w.bodies[c.parent].hung);
+    add_to_parent(rest, pair.d, w.bodies[c.parent].subtree_A);
   }
 }
 

@@ -11,14 +11,14 @@
 
 #include <limits>
 
-#include "core/math/lanes.h"
 #include "core/body/implicit_stage.h"
 #include "core/joint/imposed.h"
 #include "core/joint/list.h"
-#include "core/joint/stops.h"
-#include "core/scene.h"
 #include "core/joint/stabilisation.h"
+#include "core/joint/stops.h"
 #include "core/joint/tree_solve.h"
+#include "core/math/lanes.h"
+#include "core/scene.h"
 
 namespace godobject {
 
@@ -190,7 +190,7 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
       eliminate_slide(a, Column(s), t, child.axis[static_cast<std::size_t>(c)], hangs || c < last);
       watch(t);
     }
-    if (hangs) hang(a, child.d, parent.body);
+    if (hangs) add_to_parent(a, child.d, parent.body);
   }
 }
 

@@ -16,8 +16,8 @@
 // What is left, F = A_a X V_parent - b_a, is the impulse of the joint on the child: the multipliers.
 #pragma once
 
-#include "core/math/block.h"
 #include "core/joint/joint.h"
+#include "core/math/block.h"
 
 namespace godobject {
 
@@ -111,7 +111,7 @@ inline Real rate(const EliminatedAxis& j, const AnchorTwist& V) noexcept {
 }
 
 /// A shifted to an anchor d away (from the parent's to the child's) and added to the parent: v_child = v - [d]x w.
-inline void hang(const ArticulatedBody& a, const Column& d, ArticulatedBody& parent) noexcept {
+inline void add_to_parent(const ArticulatedBody& a, const Column& d, ArticulatedBody& parent) noexcept {
   const Block A_vw = a.A_vw - cross(a.A_vv, d);
   parent.A_ww += a.A_ww - cross(a.A_wv, d) + cross(d, A_vw);
   parent.A_wv += a.A_wv + cross(d, a.A_vv);

@@ -10,7 +10,7 @@ namespace godobject {
 /// is_deeper(a, b): a is kept rather than b. comes_before: the order of the list, in which items are added. Both total.
 template <class Item, std::size_t max_items, bool (*is_deeper)(const Item&, const Item&) noexcept,
           bool (*comes_before)(const Item&, const Item&) noexcept>
-struct Deepest {
+struct BoundedList {
   std::array<Item, max_items> list;
   std::size_t size = 0;
   std::size_t num_found = 0;  // more than size: the list was full, and the deepest were kept

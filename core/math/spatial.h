@@ -43,7 +43,7 @@ inline AnchorTwist moved_wrench(const AnchorTwist& F, const Column& d) noexcept 
 }
 
 /// A^ = X^T A X added to the parent: A taken at d from the parent's centre of mass.
-inline void hang(const TwistBlock& A, const Column& d, TwistBlock& parent) noexcept {
+inline void add_to_parent(const TwistBlock& A, const Column& d, TwistBlock& parent) noexcept {
   // X = (1, 0; -[d]x, 1)
   const Block vw = transposed(A.wv) - cross(A.vv, d);
   parent.ww += A.ww - cross(A.wv, d) + cross(d, vw);

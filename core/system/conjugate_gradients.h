@@ -25,7 +25,7 @@ inline Real speed_sq(const BodyStage& stage, const AnchorTwist& V) noexcept {
 
 /// V = A^-1 b of an island that is factored. Returns what is left unbalanced: nothing.
 template <class Contacts, std::size_t N>
-Real eliminated(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+Real solve_factored(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.Ap[i] = w.b[i]; });
   solve(w.factor, w.Ap, w.V);
   w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.r[i] = {}; });

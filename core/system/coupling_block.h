@@ -37,7 +37,7 @@ inline CouplingBlock coupling(const TwistBlock& A, const Column& d) noexcept {
 }
 
 /// X^T A X added to the parent, where its coupling to the child is A_pc = -X^T A.
-inline void hang(const CouplingBlock& A_pc, const Column& d, TwistBlock& parent) noexcept {
+inline void add_to_parent(const CouplingBlock& A_pc, const Column& d, TwistBlock& parent) noexcept {
   parent.ww -= A_pc.ww - cross(A_pc.wv, d);
   parent.wv -= A_pc.wv;
   parent.vv -= A_pc.vv;

@@ -10,8 +10,8 @@
 // neighbours. An island that has more is left to the iteration.
 #pragma once
 
-#include "core/math/bit_set.h"
 #include "core/contact/tree_solve.h"
+#include "core/math/bit_set.h"
 #include "core/system/factor_joints.h"
 
 namespace godobject {
@@ -177,7 +177,7 @@ void load_factor(const Island& island, const ContactTree<N, max_pairs, jointed>&
     const std::uint32_t c = w.number_of[pair.child], p = w.number_of[pair.parent];
     w.A[c] += pair.A;
     const CouplingBlock A_pc = coupling(pair.A, pair.d);
-    hang(A_pc, pair.d, w.A[p]);
+    add_to_parent(A_pc, pair.d, w.A[p]);
     w.Z[pair.block] = p > c ? A_pc : transposed(A_pc);
   });
 }
@@ -200,7 +200,7 @@ void take_by_axes(std::uint32_t k, const JointEdge& edge, ContactFactor<N, true>
     }
     w.Z[b] = along_axes(w.Z[b], joint);
   }
-  if (joint.hangs()) hang(w.A[k], joint.d, w.A[p]);
+  if (joint.hangs()) add_to_parent(w.A[k], joint.d, w.A[p]);
   w.A[k] = along_axes(w.A[k], joint, edge);
 }
 

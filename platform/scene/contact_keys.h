@@ -153,7 +153,8 @@ void visit_law(V& v, double mass, ContactConfig& c) {
           c.tangential_damping);
   v.check(c.friction == 0 || c.tangential_stiffness.value_or(0) > 0 || c.tangential_damping.value_or(0) > 0,
           "tangential_stiffness", "and 'tangential_damping' must not both be zero where there is friction");
-  v.value(Key{"push_out_speed", "m/s", "at which bodies that were put into each other are let out", positive},
+  v.value(Key{"push_out_speed", "m/s",
+              "depenetration velocity: at which bodies that were put into each other part", positive},
           c.push_out_speed);
 }
 

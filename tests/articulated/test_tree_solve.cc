@@ -142,7 +142,7 @@ class RandomTree {
         const bool turn = c < static_cast<std::size_t>(n.turns);
         (turn ? eliminate_turn : eliminate_slide)(a, Column(n.axes[c]), n.along[c], n.eliminated[c], true);
       }
-      if (hangs) hang(a, Column(n.d), bodies[n.parent]);
+      if (hangs) add_to_parent(a, Column(n.d), bodies[n.parent]);
     }
     std::array<AnchorTwist, num_bodies> V;
     VectorXd all(12 * num_bodies);

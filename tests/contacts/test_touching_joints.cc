@@ -133,8 +133,8 @@ TEST(TouchingJoints, AGripperHoldsAndLiftsABrick) {
   std::printf(
       "gripper: the brick slips at %.1e m/s; contacts bear %.6f of its weight; unbalanced %.1e N, %.1e N m; "
       "%d passes, %d iterations, residual %.1e N\n",
-      fall, F.z() / weight, unbalanced, torque, grip->out.contacts.passes, grip->out.contacts.iterations,
-      grip->out.contacts.residual);
+      fall, F.z() / weight, unbalanced, torque, grip->out.contacts.newton_iterations,
+      grip->out.contacts.iterations, grip->out.contacts.residual);
   EXPECT_NEAR(F.z(), weight, 1e-3 * weight);
   EXPECT_LT(fall, 1e-6);
   EXPECT_LT(unbalanced, 1e-3);

@@ -62,7 +62,7 @@ void add_bodies(std::size_t n, Random& random, System& s) {
     A.block<3, 3>(3, 3) = m * Mat3::Identity();
     if (random.integer(0, 3) == 0)
       A += impedance_at(0.01 * random.vector(), random.direction(), 10 * m, 3 * m);
-    s.tree().bodies[i].A = s.tree().bodies[i].hung = twist_block(A);
+    s.tree().bodies[i].A = s.tree().bodies[i].subtree_A = twist_block(A);
     s.work->stages[i].M = m;
     s.work->stages[i].A_ww = block(I_B);
     s.A.block<6, 6>(6 * static_cast<Eigen::Index>(i), 6 * static_cast<Eigen::Index>(i)) = A;
@@ -86,13 +86,13 @@ void load_pair(TouchingPair& pair, Random& random, System& s) {
   pair.d = Column(d);
   pair.A = twist_block(A);
   pair.touches = true;
-  pair.tamed = tamed(pair.A, s.work->stages[pair.child].M);
+  pair.stiffness_cap = stiffness_cap(pair.A, s.work->stages[pair.child].M);
   Matrix J = Matrix::Zero(6, s.A.cols());
   J.middleCols<6>(6 * pair.child).setIdentity();
   J.middleCols<6>(6 * pair.parent) = -Mat6::Identity();
   J.block<3, 3>(3, 6 * pair.parent) = cross_matrix(d);
   s.A += J.transpose() * A * J;
-  if (in_tree(pair, s.work->tree)) s.A_tree += pair.tamed * J.transpose() * A * J;
+  if (in_tree(pair, s.work->tree)) s.A_tree += pair.stiffness_cap * J.transpose() * A * J;
 }
 
 /// The first size - 1 pairs join each body to one before it, the rest any two.

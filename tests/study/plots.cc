@@ -88,7 +88,7 @@ void write_stability_script(const std::filesystem::path& directory, std::size_t 
       << "set multiplot layout " << grid.inertia_ratios.size() << ',' << grid.dampings.size() << " title '"
       << scheme
       << ":  green stable, yellow dissipative, orange energy-gaining, red failed;  line: limit of an "
-         "explicit coupling'\n";
+         "explicitly integrated coupling'\n";
   const std::size_t cells =
       grid.stiffnesses.size() * grid.steps.size();  // of a panel: consecutive rows of the file
   const std::size_t panels = grid.dampings.size() * grid.inertia_ratios.size();

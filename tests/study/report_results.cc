@@ -141,14 +141,14 @@ void write_stability(std::ostream& out, const StudyResults& results) {
   }
   out << R"(
 Cells of the map by class. The map runs over coupling stiffness, step, damping ratio and inertia ratio; the
-black line is the limit of the explicit coupling by theory, in the faster of translation and rotation.
+black line is the limit of the explicitly integrated coupling by theory, in the faster of translation and rotation.
 
 )";
   for (const std::string scheme : stability_schemes) write_gains(out, results.stability, scheme);
   out << '\n';
   for (const std::string scheme : stability_schemes)
     out << "![stability of " << scheme << "](figures/stability-" << scheme << ".png)\n\n";
-  out << R"(The explicit coupling's limit of h sqrt(k/m) in translation, by theory 2 (sqrt(z^2 + 1) - z)
+  out << R"(The explicitly integrated coupling's limit of h sqrt(k/m) in translation, by theory 2 (sqrt(z^2 + 1) - z)
 with z half the damping ratio g / sqrt(m k), and found by bisection:
 
 | damping ratio | theory | measured |

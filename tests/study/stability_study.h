@@ -1,5 +1,5 @@
 // The stability map: coupling stiffness x step x damping ratio x inertia ratio, for each integrator and for
-// an explicit coupling as the contrast.
+// an explicitly integrated coupling as the contrast.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ inline constexpr double max_energy_loss = 0.1;
 inline constexpr double max_energy_rise = 1e-9;
 inline constexpr double max_energy_ratio = 1e6;
 
-/// The explicit coupling of the contrast.
+/// The explicitly integrated coupling of the contrast.
 inline constexpr const char* explicit_name = "explicit";
 inline constexpr std::array stability_schemes{ImplicitEuler::name, TrBdf2::name, explicit_name};
 
@@ -64,7 +64,7 @@ StabilityResult classify(const std::string& scheme, const StabilityCell& cell);
 /// Every cell with every scheme: by scheme, damping, inertia ratio, stiffness, step, the last the quickest.
 std::vector<StabilityResult> study_stability(const StabilityGrid& grid, const Progress& progress);
 
-/// Largest stable h sqrt(k/m) of the explicit coupling by theory. Translation: 2 (sqrt(z^2 + 1) - z), with
+/// Largest stable h sqrt(k/m) of the explicitly integrated coupling by theory. Translation: 2 (sqrt(z^2 + 1) - z), with
 /// z = damping / 2. Rotation about the rod's axis, where frequency and z are sqrt(inertia_ratio) times that,
 /// is the tighter one.
 double explicit_limit(double damping, double inertia_ratio = 1);

@@ -45,7 +45,7 @@ inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
   return rows[static_cast<std::size_t>(row)];
 }
 
-/// Box b as box a sees it. Lane j: axis j of b; the fourth is worthless.
+/// Box b as box a sees it. Lane j: axis j of b; the fourth is undefined.
 struct BoxOnBox {
   Vec3 h_a, h_b;             // half extents
   Pack p_A, p_B;             // from a to b: in the frame of a; of b

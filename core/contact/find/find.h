@@ -82,7 +82,7 @@ inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::ui
 }
 inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
 
-/// Says of pairs of bodies that come in rising order whether they were deep in each other by what no motion explains.
+/// Says of pairs of bodies that come in rising order whether they were deep in each other by their rest penetration.
 template <class Contacts>
 class RecallDeepPairs {
  public:
@@ -107,7 +107,7 @@ class RecallDeepPairs {
 
 /// Spheres of body a against the surfaces [first, end) of body b. Those of a body with shapes that are deep in a box of the
 /// world leave it through one face. leaving_W: the way by which all spheres of a leave b, if they are deep in each other.
-/// True, and worthless: they are, and it is not given.
+/// True: they are, and the result is undefined.
 template <class Contacts, std::size_t N>
 bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
                       std::uint64_t pair, std::uint32_t first, std::uint32_t end, const Vec3* leaving_W,

@@ -39,7 +39,7 @@ inline bool is_deeper(const SpherePair& a, const SpherePair& b) noexcept {
 
 /// The pairs found. Filled by find_sphere_pairs(); in the order of comes_before().
 template <std::size_t max_pairs>
-struct SpherePairs : Deepest<SpherePair, max_pairs, is_deeper, comes_before> {
+struct SpherePairs : BoundedList<SpherePair, max_pairs, is_deeper, comes_before> {
   std::size_t num_left_out = 0;  // bodies without pairs because a number of their spheres is not finite
 };
 
