@@ -6,7 +6,6 @@
 #include "platform/cli/bus/load_text.h"
 #include "platform/cli/verbs.h"
 #include "platform/scene/scene_toml.h"
-#include "sim/rig/rig.h"
 
 namespace godobject {
 namespace {
