@@ -56,11 +56,14 @@ def check_rules():
     """The rules themselves: they must refuse."""
     path = pathlib.PurePath
     for folder, header in [("core", "vector"), ("core", "hal/can/bus.h"), ("hal", "platform/session/motion.h"),
-                           ("hal", "thread"), ("hal", "unistd.h"), ("sim", "platform/rt/clock.h"),
-                           ("sim", "tests/oracle/case.h"), ]:
+                           ("hal", "thread"), ("hal", "unistd.h"), ("hal", "sim/config.h"),
+                           ("sim", "platform/rt/clock.h"), ("sim", "tests/oracle/case.h"),
+                           ("platform", "tests/study/study.h"), ("platform/session", "sim/rig/rig.h"),
+                           ("platform/cli", "sim/rig/rig.h")]:
         assert complaint(path(folder), header), (folder, header)
     for folder, header in [("core", "core/math/so3.h"), ("core", "Eigen/Core"), ("hal", "core/math/types.h"),
-                           ("hal", "vector"), ("sim", "hal/can/bus.h"), ("sim/study", "tests/oracle/case.h"),
+                           ("hal", "vector"), ("sim", "hal/can/bus.h"), ("platform/scene", "sim/config.h"),
+                           ("platform/simulated", "sim/rig/rig.h"), ("platform/cli/simulate", "sim/rig/rig.h"),
                            ("platform/cli", "platform/session/motion.h"), ("platform", "sys/mman.h")]:
         assert not complaint(path(folder), header), (folder, header)
 
