@@ -2,7 +2,7 @@
 //
 // A joint has a frame on the parent (P) and one on the child (C); they coincide at joint coordinate zero. Its
 // motion is a list of axes, turns about and slides along them, one per coordinate. At an instant a joint gives its
-// axes and how far it is violated, e. The solver needs nothing else: a new joint is one file like joint_hinge.h.
+// axes and how far it is violated, e. The solver needs nothing else: a new joint is one file like hinge.h.
 #pragma once
 
 #include <array>

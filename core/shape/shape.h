@@ -1,6 +1,6 @@
 // Fixed obstacles: solids at rest in the world, asked one question: how far is a point from the surface?
 //
-// A kind of shape answers it in its own frame S; a new one is one file like shape_sphere.h. A sphere of
+// A kind of shape answers it in its own frame S; a new one is one file like sphere.h. A sphere of
 // radius r about p touches a shape where the distance of p is below r.
 #pragma once
 

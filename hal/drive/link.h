@@ -1,5 +1,5 @@
 // What a drive speaks: the part of a drive that differs from protocol to protocol. A new protocol is one file
-// that implements DriveLink and one line in drive_link.cc (docs/new-device.md).
+// that implements DriveLink and one line in link.cc (docs/new-device.md).
 #pragma once
 
 #include <memory>

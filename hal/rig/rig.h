@@ -188,7 +188,7 @@ class Rig {
     raise({.fault = fault, .bus = node.bus, .node_id = node.id});
   }
 
-  // rig_receive.cc
+  // receive.cc
   void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
   bool from_second_host(std::size_t bus, const CanFrame& frame) noexcept;
   void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
@@ -198,7 +198,7 @@ class Rig {
                 Nanoseconds now) noexcept;
   void on_inputs(const RigNode& node, const CanFrame& frame) noexcept;
 
-  // rig_supervise.cc
+  // supervise.cc
   void supervise(Nanoseconds now) noexcept;
   void check_buses() noexcept;
   void check_nodes(Nanoseconds now) noexcept;

@@ -13,27 +13,33 @@ import sys
 import tempfile
 
 # of contacts with obstacles; whatever else is of contacts is for bodies that touch each other
-OBSTACLES = {"contact.h", "contact_fixed.h", "contact_near.h", "contact_memory.h", "contact_pack.h", "deepest.h",
-             "triangle.h"}
-BODIES = re.compile(r"(contact_\w+|broad_phase|sphere_pairs|body_spheres)\.h")
+OBSTACLES = {"core/contact/contact.h", "core/contact/fixed.h", "core/contact/candidates.h", "core/contact/memory.h",
+             "core/contact/stage.h", "core/math/bounded_list.h", "core/math/triangle.h"}
+CONTACTS = ("core/contact/", "core/system/")
 
 
 def headers_with_code(compiler, source, eigen, scene, folder):
-    """Names of the headers that the object code of the scene's step is from."""
+    """Headers, from the source directory, that the object code of the scene's step is from."""
     obj = os.path.join(folder, scene + ".o")
     subprocess.run([compiler, "-std=c++20", "-O0", "-g1", "-DGODOBJECT_NO_FLATTEN", "-DEIGEN_DONT_VECTORIZE",
                     "-DPROBED=" + scene, "-I", source, "-isystem", eigen,
                     "-c", os.path.join(source, "tests/contacts/unpaid_scene.cc"), "-o", obj], check=True)
     lines = subprocess.run(["objdump", "--dwarf=decodedline", obj], check=True, capture_output=True, text=True)
-    return set(re.findall(r"^(\S+\.h)\s+\d+\s+0", lines.stdout, re.MULTILINE))
+    headers, file = set(), ""
+    for line in lines.stdout.splitlines():
+        if line.endswith(":"):  # the file that the rows below it are of
+            file = os.path.normpath(os.path.join(source, line.removeprefix("CU: ").rstrip(":[+]")))
+        elif re.match(r"\S+\.h\s+\d+\s+0", line):
+            headers.add(os.path.relpath(file, source))
+    return headers
 
 
 def of_obstacles(names):
-    return {name for name in names if name in OBSTACLES or name.startswith("shape")}
+    return {name for name in names if name in OBSTACLES or name.startswith("core/shape/")}
 
 
 def of_bodies(names):
-    return {name for name in names if BODIES.fullmatch(name) and name not in OBSTACLES}
+    return {name for name in names if name.startswith(CONTACTS) and name not in OBSTACLES}
 
 
 def main(compiler, source, eigen):
@@ -41,8 +47,8 @@ def main(compiler, source, eigen):
         untouched, over_obstacles, among_bodies = (
             headers_with_code(compiler, source, eigen, scene, folder)
             for scene in ("Untouched", "OverObstacles", "AmongBodies"))
-    if not ("step.h" in untouched and "contact_fixed.h" in of_obstacles(over_obstacles) and
-            {"contact_bodies.h", "broad_phase.h"} <= of_bodies(among_bodies)):
+    if not ("core/step.h" in untouched and "core/contact/fixed.h" in of_obstacles(over_obstacles) and
+            {"core/contact/bodies.h", "core/contact/find/broad_phase.h"} <= of_bodies(among_bodies)):
         sys.exit("the line tables do not show code that is there: this says nothing")
     for scene, unpaid in (("without contacts", of_obstacles(untouched) | of_bodies(untouched)),
                           ("over obstacles alone", of_bodies(over_obstacles))):

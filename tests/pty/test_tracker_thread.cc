@@ -158,7 +158,7 @@ TEST(ToolDefinitions, FilesAreNamedWhenTheyAreNotThatOrNotThere) {
   static_cast<void>(read_tool_definitions(params, GODOBJECT_SOURCE_DIR, errors));
   ASSERT_EQ(errors.size(), 2u);
   EXPECT_NE(errors[0].find("none.rom"), std::string::npos);
-  EXPECT_NE(errors[1].find("tracker_params.h"), std::string::npos);
+  EXPECT_NE(errors[1].find("tracker/params.h"), std::string::npos);
 }
 
 }  // namespace
