@@ -1,5 +1,4 @@
-// The half of the program that stands in for simulated devices in a build without them (GODOBJECT_SIM=OFF).
-#include "platform/cli/verbs.h"
+// The half of the library that stands in for simulated devices in a build without them (GODOBJECT_SIM=OFF).
 #include "platform/scene/fault_checks.h"
 #include "platform/session/make_session.h"
 
@@ -20,8 +19,5 @@ std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params, s
 std::vector<std::string> fault_verb_names() { return {}; }
 
 std::string why_not_playable(const FaultConfig&, const DeviceConfig&) { return ""; }
-
-/// There is no verb `simulate`.
-void add_simulate(CLI::App&, ExitCode&) {}
 
 }  // namespace godobject
