@@ -11,10 +11,14 @@ namespace {
 
 struct Felt {
   double force = 0, torque = 0;  // largest shown at a body, N and N m, after the first second
+  double later_torque = 0;       // the same in cycles with no gap in the last settled_s, N m
   double change = 0;             // of a force in a step, N
   RigFault faults = RigFault::none;
   int held = 0;  // cycles
 };
+
+/// By then a transient that a gap caused is over: the force has faded in again and the tool is where it is pulled to.
+constexpr double settled_s = 0.3;
 
 SceneConfig scene_of(const char* name) {
   LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + name);
@@ -28,14 +32,19 @@ Felt feel(const SceneConfig& scene) {
   EXPECT_TRUE(made.session && made.session->boot(5));
   if (!made.session) return felt;
   CycleRecord before = made.session->at_start(), now = before;
+  double t_held = 0;
   for (double t = 0; t < 8; t += scene.step) {
     made.session->cycle(now);
     felt.faults = felt.faults | now.rig_faults;
-    if (has(now.limited, Limited::held)) ++felt.held;
+    if (has(now.limited, Limited::held)) {
+      ++felt.held;
+      t_held = now.t;
+    }
+    double& torque = now.t < t_held + settled_s ? felt.torque : felt.later_torque;
     for (std::size_t i = 0; i < now.bodies.size() && t > 1; ++i) {
       const Wrench &F = now.bodies[i].feedback_D, &last = before.bodies[i].feedback_D;
       felt.force = std::max(felt.force, F.f.norm());
-      felt.torque = std::max(felt.torque, F.tau.norm());
+      torque = std::max(torque, F.tau.norm());
       felt.change = std::max(felt.change, (F.f - last.f).norm());
     }
     before = now;
@@ -67,6 +76,10 @@ std::vector<FaultConfig> stalls(const SceneConfig& scene, unsigned seed, const c
 /// What the counts of the encoders make of the velocity behind a damper is not the same in any two runs.
 constexpr double noise_N = 2e-3;
 
+/// Long after a gap the torque of a frictional contact differs still: spheres that stuck while the pose was held stick
+/// elsewhere. In organ.toml it is 4.6 % at the largest, 0.6 s after the last gap and in the next squeeze.
+constexpr double friction_remembers = 1.1;
+
 class SampleGapsOnBuses : public testing::TestWithParam<const char*> {};
 
 TEST_P(SampleGapsOnBuses, ShowNothingThatWasNotThere) {
@@ -85,14 +98,16 @@ TEST_P(SampleGapsOnBuses, ShowNothingThatWasNotThere) {
           EXPECT_EQ(felt.faults, RigFault::none) << verb << " up to " << longest_s;
           EXPECT_LE(felt.force, 1.03 * undisturbed.force + noise_N)
               << verb << " up to " << longest_s << ", " << stale_after_s;
-          EXPECT_LE(felt.torque, 1.03 * undisturbed.torque + 1e-6) << verb << " up to " << longest_s;
+          EXPECT_LE(felt.torque, 1.03 * undisturbed.later_torque + 1e-6) << verb << " up to " << longest_s;
+          EXPECT_LE(felt.later_torque, friction_remembers * undisturbed.later_torque + 1e-6)
+              << verb << " up to " << longest_s;
           worst = {.force = std::max(worst.force, felt.force),
-                   .torque = std::max(worst.torque, felt.torque),
+                   .torque = std::max({worst.torque, felt.torque, felt.later_torque}),
                    .change = std::max(worst.change, felt.change)};
         }
   EXPECT_LE(worst.change, scene.step * scene.device->limits.force_rate * (1 + 1e-9));
   std::printf("%s: %.3g N and %.3g N m, without gaps %.3g N and %.3g N m\n", GetParam(), worst.force,
-              worst.torque, undisturbed.force, undisturbed.torque);
+              worst.torque, undisturbed.force, undisturbed.later_torque);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SampleGapsOnBuses, testing::Values("rigid.toml", "organ.toml"));
