@@ -228,6 +228,12 @@ class Host(Process):
         return "\n".join(f"{fault['name']}: {fault['text']}" for fault in self.report()["faults"])
 
 
+def is_sanitized(program):
+    """Whether a sanitizer makes the program several times slower, and takes time of its own at the end."""
+    code = Path(program).read_bytes()
+    return b"__tsan_init" in code or b"__asan_init" in code
+
+
 def was_starved(host):
     """What a machine that leaves programs without their processor does to a run, with no fault played: a drive hears
     nothing for its `deadline_ms`, or the host hears nothing for `stale_after`. The run has ended."""

@@ -21,6 +21,7 @@ RATED_NM = 0.1
 RATE_NM_PER_S = 0.005  # far below that of rig.toml: running down takes 0.2 s and more, and can be told from a stop
 DEADLINE_S = 0.1  # of patient-402.toml: the drives' watchdog
 SLACK_S = {"pty": 0.08, "vcan": 0.5}  # for the programs between the host and this one: in a guest they share a processor
+END_S = 6  # a terminal that was stopped is waited for, for 4.5 s in all
 NODES = (1, 2, 11, 12)
 DRIVES = (11, 12)
 
@@ -70,8 +71,8 @@ def scene(tmp_path):
 class Run:
     """A run that commands torque, and what came of it on the bus."""
 
-    def __init__(self, outsider, host, mark, slack_s):
-        self.outsider, self.host, self.mark, self.slack_s = outsider, host, mark, slack_s
+    def __init__(self, outsider, host, mark, slack_s, end_s):
+        self.outsider, self.host, self.mark, self.slack_s, self.end_s = outsider, host, mark, slack_s, end_s
 
     def commands(self, mark):
         return [f for f in self.outsider.since(mark, kind=hil.RPDO1) if len(f.data) == 4]
@@ -118,6 +119,7 @@ class Run:
 def start(rig, program, scene, tier, tmp_path):
     """Starts `godobject run` and waits for torque."""
     hosts = []
+    end_s = END_S * (2 if hil.is_sanitized(program) else 1)
 
     def begin(*arguments, **popen):
         for _ in range(ATTEMPTS):
@@ -126,7 +128,7 @@ def start(rig, program, scene, tier, tmp_path):
                 PlainHost(program, scene, rig.address, tmp_path, arguments, popen)
             hosts.append(host)
             if became_enabled(rig.outsider, host, mark):
-                run = Run(rig.outsider, host, mark, SLACK_S.get(tier, 0.08))
+                run = Run(rig.outsider, host, mark, SLACK_S.get(tier, 0.08), end_s)
                 try:
                     run.wait_for_torque()
                     return run
@@ -236,8 +238,8 @@ def ends_nothing(run, event, seconds=0.5):
     run.wait_for_torque()
     assert not run.outsider.since(event, kind=hil.NMT)
     mark, t_begin = run.outsider.mark(), time.time()
-    code = run.end()
-    assert time.time() - t_begin < 6
+    code = run.end(2 * run.end_s)
+    assert time.time() - t_begin < run.end_s
     run.expect_last_frames(mark)
     return code
 

@@ -126,9 +126,7 @@ TEST_F(CliRun, PlotsAreOfWhatThereIs) {
   if (std::system("command -v gnuplot > /dev/null && command -v python3 > /dev/null") != 0)
     GTEST_SKIP() << "gnuplot or python3 is not installed";
   const auto plotted = [&](const std::string& scene, const std::string& options) {
-    EXPECT_EQ(
-        run_program("run " + scene + " " + options + " --trace " + path("trace.csv")).exit_code,
-        0);
+    EXPECT_EQ(run_program("run " + scene + " " + options + " --trace " + path("trace.csv")).exit_code, 0);
     for (const char* name : {"following", "force", "joints", "contacts", "energy"})
       std::filesystem::remove(path(std::string(name) + ".png"));
     EXPECT_EQ(std::system(
@@ -141,9 +139,9 @@ TEST_F(CliRun, PlotsAreOfWhatThereIs) {
       if (std::filesystem::exists(path(std::string(name) + ".png"))) names.insert(name);
     return names;
   };
-  EXPECT_EQ(
-      plotted("sim/scenes/lego.toml", "--bus direct --motion sim/scenes/lego-motion.csv --duration 0.6 --trace-every 20"),
-      (std::set<std::string>{"following", "force", "contacts", "energy"}))
+  EXPECT_EQ(plotted("sim/scenes/lego.toml",
+                    "--bus direct --motion sim/scenes/lego-motion.csv --duration 0.6 --trace-every 20"),
+            (std::set<std::string>{"following", "force", "contacts", "energy"}))
       << "hand.* is no joint's";
   EXPECT_EQ(plotted("sim/scenes/grasp.toml", "--duration 0.2"),
             (std::set<std::string>{"following", "force", "joints", "contacts", "energy"}));
@@ -291,10 +289,15 @@ TEST_F(CliRun, RealtimeGivesTheStatesOfFast) {
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const char* part : {"real-time set-up", "missed deadlines", "wake-up", "lost to the files"})
     EXPECT_THAT(result.output, HasSubstr(part));
+  EXPECT_FALSE(report("rt")["machine"]["rt_setup"].empty());
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  if (report("rt")["timing"]["holds"] > 0)
+    GTEST_SKIP() << "the sanitizer makes a cycle longer than its period: the deadlines missed are held, and "
+                    "change the states";
+#endif
   EXPECT_EQ(read_file(path("rt.csv")), read_file(path("fast.csv")));
   EXPECT_EQ(read_file(path("rt.log")), read_file(path("fast.log")));
   EXPECT_EQ(report("rt")["state_hash"], report("fast")["state_hash"]);
-  EXPECT_FALSE(report("rt")["machine"]["rt_setup"].empty());
 }
 
 TEST_F(CliRun, AnInterruptedRunEndsWithItsSummaryAndCompleteFiles) {
