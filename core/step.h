@@ -129,11 +129,10 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
       return live ? feedback(par.bodies[i], w.pulls[i], x.bodies[i]) : Wrench{};
     };
     const auto show = [&](std::size_t i, const Wrench& F) noexcept {
-      const BodyParams<S>& body = par.bodies[i];
-      auto& state = x.bodies[i].feedback;
-      if (any(out.fault))
-        S::Feedback::show(body.feedback, F, par.h, state, out.bodies[i].feedback, out.limited);
-      else S::Feedback::show(body.feedback, w.pulls[i], F, par.h, state, out.bodies[i].feedback, out.limited);
+      constexpr Gap none{};
+      const Gap& gap = any(out.fault) ? none : w.pulls[i].gap;
+      S::Feedback::show(par.bodies[i].feedback, gap, F, par.h, x.bodies[i].feedback, out.bodies[i].feedback,
+                        out.limited);
     };
     if constexpr (uses<typename S::Joints>) {
       for (std::size_t i = 0; i < num_bodies(par); ++i) w.wanted[i] = wanted(i);

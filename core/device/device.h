@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "core/body/target.h"
 #include "core/fault.h"
 #include "core/scene.h"
-#include "core/body/target.h"
 
 namespace godobject {
 
@@ -40,21 +40,26 @@ struct RampState {
   bool engaged = false;
 };
 
+/// What a gap in the samples makes of a step: of one without a valid sample, and of those after it.
+struct Gap {
+  Real held = 0;    // s since the last valid sample
+  Real calm = 0;    // s until all of the feedback may be shown
+  Real growth = 0;  // see Showing::capped
+  Showing showing = Showing::all;
+  bool again = false;    // calm is after a long gap: the feedback grows meanwhile
+  bool bridged = false;  // the target goes on as it moved; without a sample and not bridged it rests
+  bool back = false;     // the first valid sample after a gap
+  bool anew = false;     // the gap was too long: the device engages anew
+};
+
 /// What pulls one body during one step: the target at both ends, and how far the ramp is.
 struct Pull {
   Target from, to;     // target at the start and the end of the step, quaternions of one sign
   RampState ramp;      // during this step
-  Real held = 0;       // s since the last valid sample
   Wrench F_WB;         // force and torque applied by the hand (admittance)
   bool live = true;    // false: no valid sample
   bool fresh = false;  // first step after engaging or letting go: no history may be used
-  // Of the steps without a valid sample and those after:
-  bool bridged = false;  // the target goes on as it moved; without a sample and not bridged it rests
-  bool back = false;     // the first valid sample after a gap
-  Showing showing = Showing::all;
-  Real growth = 0;  // see Showing::capped
-  Real calm = 0;    // s until all of the feedback may be shown
-  bool again = false;
+  Gap gap;
 };
 
 /// What all devices carry over.
@@ -68,7 +73,11 @@ struct DeviceState {
 
 /// The state after the step.
 inline DeviceState carried_over(const Pull& pull) noexcept {
-  return {.last = pull.to, .ramp = pull.ramp, .held = pull.held, .calm = pull.calm, .again = pull.again};
+  return {.last = pull.to,
+          .ramp = pull.ramp,
+          .held = pull.gap.held,
+          .calm = pull.gap.calm,
+          .again = pull.gap.again};
 }
 
 /// What a device part's pull() returns: a Pull, or what the part names Pull, which is one and has more.
@@ -91,32 +100,30 @@ inline Target carried_on(const Target& x, Real dt) noexcept {
 /// A step without a valid sample, or after one. A short gap is bridged. During a longer one the target rests and what
 /// was shown fades; after it the device engages anew, by the ramp, since the hand may be anywhere by then. The
 /// feedback does not grow until the body has caught up: no gap shows more than there was without it.
-[[gnu::noinline]] inline void bridge(const RampParams& par, const DeviceState& x, bool valid, Real h,
-                                     RampState& before, Pull& pull, Limited& limited) noexcept {
+[[gnu::noinline]] inline Gap bridge(const RampParams& par, const DeviceState& x, bool valid,
+                                    Real h) noexcept {
   const auto longer_than = [h](Real held, Real s) { return held > std::max(s, bridged_steps * h) + h / 2; };
-  pull.calm = std::max(x.calm - h, Real(0));
-  pull.again = x.again && pull.calm > 0;
+  Gap gap;
+  gap.calm = std::max(x.calm - h, Real(0));
+  gap.again = x.again && gap.calm > 0;
   if (!valid) {
-    limited |= Limited::held;
-    pull.held = x.held + h;
-    pull.bridged = !longer_than(pull.held, 0);
-    pull.showing = longer_than(pull.held, par.stale) ? Showing::fading : Showing::still;
-    return;
+    gap.held = x.held + h;
+    gap.bridged = !longer_than(gap.held, 0);
+    gap.showing = longer_than(gap.held, par.stale) ? Showing::fading : Showing::still;
+    return gap;
   }
   if (x.held > 0 && longer_than(x.held, par.lost)) {
-    before = {};
-    pull.again = true;
-    pull.calm = std::max(par.rise, quiet_after_gap) + growth_after_gap;
-    pull.back = true;
+    gap.anew = gap.again = gap.back = true;
+    gap.calm = std::max(par.rise, quiet_after_gap) + growth_after_gap;
   } else if (x.held > 0 && x.calm == 0) {
-    pull.calm = calm_per_gap * x.held;
-    pull.back = true;
+    gap.calm = calm_per_gap * x.held;
+    gap.back = true;
   }
-  if (pull.calm == 0) return;
-  const Real grown = pull.again ? std::max(1 - pull.calm / growth_after_gap, Real(0)) : 0;
-  pull.showing = Showing::capped;
-  pull.growth = grown * grown;
-  limited |= Limited::ramp;
+  if (gap.calm == 0) return gap;
+  const Real grown = gap.again ? std::max(1 - gap.calm / growth_after_gap, Real(0)) : 0;
+  gap.showing = Showing::capped;
+  gap.growth = grown * grown;
+  return gap;
 }
 
 /// The ramp: 0 in the first engaged step, so that engaging moves nothing; then rising linearly to 1. Engaging takes
@@ -126,8 +133,12 @@ inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted,
   RampState before = x.ramp;
   Pull pull;
   pull.live = valid;
-  if (!valid || x.held > 0 || x.calm > 0) [[unlikely]]
-    bridge(par, x, valid, h, before, pull, limited);
+  if (!valid || x.held > 0 || x.calm > 0) [[unlikely]] {
+    pull.gap = bridge(par, x, valid, h);
+    if (pull.gap.anew) before = {};
+    if (!valid) limited |= Limited::held;
+    if (pull.gap.showing == Showing::capped) limited |= Limited::ramp;
+  }
   const bool engage = wanted && (valid || before.engaged);
   pull.fresh = engage != before.engaged || engage != x.ramp.engaged;
   pull.ramp.engaged = engage;
@@ -166,7 +177,7 @@ struct PoseDevice {
     d.from = x.last;
     d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
     if (in.valid) d.to = {.X_WD = {.p = in.X_WD.p, .q = renormalized(in.X_WD.q)}, .V_WD = in.V_WD};
-    else if (d.bridged) d.to = carried_on(x.last, h);
+    else if (d.gap.bridged) d.to = carried_on(x.last, h);
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
     return d;
@@ -197,7 +208,7 @@ struct RelativeDevice {
     } else if (in.clutch && in.valid && x.held == 0) {
       d.to.X_WD = {.p = d.from.X_WD.p + in.dp_W, .q = renormalized(exp_so3(in.dphi_W) * d.from.X_WD.q)};
       d.to.V_WD = {.w = in.dphi_W / h, .v = in.dp_W / h};
-    } else if (!in.valid && d.bridged && !d.fresh) {
+    } else if (!in.valid && d.gap.bridged && !d.fresh) {
       d.to = carried_on(x.last, h);
     }
     return d;

@@ -61,24 +61,24 @@ struct LimitedFeedback {
   }
 
   /// The same, as the samples of the device allow.
-  static void show(const Params& par, const Pull& pull, const Wrench& wanted, Real h, State& x, Output& out,
+  static void show(const Params& par, const Gap& gap, const Wrench& wanted, Real h, State& x, Output& out,
                    Limited& limited) noexcept {
-    if (pull.showing == Showing::all) return show(par, wanted, h, x, out, limited);
-    show_round_gap(par, pull, wanted, h, x, out, limited);
+    if (gap.showing == Showing::all) return show(par, wanted, h, x, out, limited);
+    show_round_gap(par, gap, wanted, h, x, out, limited);
   }
 
  private:
-  [[gnu::noinline]] static void show_round_gap(const Params& par, const Pull& pull, const Wrench& wanted,
+  [[gnu::noinline]] static void show_round_gap(const Params& par, const Gap& gap, const Wrench& wanted,
                                                Real h, State& x, Output& out, Limited& limited) noexcept {
-    if (pull.showing == Showing::still) return show(par, x.F_D, h, x, out, limited);
-    if (pull.showing == Showing::fading) return show(par, {}, h, x, out, limited);
-    if (pull.back) {
+    if (gap.showing == Showing::still) return show(par, x.F_D, h, x, out, limited);
+    if (gap.showing == Showing::fading) return show(par, {}, h, x, out, limited);
+    if (gap.back) {
       x.force_then = x.F_D.f.norm();
       x.torque_then = x.F_D.tau.norm();
     }
     Params capped = par;
-    capped.max_force = std::min(par.max_force, x.force_then + pull.growth * par.max_force);
-    capped.max_torque = std::min(par.max_torque, x.torque_then + pull.growth * par.max_torque);
+    capped.max_force = std::min(par.max_force, x.force_then + gap.growth * par.max_force);
+    capped.max_torque = std::min(par.max_torque, x.torque_then + gap.growth * par.max_torque);
     show(capped, wanted, h, x, out, limited);
   }
 };

@@ -58,7 +58,7 @@ struct HoldingDevice {
     d.from = x.last;
     d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
     if (in.valid) d.to = held(X_WD, in.V_WD, d.X_DB);
-    else if (d.bridged) d.to = carried_on(x.last, h);
+    else if (d.gap.bridged) d.to = carried_on(x.last, h);
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
     return d;

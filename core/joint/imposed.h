@@ -45,7 +45,7 @@ inline Lead lead(const ImposedJoints::State& x, int turns, const JointMotionSamp
   if (!pull.ramp.engaged || !pull.live) {
     const JointCoordinates q = x.last.q + h * x.last.q_dot;
     const bool in_turn = turns == 0 || q.head(turns).cwiseAbs().maxCoeff() <= pi;
-    if (pull.ramp.engaged && pull.bridged && in_turn) l.to = {.q = q, .q_dot = x.last.q_dot};
+    if (pull.ramp.engaged && pull.gap.bridged && in_turn) l.to = {.q = q, .q_dot = x.last.q_dot};
     return l;
   }
   l.from.q = l.to.q = unwrapped(x.last.q, in.q, turns);  // the short way round

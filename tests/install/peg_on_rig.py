@@ -18,7 +18,7 @@ def main():
             addresses = []
             for line in simulated.stdout:
                 addresses += re.findall(r"bus \S+: (/dev/pts/\d+)", line)
-                if len(addresses) == 2:
+                if line.strip() == "ready":
                     break
             result = subprocess.run([example, scene, *("slcan:" + path for path in addresses)], text=True,
                                     capture_output=True, timeout=RUN_S)

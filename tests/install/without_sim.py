@@ -38,7 +38,7 @@ def main():
             addresses = {}
             for line in simulated.stdout:
                 addresses.update(re.findall(r"bus (\w+): (/dev/pts/\d+)", line))
-                if len(addresses) == 2:
+                if line.strip() == "ready":
                     break
             buses = [word for name, path in addresses.items() for word in ("--bus", f"{name}=slcan:{path}")]
             run = subprocess.run([without, "run", scene, "--duration", "3", *buses], capture_output=True, text=True,

@@ -1,8 +1,10 @@
 // README's Peg on the rig that a scene file describes: peg_on_rig rigid.toml slcan:/dev/pts/3 slcan:/dev/pts/4
 // One address for each bus of the device. The scene's bodies are not used: the tool is the Peg below.
+#include <algorithm>
 #include <cstdio>
 
 #include "core/godobject.h"
+#include "hal/rig/rig.h"
 #include "hal/rig/validate.h"
 #include "platform/linux/link.h"
 #include "platform/rt/cyclic.h"

@@ -285,16 +285,17 @@ TEST_F(CliRun, EveryShippedSceneRuns) {
 
 TEST_F(CliRun, RealtimeGivesTheStatesOfFast) {
   ASSERT_EQ(run("fast", rigid + " --fast --duration 0.5").exit_code, 0);
-  const ProgramResult result = run("rt", rigid + " --realtime --duration 0.5");
-  ASSERT_EQ(result.exit_code, 0) << result.output;
-  for (const char* part : {"real-time set-up", "missed deadlines", "wake-up", "lost to the files"})
-    EXPECT_THAT(result.output, HasSubstr(part));
-  EXPECT_FALSE(report("rt")["machine"]["rt_setup"].empty());
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  if (report("rt")["timing"]["holds"] > 0)
-    GTEST_SKIP() << "the sanitizer makes a cycle longer than its period: the deadlines missed are held, and "
-                    "change the states";
-#endif
+  // Deadlines missed are held, which changes the states: of a machine as busy as that another run is asked for.
+  bool has_held = true;
+  for (int attempt = 0; has_held && attempt < 10; ++attempt) {
+    const ProgramResult result = run("rt", rigid + " --realtime --duration 0.5");
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+    for (const char* part : {"real-time set-up", "missed deadlines", "wake-up", "lost to the files"})
+      EXPECT_THAT(result.output, HasSubstr(part));
+    EXPECT_FALSE(report("rt")["machine"]["rt_setup"].empty());
+    has_held = report("rt")["timing"]["holds"] > 0;
+  }
+  if (has_held) GTEST_SKIP() << "this machine misses too many deadlines in each of ten runs";
   EXPECT_EQ(read_file(path("rt.csv")), read_file(path("fast.csv")));
   EXPECT_EQ(read_file(path("rt.log")), read_file(path("fast.log")));
   EXPECT_EQ(report("rt")["state_hash"], report("fast")["state_hash"]);
