@@ -6,6 +6,6 @@
 #include "core/hash.h"
 #include "core/integrator_implicit_euler.h"
 #include "core/integrator_tr_bdf2.h"
+#include "core/joint/tree.h"
 #include "core/setup.h"
 #include "core/step.h"
-#include "core/joint/tree.h"

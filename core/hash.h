@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "core/contact/memory.h"
-#include "core/device/holding.h"
 #include "core/device/feedback.h"
+#include "core/device/holding.h"
 #include "core/integrator_tr_bdf2.h"
 #include "core/joint/imposed.h"
 

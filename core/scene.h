@@ -17,8 +17,8 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "core/fault.h"
 #include "core/body/rigid_body.h"
+#include "core/fault.h"
 
 namespace godobject {
 

@@ -16,8 +16,8 @@ struct HeldFeedback {
 
   /// To be called once a step. Wrench on the hand about the device's origin, world axes. F_W: of the held body at the
   /// target's origin p_WT; null while nothing is held. valid: p_WD is a good sample; otherwise the last lever holds.
-  static Wrench show(const Params& par, const Wrench* F_W, const Vec3& p_WT, const Vec3& p_WD, bool valid, Real h,
-                     State& x, Limited& limited) noexcept {
+  static Wrench show(const Params& par, const Wrench* F_W, const Vec3& p_WT, const Vec3& p_WD, bool valid,
+                     Real h, State& x, Limited& limited) noexcept {
     Wrench wanted;
     if (F_W != nullptr) {
       if (valid) x.lever_W = p_WT - p_WD;

@@ -1,8 +1,8 @@
 // A device that takes hold of a body as it is, and lets go of it, at any time: grab and release.
 #pragma once
 
-#include "core/device/device.h"
 #include "core/body/rigid_body.h"
+#include "core/device/device.h"
 
 namespace godobject {
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "core/body/coupling.h"
-#include "core/math/simd4.h"
 #include "core/body/rigid_body.h"
 #include "core/body/target.h"
+#include "core/math/simd4.h"
 
 namespace godobject {
 

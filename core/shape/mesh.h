@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <span>
 
-#include "core/shape/shape.h"
 #include "core/math/triangle.h"
+#include "core/shape/shape.h"
 
 namespace godobject {
 

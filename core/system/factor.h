@@ -8,6 +8,9 @@
 // by substitution, without inverses: a body keeps its mass beside contacts that are 1e10 times stiffer. Bodies on joints
 // by (33), after all that hangs on them. Bound: max_blocks blocks A_ik, and for each body a product for every two of its
 // neighbours. An island that has more is left to the iteration.
+//
+// The room: what solves bodies that touch, together: factor_joints.h brings joints in (33), coupling_block.h is a pair's block,
+// conjugate_gradients.h serves where the factor has no room.
 #pragma once
 
 #include "core/contact/tree_solve.h"

@@ -9,8 +9,8 @@
 // and (31) eliminates q' as it does the twists of others.
 #pragma once
 
-#include "core/system/coupling_block.h"
 #include "core/joint/edges.h"
+#include "core/system/coupling_block.h"
 
 namespace godobject {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <span>
 
-#include "hal/canopen/canopen.h"
-#include "hal/board/encoder_board.h"
 #include "hal/base/fixed_queue.h"
+#include "hal/board/encoder_board.h"
+#include "hal/canopen/canopen.h"
 
 namespace godobject {
 

@@ -23,9 +23,9 @@
 #include <span>
 #include <string_view>
 
+#include "hal/base/codec.h"
 #include "hal/can/error.h"
 #include "hal/can/frame.h"
-#include "hal/base/codec.h"
 
 namespace godobject::slcan {
 

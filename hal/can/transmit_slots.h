@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "hal/can/bus.h"
 #include "hal/base/fixed_queue.h"
+#include "hal/can/bus.h"
 
 namespace godobject {
 

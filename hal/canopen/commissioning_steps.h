@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "hal/canopen/node_profile.h"
-#include "hal/rig/params.h"
 #include "hal/canopen/sdo_sequence.h"
+#include "hal/rig/params.h"
 
 namespace godobject {
 

@@ -6,6 +6,9 @@
 //
 // A bus speaks one protocol, that of its drives (hal/drive/link.h). CANopen buses, also those without a drive,
 // have SYNC, NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
+//
+// The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what brings its
+// buses; receive.cc and supervise.cc are halves of Rig; swing_watch.h watches commands for oscillation.
 #pragma once
 
 #include <array>
@@ -19,10 +22,10 @@
 #include "hal/drive/drive.h"
 #include "hal/joint/encoder.h"
 #include "hal/joint/kinematic_tree.h"
+#include "hal/joint/sync_attribution.h"
 #include "hal/rig/fault.h"
 #include "hal/rig/node.h"
 #include "hal/rig/validate.h"
-#include "hal/joint/sync_attribution.h"
 
 namespace godobject {
 
@@ -43,8 +46,9 @@ struct DeviceButtons {
 
 /// The device as the joint sensors have it.
 struct DeviceSample {
-  std::array<Target, max_handles> handles{};  // the first num_handles() of them; stale joints count as at rest
-  JointVector q, q_dot;                             // one number per joint
+  std::array<Target, max_handles>
+      handles{};         // the first num_handles() of them; stale joints count as at rest
+  JointVector q, q_dot;  // one number per joint
   DeviceButtons buttons;
   bool valid =
       false;  // every joint's sample is good, and every drive was heard; else the last good values are held

@@ -205,8 +205,7 @@ void NdiTracker::on_poll_answered(Nanoseconds now) noexcept {
   awaiting_ = --num_asked_ > 0;
   reply_began_ = false;
   if (awaiting_) deadline_ = std::max(deadline_, t_asked_ + took_ + poll_margin);
-  else
-    longest_answer_ = std::max(longest_answer_, took_);
+  else longest_answer_ = std::max(longest_answer_, took_);
 }
 
 void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {

@@ -13,8 +13,8 @@
 #include "platform/cli/option_checks.h"
 #include "platform/cli/run/stop_signals.h"
 #include "platform/cli/verbs.h"
-#include "platform/rt/clock.h"
 #include "platform/linux/bus.h"
+#include "platform/rt/clock.h"
 #include "platform/scene/scene_toml.h"
 
 namespace godobject {

@@ -7,13 +7,13 @@
 #include <memory>
 #include <new>
 
-#include "platform/rt/background_file.h"
 #include "platform/cli/option_checks.h"
 #include "platform/cli/run/loop.h"
 #include "platform/cli/run/options.h"
 #include "platform/cli/run/report.h"
 #include "platform/cli/run/stop_signals.h"
 #include "platform/cli/verbs.h"
+#include "platform/rt/background_file.h"
 #include "platform/rt/clock.h"
 
 namespace godobject {

@@ -1,4 +1,7 @@
 // A CAN bus of this machine: one that a thread can wait on, made from an address on the command line.
+//
+// The room: socket_can_bus.h, slcan_bus.h, pty_bus.h, board_bus.h, replay_bus.h implement it; link.h brings a rig's buses;
+// serial_port.h, tracker_thread.h for what speaks bytes; watched_bus.h records.
 #pragma once
 
 #include <memory>

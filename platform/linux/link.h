@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "hal/rig/link.h"
 #include "hal/can/transmit_slots.h"
-#include "platform/rt/histogram.h"
+#include "hal/rig/link.h"
 #include "platform/linux/watched_bus.h"
+#include "platform/rt/histogram.h"
 
 namespace godobject {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "hal/tracker/link.h"
+#include "platform/linux/serial_port.h"
 #include "platform/rt/clock.h"
 #include "platform/rt/ring.h"
-#include "platform/linux/serial_port.h"
 
 namespace godobject {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "hal/rig/link.h"
-#include "platform/rt/clock.h"
 #include "platform/linux/bus.h"
+#include "platform/rt/clock.h"
 
 namespace godobject {
 

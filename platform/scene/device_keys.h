@@ -9,8 +9,8 @@
 #include "platform/scene/device_from_joints.h"
 #include "platform/scene/hold_keys.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/tracker_keys.h"
 #include "platform/scene/text/visit.h"
+#include "platform/scene/tracker_keys.h"
 
 namespace godobject {
 

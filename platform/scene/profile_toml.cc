@@ -5,9 +5,9 @@
 #include <set>
 
 #include "hal/canopen/profile_validate.h"
-#include "shipped_profiles.h"
-#include "platform/scene/text/key_reference.h"
 #include "platform/scene/profile_keys.h"
+#include "platform/scene/text/key_reference.h"
+#include "shipped_profiles.h"
 
 namespace godobject {
 

@@ -1,7 +1,7 @@
 #include "platform/scene/scene_toml.h"
 
-#include "platform/scene/text/key_reference.h"
 #include "platform/scene/scene_keys.h"
+#include "platform/scene/text/key_reference.h"
 #include "platform/scene/text/toml_reader.h"
 #include "platform/scene/text/toml_writer.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "platform/session/csv_rows.h"
 #include "platform/engine/engine.h"
+#include "platform/session/csv_rows.h"
 
 namespace godobject {
 

@@ -11,11 +11,11 @@ namespace godobject {
 
 /// One period of a run, as the devices of a session go through it in their order.
 struct Period {
-  double t = 0;           // of the motion, s
-  double step = 0;        // s
-  Nanoseconds began = 0;  // of the devices' clock: when it began
-  Nanoseconds now = 0;    // and after the answers to it
-  bool has_begun = false; // a device's clock has said when
+  double t = 0;            // of the motion, s
+  double step = 0;         // s
+  Nanoseconds began = 0;   // of the devices' clock: when it began
+  Nanoseconds now = 0;     // and after the answers to it
+  bool has_begun = false;  // a device's clock has said when
 
   /// For devices that have no clock of their own: by this one, or, where that is null, a step after the period before.
   void begin_by(Nanoseconds (*clock)() noexcept) noexcept {

@@ -13,7 +13,9 @@ class HandedMotion final : public HandDevice {
  public:
   /// motion: of this scene; it outlives this. Allocates; nothing later does.
   HandedMotion(const SceneConfig& scene, const Motion& motion)
-      : motion_(motion), driven_(driven_bodies(scene)), joints_(motion.has_joints() ? LedJoints(scene) : LedJoints()) {}
+      : motion_(motion),
+        driven_(driven_bodies(scene)),
+        joints_(motion.has_joints() ? LedJoints(scene) : LedJoints()) {}
 
   void read(Period& period, std::span<BodySample> samples) noexcept override {
     for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples[driven_[i]] = sample(i, period.t);

@@ -8,9 +8,9 @@
 
 #include "core/body/target.h"
 #include "hal/joint/kinematic_tree.h"
+#include "platform/scene/scene.h"
 #include "platform/scene/text/csv.h"
 #include "platform/session/curve.h"
-#include "platform/scene/scene.h"
 
 namespace godobject {
 

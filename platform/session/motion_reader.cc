@@ -5,8 +5,8 @@
 #include <iterator>
 
 #include "platform/scene/hold_keys.h"
-#include "platform/session/motion.h"
 #include "platform/scene/text/toml_reader.h"
+#include "platform/session/motion.h"
 
 namespace godobject {
 

@@ -27,9 +27,13 @@ std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
 }
 
 RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link)
-    : params_(*scene.device->rig), joints_(scene), link_(std::move(link)), gather_ns_(gather_time(scene.step)) {
+    : params_(*scene.device->rig),
+      joints_(scene),
+      link_(std::move(link)),
+      gather_ns_(gather_time(scene.step)) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
-  for (const std::optional<std::size_t>& target : driven_by_handles(scene)) bodies_.push_back(driven[*target]);
+  for (const std::optional<std::size_t>& target : driven_by_handles(scene))
+    bodies_.push_back(driven[*target]);
   rig_.emplace(params_, link_->buses());
 }
 

@@ -1,5 +1,9 @@
 // A running scene: an engine, and the devices that its bodies follow. advance() is what a real-time loop calls once per
 // period, from the first NMT command to the last; it does not allocate, and waits only for the answers of real buses.
+//
+// The room: hand_device.h is what a device is: rig_device.h, tracker_device.h, handed_motion.h; motion.h and curve.h the
+// hand's motion; grip.h which body is held; record.h, trace.h, contact_trace.h what a period leaves; truth.h what only a
+// simulated run knows; passivity.h, force_swings.h whether what is shown is stable in a hand.
 #pragma once
 
 #include <memory>
@@ -172,7 +176,8 @@ class Session {
   std::optional<RigDevice> rig_;
   std::optional<TrackerDevice> trackers_;
   std::vector<HandDevice*> devices_;
-  std::optional<Grip> grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
+  std::optional<Grip>
+      grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
 
   std::optional<ForceSwings> swings_;
   std::unique_ptr<Truth> truth_;  // of a simulated device

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "core/contact/contact.h"
-#include "platform/session/csv_rows.h"
 #include "platform/scene/scene.h"
+#include "platform/session/csv_rows.h"
 
 namespace godobject {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "hal/base/one_euro.h"
-#include "hal/tracker/pose_track.h"
 #include "hal/tracker/link.h"
+#include "hal/tracker/pose_track.h"
 
 namespace godobject {
 

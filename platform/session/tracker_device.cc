@@ -7,7 +7,8 @@ TrackerDevice::TrackerDevice(const SceneConfig& scene, std::vector<std::unique_p
     : clock_(clock), poses_(std::move(links)) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const TrackerParams& tracker : scene.device->trackers)
-    for (const TrackedToolParams& tool : tracker.tools) bodies_.push_back(driven[driven_by_tool(scene, tool)]);
+    for (const TrackedToolParams& tool : tracker.tools)
+      bodies_.push_back(driven[driven_by_tool(scene, tool)]);
 }
 
 void TrackerDevice::update(Period& period) noexcept {

@@ -66,8 +66,8 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const SceneConfig& scene
   std::vector<std::unique_ptr<SimTrackerLink>> made;
   std::vector<SimTracker*> far;
   for (std::size_t i = 0; i < trackers.size(); ++i) {
-    auto link = make_sim_tracker_link(trackers[i], simulated_rate_hz(trackers[i].protocol), scene.wire.seed + i,
-                                      errors);
+    auto link = make_sim_tracker_link(trackers[i], simulated_rate_hz(trackers[i].protocol),
+                                      scene.wire.seed + i, errors);
     if (link) far.push_back(&link->far());
     made.push_back(std::move(link));
   }
@@ -103,8 +103,10 @@ SimTrackersConfig sim_trackers_config(const SceneConfig& scene) {
   return config;
 }
 
-Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bus, const RigProfiles& profiles) {
-  if (bus == BusChoice::direct || driven_bodies(scene).empty()) return Session::make(scene, std::move(motion));
+Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bus,
+                           const RigProfiles& profiles) {
+  if (bus == BusChoice::direct || driven_bodies(scene).empty())
+    return Session::make(scene, std::move(motion));
   SceneConfig with_cycle = scene;
   const bool has_rig = scene.device && scene.device->rig;
   if (has_rig) with_cycle.device->rig->cycle_s = scene.step;
@@ -120,7 +122,8 @@ Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bu
   return Session::make(scene, std::move(motion), std::move(device));
 }
 
-std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params, std::vector<std::string>& errors) {
+std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params,
+                                                  std::vector<std::string>& errors) {
   return make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, errors);
 }
 

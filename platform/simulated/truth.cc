@@ -2,8 +2,14 @@
 
 namespace godobject {
 
-SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const Hand> hand, const SimLink* link)
-    : scene_(scene), hand_(std::move(hand)), link_(link), driven_(driven_bodies(scene)), handle_(driven_.size()), takes_hold_(takes_hold(scene)) {
+SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const Hand> hand,
+                               const SimLink* link)
+    : scene_(scene),
+      hand_(std::move(hand)),
+      link_(link),
+      driven_(driven_bodies(scene)),
+      handle_(driven_.size()),
+      takes_hold_(takes_hold(scene)) {
   if (link_ == nullptr) return;
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t k = 0; k < by_handle.size(); ++k)
@@ -57,7 +63,8 @@ void SimulatedTruth::measure(std::span<const BodySample> samples, CycleRecord& r
 std::vector<double> SimulatedTruth::bus_load_percent() const {
   std::vector<double> loads;
   if (link_ != nullptr)
-    for (std::size_t i = 0; i < scene_.device->rig->buses.size(); ++i) loads.push_back(link_->load_percent(i));
+    for (std::size_t i = 0; i < scene_.device->rig->buses.size(); ++i)
+      loads.push_back(link_->load_percent(i));
   return loads;
 }
 

@@ -29,9 +29,9 @@ class SimulatedTruth final : public Truth {
   SceneConfig scene_;
   std::shared_ptr<const Hand> hand_;
   const SimLink* link_;
-  std::vector<std::size_t> driven_;                        // bodies
-  std::vector<std::optional<std::size_t>> handle_;         // of each of them, where the rig has one for it
-  bool takes_hold_ = false;  // one handle leads whatever is held
+  std::vector<std::size_t> driven_;                 // bodies
+  std::vector<std::optional<std::size_t>> handle_;  // of each of them, where the rig has one for it
+  bool takes_hold_ = false;                         // one handle leads whatever is held
   LedJoints joints_;
   std::vector<BodySample> samples_;  // what a perfect device would tell
   std::unique_ptr<Engine> engine_;

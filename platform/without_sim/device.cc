@@ -5,12 +5,16 @@
 namespace godobject {
 
 Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bus, const RigProfiles&) {
-  if (bus == BusChoice::direct || driven_bodies(scene).empty()) return Session::make(scene, std::move(motion));
-  return {.session = nullptr,
-          .errors = {"this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus an address, or --bus direct"}};
+  if (bus == BusChoice::direct || driven_bodies(scene).empty())
+    return Session::make(scene, std::move(motion));
+  return {
+      .session = nullptr,
+      .errors = {
+          "this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus an address, or --bus direct"}};
 }
 
-std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params, std::vector<std::string>& errors) {
+std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params,
+                                                  std::vector<std::string>& errors) {
   errors.push_back("tracker '" + params.name +
                    "': this build has no simulated trackers to check it with (GODOBJECT_SIM=OFF)");
   return nullptr;

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/fault/target.h"
 #include "sim/fault/sensor_fault.h"
+#include "sim/fault/target.h"
 #include "sim/node/encoder.h"
 #include "sim/node/second_host.h"
 

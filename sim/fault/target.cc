@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "hal/canopen/canopen.h"
 #include "hal/base/format.h"
+#include "hal/canopen/canopen.h"
 
 namespace godobject {
 namespace {

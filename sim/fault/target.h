@@ -7,9 +7,9 @@
 
 #include "hal/can/frame.h"
 #include "hal/rig/params.h"
-#include "sim/fault/verb.h"
 #include "hal/tracker/params.h"
 #include "sim/config.h"
+#include "sim/fault/verb.h"
 
 namespace godobject {
 

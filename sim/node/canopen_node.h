@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "hal/canopen/canopen.h"
-#include "sim/node/sdo_server.h"
 #include "sim/node/lss.h"
 #include "sim/node/node.h"
 #include "sim/node/pdo.h"
+#include "sim/node/sdo_server.h"
 
 namespace godobject {
 

@@ -1,5 +1,7 @@
 // The simulated rig a scene describes: wires, encoder and drive nodes on them, the mechanics under them and
 // the hand that moves it. The other end of the buses is a Rig that knows nothing of this.
+//
+// The room: plant.h is the mechanics and the hand that holds them, link.h brings a rig's buses to a Rig.
 #pragma once
 
 #include <memory>
@@ -8,10 +10,10 @@
 
 #include "hal/can/bus_load.h"
 #include "hal/canopen/node_profile.h"
-#include "hal/rig/link.h"
-#include "sim/fault/injector.h"
 #include "hal/joint/inverse_kinematics.h"
+#include "hal/rig/link.h"
 #include "sim/config.h"
+#include "sim/fault/injector.h"
 #include "sim/hand.h"
 #include "sim/node/button.h"
 #include "sim/node/encoder.h"
@@ -20,12 +22,12 @@
 namespace godobject {
 
 struct SimRigConfig {
-  RigParams rig;                      // valid
+  RigParams rig;  // valid
   PlantConfig plant;
   WireConfig wire;
-  std::vector<FaultConfig> faults;    // those that name a tracker are not for a rig
-  bool shows_force = false;           // its drives' torque is felt; otherwise the mechanics follow the hand exactly
-  std::size_t target = 0;             // of the hand: what the first handle follows where it does not move the joints
+  std::vector<FaultConfig> faults;  // those that name a tracker are not for a rig
+  bool shows_force = false;  // its drives' torque is felt; otherwise the mechanics follow the hand exactly
+  std::size_t target = 0;    // of the hand: what the first handle follows where it does not move the joints
 };
 
 class SimRig {

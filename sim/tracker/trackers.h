@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/fault/target.h"
 #include "sim/config.h"
+#include "sim/fault/target.h"
 #include "sim/hand.h"
 #include "sim/tracker/tracker.h"
 
@@ -35,7 +35,8 @@ class SimTrackers {
   };
 
   /// far: one per tracker, in their order; they outlive this. Allocates; nothing later does.
-  SimTrackers(const SimTrackersConfig& config, std::shared_ptr<const Hand> hand, std::vector<SimTracker*> far);
+  SimTrackers(const SimTrackersConfig& config, std::shared_ptr<const Hand> hand,
+              std::vector<SimTracker*> far);
 
   /// Moves the tools to where they are at motion_time, begins and ends faults. At least once per measurement, before
   /// the trackers' advance(now).

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/study/articulated_tool.h"
 #include "tests/core/one_body.h"
+#include "tests/study/articulated_tool.h"
 
 namespace godobject {
 

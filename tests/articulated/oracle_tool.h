@@ -1,9 +1,9 @@
 // A case of the oracle, run by the core.
 #pragma once
 
+#include "tests/oracle/target.h"
 #include "tests/study/articulated_tool.h"
 #include "tests/study/oracle_joint.h"
-#include "tests/oracle/target.h"
 
 namespace godobject {
 

@@ -1,8 +1,8 @@
 // Tools of random bodies on random joints of every kind, joined exactly.
 #pragma once
 
-#include "tests/study/articulated_tool.h"
 #include "tests/core/one_body.h"
+#include "tests/study/articulated_tool.h"
 
 namespace godobject {
 

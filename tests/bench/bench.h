@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/study/case_errors.h"
-#include "tests/study/instruction_count.h"
 #include "tests/bench/contact_quality.h"
 #include "tests/bench/peer.h"
+#include "tests/study/case_errors.h"
+#include "tests/study/instruction_count.h"
 
 namespace godobject::bench {
 

@@ -1,9 +1,9 @@
 // Our step on the scenes with contacts: the pressed tool S2, the bricks S4, and how the cost grows with their number.
 #include <memory>
 
-#include "tests/study/compositions.h"
 #include "tests/bench/contact_contest.h"
 #include "tests/bench/contact_run.h"
+#include "tests/study/compositions.h"
 
 namespace godobject::bench {
 namespace {

@@ -1,10 +1,10 @@
 // The same scenes by the peers that were found when the build was made.
 #include <memory>
 
-#include "tests/study/compositions.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_scene.h"
 #include "tests/bench/peer.h"
+#include "tests/study/compositions.h"
 
 namespace godobject::bench {
 namespace {

@@ -1,8 +1,8 @@
 // The scenes of the benchmarks with what their runs are set against, made once each.
 #pragma once
 
-#include "tests/study/reference_scene.h"
 #include "tests/oracle/solve.h"
+#include "tests/study/reference_scene.h"
 
 namespace godobject::bench {
 

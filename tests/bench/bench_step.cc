@@ -1,9 +1,9 @@
 // Our step: S1 with and without feedback, the grasper S3, chains S5.
 #include <memory>
 
-#include "tests/study/compositions.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_scene.h"
+#include "tests/study/compositions.h"
 
 namespace godobject::bench {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <optional>
 
-#include "tests/study/case_errors.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/contact_quality.h"
 #include "tests/bench/peer.h"
 #include "tests/oracle/target.h"
+#include "tests/study/case_errors.h"
 
 namespace godobject::bench {
 

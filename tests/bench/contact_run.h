@@ -3,10 +3,10 @@
 
 #include <stdexcept>
 
-#include "tests/study/contact_run.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/contact_quality.h"
 #include "tests/bench/peer.h"
+#include "tests/study/contact_run.h"
 
 namespace godobject::bench {
 

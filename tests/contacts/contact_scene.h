@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "tests/study/articulated_tool.h"
 #include "tests/core/one_body.h"
+#include "tests/study/articulated_tool.h"
 
 namespace godobject {
 

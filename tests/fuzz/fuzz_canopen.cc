@@ -1,6 +1,6 @@
 // Every CANopen message the rig knows, of any frame.
-#include "hal/drive/cia402.h"
 #include "hal/canopen/cia406.h"
+#include "hal/drive/cia402.h"
 #include "tests/fuzz/decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "platform/session/motion.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/session/motion.h"
 #include "tests/fuzz/decode.h"
 
 namespace {

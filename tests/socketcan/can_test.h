@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "platform/rt/clock.h"
 #include "platform/linux/socket_can_bus.h"
+#include "platform/rt/clock.h"
 
 namespace godobject::test {
 

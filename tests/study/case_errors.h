@@ -6,9 +6,9 @@
 #include <optional>
 #include <stdexcept>
 
+#include "tests/oracle/solve.h"
 #include "tests/study/case_run.h"
 #include "tests/study/reference_scene.h"
-#include "tests/oracle/solve.h"
 
 namespace godobject::study {
 

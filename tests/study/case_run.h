@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "tests/oracle/target.h"
 #include "tests/study/articulated_tool.h"
 #include "tests/study/oracle_joint.h"
-#include "tests/oracle/target.h"
 
 namespace godobject::study {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/study/contact_scene.h"
 #include "tests/oracle/solve.h"
+#include "tests/study/contact_scene.h"
 
 namespace godobject::study {
 

@@ -5,10 +5,10 @@
 #include <limits>
 #include <memory>
 
+#include "tests/oracle/target.h"
 #include "tests/study/contact_run.h"
 #include "tests/study/csv_writer.h"
 #include "tests/study/grid.h"
-#include "tests/oracle/target.h"
 
 namespace godobject::study {
 namespace {

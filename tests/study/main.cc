@@ -55,8 +55,8 @@ int run(const StudyArguments& a) {
     return 2;
   }
   try {
-    const study::StudyResults results =
-        run_study(study_options(a), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
+    const study::StudyResults results = run_study(
+        study_options(a), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
     for (const std::string& note : results.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "study: %s\n", error.what());
@@ -72,7 +72,8 @@ int run(const StudyArguments& a) {
 
 int main(int argc, char** argv) {
   godobject::StudyArguments arguments;
-  CLI::App app("Measure error against run time, stability, footprint, joints and contacts.", "godobject-study");
+  CLI::App app("Measure error against run time, stability, footprint, joints and contacts.",
+               "godobject-study");
   app.add_option("PART", arguments.part, "error, stability, footprint, joints, contacts or all (default)")
       ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "all"}));
   app.add_flag("--quick", arguments.quick, "small grids, well under a minute");

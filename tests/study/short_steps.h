@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "tests/study/case_run.h"
 #include "tests/oracle/solve.h"
+#include "tests/study/case_run.h"
 
 namespace godobject::study {
 

@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "hal/canopen/canopen.h"
-#include "platform/rt/clock.h"
 #include "platform/linux/pty_bus.h"
+#include "platform/rt/clock.h"
 #include "tests/support/program.h"
 
 namespace godobject::test {

@@ -1,8 +1,8 @@
 // Where the spheres and shapes of bodies are during a stage: what contacts are sought on.
 #pragma once
 
-#include "core/contact/find/broad_phase.h"
 #include "core/contact/candidates.h"
+#include "core/contact/find/broad_phase.h"
 #include "core/joint/tree.h"
 
 namespace godobject {

@@ -14,11 +14,11 @@ struct Peg {
 };
 static_assert(Scene<Peg>);
 
-Params<Peg> par;   // constants
-State<Peg> x;      // all that carries over
-Scratch<Peg> w;    // undefined between steps
-Input<Peg> in;     // the device's sample at the end of the step
-Output<Peg> out;   // shown wrench, fault and limit bits
+Params<Peg> par;  // constants
+State<Peg> x;     // all that carries over
+Scratch<Peg> w;   // undefined between steps
+Input<Peg> in;    // the device's sample at the end of the step
+Output<Peg> out;  // shown wrench, fault and limit bits
 
 bool set_up(const Pose& start) {
   par.h = 1e-3;
@@ -40,6 +40,7 @@ int main() {
     if (out.fault != Fault::none) return 1;
   }
   const double off_mm = 1e3 * (x.bodies[0].x.X_WB.p - in.devices[0].X_WD.p).norm();
-  std::printf("off the target after 1 s: %.6f mm; force shown %.6f N\n", off_mm, out.bodies[0].feedback.F_D.f.norm());
+  std::printf("off the target after 1 s: %.6f mm; force shown %.6f N\n", off_mm,
+              out.bodies[0].feedback.F_D.f.norm());
   return off_mm < 1e-3 ? 0 : 1;
 }

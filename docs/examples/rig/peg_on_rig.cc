@@ -62,7 +62,8 @@ int main(int argc, char** argv) {
     Nanoseconds now = link.begin_cycle(0);
     if (cycles == 0) rig.start(now);
     rig.sync(now);
-    for (const Nanoseconds end = now + 750'000; !rig.complete() && now < end;) rig.receive(now = link.wait(end));
+    for (const Nanoseconds end = now + 750'000; !rig.complete() && now < end;)
+      rig.receive(now = link.wait(end));
     const DeviceSample hand = rig.read(now);
     if (rig.state() == RigState::ready && armed == 0 && rig.arm())
       place(x, 0, {.X_WB = hand.handles[0].X_WD, .V_WB = {}});
@@ -74,11 +75,13 @@ int main(int argc, char** argv) {
     static_cast<void>(rig.command({&out.bodies[0].feedback.F_D, 1}, now));
     link.end_cycle();
     if (rig.state() == RigState::armed) ++armed;
-    if (armed > 1000) furthest_m = std::max(furthest_m, (x.bodies[0].x.X_WB.p - hand.handles[0].X_WD.p).norm());
+    if (armed > 1000)
+      furthest_m = std::max(furthest_m, (x.bodies[0].x.X_WB.p - hand.handles[0].X_WD.p).norm());
     if (armed == 2000) rig.disarm();  // and a second for the torque to run down
     return rig.state() != RigState::fault && ++cycles < 20'000 && (armed < 2000 || cycles % 1000 != 0);
   });
   rig.stop();
-  std::printf("%d cycles armed, %.2f mm off the handle at most\n%s", armed, 1e3 * furthest_m, rig.fault_text().c_str());
+  std::printf("%d cycles armed, %.2f mm off the handle at most\n%s", armed, 1e3 * furthest_m,
+              rig.fault_text().c_str());
   return armed == 2000 && rig.state() == RigState::off ? 0 : 1;
 }

@@ -9,8 +9,8 @@
 #include <CLI/CLI.hpp>
 
 #include "platform/cli/verbs.h"
-#include "platform/rt/last_resort.h"
 #include "platform/linux/bus.h"
+#include "platform/rt/last_resort.h"
 
 namespace godobject {
 

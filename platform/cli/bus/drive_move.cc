@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "platform/rt/background_file.h"
 #include "platform/cli/bus/canopen_texts.h"
+#include "platform/rt/background_file.h"
 #include "platform/rt/clock.h"
 
 namespace godobject {

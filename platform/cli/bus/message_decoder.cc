@@ -1,9 +1,9 @@
 #include "platform/cli/bus/message_decoder.h"
 
-#include "hal/drive/cia402.h"
-#include "hal/canopen/cia406.h"
 #include "hal/base/format.h"
+#include "hal/canopen/cia406.h"
 #include "hal/canopen/sdo.h"
+#include "hal/drive/cia402.h"
 #include "platform/cli/bus/canopen_texts.h"
 
 namespace godobject {

@@ -56,8 +56,7 @@ void EventWatch::look_at_rig(const Session& session, const Rig& rig) noexcept {
   }
   for (; num_seen_ < records.size(); ++num_seen_) {
     const RigFaultRecord& record = records[num_seen_];
-    push(
-        {.kind = RunEventKind::rig_fault, .rig_fault = record, .t_s = since_start_s(session, record.t_ns)});
+    push({.kind = RunEventKind::rig_fault, .rig_fault = record, .t_s = since_start_s(session, record.t_ns)});
   }
   if (!was_lost_ || rig.state() != RigState::armed) return;
   was_lost_ = false;
@@ -88,7 +87,8 @@ RunEvent RunEvents::event_of(const RunEventMark& mark) const {
     case RunEventKind::rig_fault: {
       const RigFaultText& text = text_of(mark.rig_fault.place.fault);
       event.name = text.name;
-      if (mark.rig_fault.place.bus) event.bus = session_.scene().device->rig->buses[*mark.rig_fault.place.bus].name;
+      if (mark.rig_fault.place.bus)
+        event.bus = session_.scene().device->rig->buses[*mark.rig_fault.place.bus].name;
       event.node = mark.rig_fault.place.node_id;
       event.place = session_.rig()->place_text(mark.rig_fault);
       event.cause = text.meaning;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "platform/rt/background_file.h"
 #include "platform/cli/fault_texts.h"
+#include "platform/rt/background_file.h"
 #include "platform/rt/ring.h"
 #include "platform/session/session.h"
 

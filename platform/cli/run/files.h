@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "platform/rt/background_file.h"
 #include "platform/cli/bus/candump_log.h"
+#include "platform/rt/background_file.h"
 #include "platform/session/contact_trace.h"
 #include "platform/session/session.h"
 #include "platform/session/trace.h"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "hal/rig/params.h"
-#include "platform/rt/last_resort.h"
 #include "platform/linux/link.h"
+#include "platform/rt/last_resort.h"
 
 namespace godobject {
 

@@ -13,11 +13,11 @@
 #include "hal/drive/watchdog.h"
 #include "platform/cli/bus/load_text.h"
 #include "platform/cli/run/start_check.h"
-#include "platform/rt/clock.h"
 #include "platform/linux/tracker_thread.h"
-#include "platform/scene/text/key.h"
+#include "platform/rt/clock.h"
 #include "platform/scene/profile_toml.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/scene/text/key.h"
 #include "platform/session/make_session.h"
 
 namespace godobject {

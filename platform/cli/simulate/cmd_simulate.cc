@@ -8,9 +8,9 @@
 #include <memory>
 
 #include "platform/cli/option_checks.h"
+#include "platform/cli/run/stop_signals.h"
 #include "platform/cli/simulate/control.h"
 #include "platform/cli/simulate/options.h"
-#include "platform/cli/run/stop_signals.h"
 #include "platform/cli/verbs.h"
 #include "platform/rt/clock.h"
 #include "platform/rt/setup.h"

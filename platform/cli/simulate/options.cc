@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "hal/rig/validate.h"
-#include "platform/simulated/session.h"
 #include "platform/scene/fault_file.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/simulated/session.h"
 
 #include "platform/cli/named_address.h"
 
@@ -128,8 +128,8 @@ PreparedSimulation prepare(const SimulateOptions& options) {
   if (out.errors.empty()) open_all(offered, out);
   if (out.errors.empty()) trackers = offer_trackers(*scene, out);
   if (!out.errors.empty()) return out;
-  out.simulation = std::make_unique<Simulation>(*scene, *motion.motion, std::move(offered), !options.start_now,
-                                                std::move(trackers));
+  out.simulation = std::make_unique<Simulation>(*scene, *motion.motion, std::move(offered),
+                                                !options.start_now, std::move(trackers));
   return out;
 }
 

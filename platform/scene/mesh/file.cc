@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string_view>
 
-#include "platform/scene/text/diagnostics.h"
 #include "platform/scene/mesh/builder.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

@@ -1,8 +1,8 @@
 // OBJ: vertices and faces. Whatever else the format has says nothing of the solid and is passed over; files that it
 // names, such as materials, are not opened.
-#include "platform/scene/text/diagnostics.h"
 #include "platform/scene/mesh/builder.h"
 #include "platform/scene/mesh/text_scanner.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

@@ -4,9 +4,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "platform/scene/text/csv.h"
 #include "platform/scene/mesh/file.h"
 #include "platform/scene/mesh/solid.h"
+#include "platform/scene/text/csv.h"
 
 namespace godobject {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "platform/scene/text/diagnostics.h"
 #include "platform/scene/mesh/builder.h"
 #include "platform/scene/mesh/text_scanner.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

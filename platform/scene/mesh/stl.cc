@@ -2,9 +2,9 @@
 #include <bit>
 #include <cstring>
 
-#include "platform/scene/text/diagnostics.h"
 #include "platform/scene/mesh/builder.h"
 #include "platform/scene/mesh/text_scanner.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/drive/cia402.h"
 #include "hal/canopen/cia406.h"
+#include "hal/drive/cia402.h"
 
 namespace godobject::test_sync_attribution {
 namespace {

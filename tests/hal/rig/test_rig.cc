@@ -8,8 +8,8 @@
 #include <set>
 
 #include "hal/canopen/cia401.h"
-#include "hal/drive/cia402.h"
 #include "hal/canopen/cia406.h"
+#include "hal/drive/cia402.h"
 
 namespace godobject::test_rig {
 namespace {

@@ -4,8 +4,8 @@
 #include <deque>
 #include <vector>
 
-#include "hal/drive/cia402.h"
 #include "hal/canopen/cia406.h"
+#include "hal/drive/cia402.h"
 #include "tests/support/simulated_rig.h"
 
 namespace godobject::test_rig_copies {

@@ -245,7 +245,8 @@ TEST(NdiReply, NoPoseOfANumberThatIsNone) {
     for (int i = 0; i < 8; ++i) {
       const float value = i == none ? std::numeric_limits<float>::quiet_NaN() : i == 0 ? 1.0f : 0.0f;
       const auto bits = std::bit_cast<std::uint32_t>(value);
-      for (unsigned shift = 0; shift < 32; shift += 8) body.push_back(static_cast<std::uint8_t>(bits >> shift));
+      for (unsigned shift = 0; shift < 32; shift += 8)
+        body.push_back(static_cast<std::uint8_t>(bits >> shift));
     }
     body.insert(body.end(), {0x31, 0, 0, 0, 0x07, 0, 0, 0, 0x10, 0x00});
     PoseReply reply;

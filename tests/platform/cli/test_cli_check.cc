@@ -74,7 +74,8 @@ TEST_F(CliCheck, ACopiedProgramHasTheShippedProfiles) {
   std::filesystem::copy_file(GODOBJECT_PROGRAM, path("godobject"));
   const std::string binary = read_file(path("godobject"));
   EXPECT_THAT(binary, HasSubstr("generic CiA 406 encoder; tried on the simulated encoder only"));
-  const std::string check = "cd '" GODOBJECT_SOURCE_DIR "' && '" + path("godobject") + "' check --quiet " + rigid;
+  const std::string check =
+      "cd '" GODOBJECT_SOURCE_DIR "' && '" + path("godobject") + "' check --quiet " + rigid;
   EXPECT_EQ(std::system((check + " 2> /dev/null").c_str()), 0);
   EXPECT_EQ(binary.find(std::string(GODOBJECT_SOURCE_DIR) + "/hal/profiles"), std::string::npos);
 }

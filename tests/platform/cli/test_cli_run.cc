@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/can/candump.h"
-#include "platform/scene/text/csv.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/scene/text/csv.h"
 #include "platform/session/trace.h"
 #include "tests/support/program.h"
 

@@ -1,9 +1,9 @@
 // What missed deadlines do to a run: period by period, without a clock.
 #include <gtest/gtest.h>
 
-#include "platform/session/make_session.h"
 #include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/session/make_session.h"
 
 namespace godobject::test_missed_deadlines {
 namespace {

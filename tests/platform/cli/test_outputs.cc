@@ -173,7 +173,8 @@ TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
                                              "ulimit -v " + std::to_string(kib) + " && timeout 20 ");
     EXPECT_THAT(result.exit_code, AnyOf(0, 1, 2, 3, 127)) << kib << " KiB: " << result.output;
     EXPECT_THAT(result.output, Not(HasSubstr("terminate called"))) << kib << " KiB";
-    was_said = was_said || (result.exit_code == 3 && result.output.find("out of memory") != std::string::npos);
+    was_said =
+        was_said || (result.exit_code == 3 && result.output.find("out of memory") != std::string::npos);
   }
   EXPECT_TRUE(was_said);
 }

@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "platform/session/make_session.h"
 #include "platform/cli/bus/candump_log.h"
 #include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/session/make_session.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_realtime_cycle {

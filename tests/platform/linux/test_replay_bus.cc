@@ -3,8 +3,8 @@
 
 #include <poll.h>
 
-#include "platform/rt/clock.h"
 #include "platform/linux/replay_bus.h"
+#include "platform/rt/clock.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/program.h"
 #include "tests/support/shared_data.h"

@@ -9,8 +9,8 @@
 #include <regex>
 
 #include "core/shape/list.h"
-#include "platform/scene/mesh/solid.h"
 #include "platform/scene/mesh/obstacle_file.h"
+#include "platform/scene/mesh/solid.h"
 #include "tests/support/mesh_files.h"
 
 namespace godobject::test_mesh_file {

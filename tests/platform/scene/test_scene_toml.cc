@@ -278,7 +278,8 @@ TEST_P(ShippedScene, LoadsWithoutComplaintAndRoundTrips) {
   EXPECT_EQ(result.warnings.size(), result.scene->name == "torque-free" ? 1u : 0u);
   EXPECT_EQ(result.scene->name, stem(GetParam()));
   const std::string text = effective_config_toml(*result.scene);
-  const auto printed = std::filesystem::path(GetParam()).parent_path() / "printed";  // beside the files that it names
+  const auto printed =
+      std::filesystem::path(GetParam()).parent_path() / "printed";  // beside the files that it names
   const LoadResult back = parse_scene(text, printed.string());
   ASSERT_THAT(back.errors, IsEmpty()) << text;
   EXPECT_EQ(effective_config_toml(*back.scene), text);

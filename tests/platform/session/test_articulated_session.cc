@@ -5,8 +5,8 @@
 
 #include <numbers>
 
-#include "platform/session/make_session.h"
 #include "platform/engine/joint_params.h"
+#include "platform/session/make_session.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_articulated_session {
