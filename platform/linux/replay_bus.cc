@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -159,6 +160,8 @@ bool ReplayBus::take_next() noexcept {
     if (result == CandumpResult::error_frame) ++counters_.error_frames;
     if (result != CandumpResult::ok || (!interface_.empty() && name != interface_)) continue;
     if (!passes(filters_, frame.frame)) continue;
+    if (shift_ > 0 && frame.t_ns > std::numeric_limits<Nanoseconds>::max() - shift_)
+      continue;  // after the end of time
     frame.t_ns = std::max(frame.t_ns + shift_, next_.t_ns);
     next_ = frame;
     has_next_ = true;

@@ -20,8 +20,11 @@ void visit_fault(V& v, const DeviceConfig* device, FaultConfig& f) {
   v.value(Key{"node_id", "", "of a node; 0: the host's end of the bus", {0, 127}}, node_id);
   f.node_id = node_id == 0 ? std::nullopt : std::optional(node_id);
   v.value(Key{"tracker", "", "name of a tracker, instead of bus and node"}, f.tracker);
-  v.value(Key{"at", "s", "of the motion; what is at 0 is there while the device boots", not_negative}, f.at);
-  v.value(Key{"duration", "s", "without: to the end, or once where the verb is an event", positive},
+  v.value(Key{"at", "s", "of the motion; what is at 0 is there while the device boots", {0, 1e6}}, f.at);
+  v.value(Key{"duration",
+              "s",
+              "without: to the end, or once where the verb is an event",
+              {.min = 0, .max = 1e6, .min_open = true}},
           f.duration);
   v.value(Key{"value", "see docs/faults.md", "0: the verb's own default"}, f.value);
   const bool has_place = device && (device->rig || !f.tracker.empty());

@@ -13,7 +13,9 @@ namespace godobject {
 inline constexpr double recorded_unit_tolerance = 1e-3;  // recorded quaternions are rounded to few digits
 inline constexpr std::size_t max_reported = 20;
 inline constexpr std::size_t max_misspelling = 3;  // letters
-inline constexpr double max_position_m = 1e6;      // beyond it a double resolves no more than 0.1 nm
+inline constexpr double max_value = 1e6;  // m, rad, N, N m: beyond it a double resolves no more than 0.1 nm
+/// Times closer than this are no sampling: rates between them would be beyond all numbers.
+inline constexpr double least_spacing_s = 1e-6, max_time_s = 1e9;
 inline constexpr const char* hold_column = "hold";
 inline constexpr const char* button_column = "button";
 inline constexpr const char* hold_nothing = "-";
@@ -117,9 +119,13 @@ class MotionReader {
     for (std::size_t row = 0; row < table_.num_rows() && num_errors < max_reported; ++row) {
       const double t = table_.at(row, 0);
       const bool increases = row == 0 || t > table_.at(row - 1, 0);
-      if (std::isfinite(t) && increases) continue;
+      const bool apart = row == 0 || t - table_.at(row - 1, 0) >= least_spacing_s;
+      if (std::abs(t) <= max_time_s && increases && apart) continue;
       ++num_errors;
-      log_.error(table_.place(row, 0), "times must be finite and strictly increasing");
+      const char* const rule = !increases ? "strictly increasing"
+                               : apart    ? "within 1e9 s"
+                                          : "1 us apart or more";
+      log_.error(table_.place(row, 0), std::string("times must be finite and ") + rule);
     }
   }
 
@@ -192,11 +198,12 @@ class MotionReader {
       const std::size_t column = *table_.find(name);
       for (std::size_t row = 0; row < table_.num_rows() && num_errors < max_reported; ++row) {
         const double value = table_.at(row, column);
-        const bool too_far = is_position(name) && std::abs(value) > max_position_m;
-        if (std::isfinite(value) && !too_far) continue;
+        if (std::abs(value) <= max_value) continue;
         ++num_errors;
+        const char* const too_far =
+            is_position(name) ? "' must be within 1e6 m: is it in metres?" : "' must be within 1e6";
         log_.error(table_.place(row, column),
-                   "'" + name + (too_far ? "' must be within 1e6 m: is it in metres?" : "' must be finite"));
+                   "'" + name + (std::isfinite(value) ? too_far : "' must be finite"));
       }
     }
   }
