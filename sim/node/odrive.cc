@@ -50,7 +50,7 @@ Nanoseconds SimOdrive::period_ns(double period_s) const noexcept {
 
 double SimOdrive::applied_torque_Nm() const noexcept {
   if (!closed_loop() || !torque_mode_) return 0;
-  return std::clamp(double{torque_Nm_}, -params_.torque_max_Nm, params_.torque_max_Nm);
+  return std::clamp(static_cast<double>(torque_Nm_), -params_.torque_max_Nm, params_.torque_max_Nm);
 }
 
 void SimOdrive::on_frame(const CanFrame& frame, Nanoseconds now) noexcept {
