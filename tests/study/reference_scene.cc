@@ -1,9 +1,9 @@
 #include "tests/study/reference_scene.h"
 
-#include "tests/study/articulated_scene.h"
 #include "tests/oracle/reference_case.h"
 #include "tests/oracle/scenes.h"
 #include "tests/oracle/target.h"
+#include "tests/study/articulated_scene.h"
 
 namespace godobject::study {
 namespace {

@@ -1,8 +1,8 @@
 // The solution a scene's runs are set against.
 #pragma once
 
-#include "tests/study/reference_scene.h"
 #include "tests/oracle/solve.h"
+#include "tests/study/reference_scene.h"
 
 namespace godobject::study {
 

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "platform/scene/text/csv.h"
 #include "platform/engine/joint_params.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/scene/text/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/shared_data.h"
 
