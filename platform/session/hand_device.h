@@ -1,10 +1,10 @@
-// What a session's bodies follow and what shows them a force: a motion handed over, a rig on its buses, trackers. Each is
-// one file; a new one is one more.
+// What a session's bodies follow: a motion handed over, a rig on its buses, trackers. Each is one file; a new one is one
+// more.
 #pragma once
 
 #include <span>
 
-#include "hal/rig/rig.h"
+#include "hal/can/frame.h"
 #include "platform/engine/engine.h"
 
 namespace godobject {
@@ -39,8 +39,6 @@ class HandDevice {
 
   /// Writes what it knows of the hand into the bodies' samples, over what the devices before it have written.
   virtual void read(Period& period, std::span<BodySample> samples) noexcept = 0;
-  /// Shows the wrenches on the hand, one for each of its handles.
-  virtual CommandReport command(Period&, std::span<const Wrench>) noexcept { return {}; }
 };
 
 }  // namespace godobject

@@ -19,7 +19,12 @@ class HandedMotion final : public HandDevice {
 
   void read(Period& period, std::span<BodySample> samples) noexcept override {
     for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples[driven_[i]] = sample(i, period.t);
-    if (motion_.has_joints()) joints_.lead(motion_.joints(period.t), true, samples);
+    lead_joints(period.t, samples);
+  }
+
+  /// Where the motion is one of the device's joints.
+  void lead_joints(double t, std::span<BodySample> samples) const noexcept {
+    if (motion_.has_joints()) joints_.lead(motion_.joints(t), true, samples);
   }
 
   /// Of the target of this index: see Motion.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "platform/scene/joint_kinds.h"
+
 namespace godobject {
 
 LedJoints::LedJoints(const SceneConfig& scene) {

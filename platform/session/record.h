@@ -1,11 +1,9 @@
 // What one period of a run leaves for those who look on: traces, statistics, the status line.
 #pragma once
 
-#include <algorithm>
 #include <optional>
 #include <vector>
 
-#include "core/math/rotation_error.h"
 #include "hal/rig/rig.h"
 #include "platform/engine/engine.h"
 
@@ -48,13 +46,5 @@ struct CycleRecord {
   std::size_t num_touching = 0;
   Nanoseconds step_ns = 0;  // the engine's step alone, by the step clock
 };
-
-inline PoseError difference(const Pose& a, const Pose& b) noexcept {
-  return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
-}
-
-inline PoseError worst(const PoseError& a, const PoseError& b) noexcept {
-  return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
-}
 
 }  // namespace godobject

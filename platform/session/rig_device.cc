@@ -13,7 +13,7 @@ Nanoseconds gather_time(double step) noexcept {
 }
 
 std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
-  const RigParams& rig = *scene.device->rig;
+  const RigParams rig = rig_of(scene);
   std::vector<std::string> errors = validate(rig);
   if (scene.device->kind == DeviceKind::admittance)
     errors.push_back("admittance devices run with --bus direct for now");
@@ -27,10 +27,7 @@ std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
 }
 
 RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link)
-    : params_(*scene.device->rig),
-      joints_(scene),
-      link_(std::move(link)),
-      gather_ns_(gather_time(scene.step)) {
+    : params_(rig_of(scene)), joints_(scene), link_(std::move(link)), gather_ns_(gather_time(scene.step)) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const std::optional<std::size_t>& target : driven_by_handles(scene))
     bodies_.push_back(driven[*target]);

@@ -26,7 +26,8 @@ class RigDevice final : public HandDevice {
   bool arm() noexcept override { return rig_->arm(); }
   bool failed() const noexcept override { return rig_->state() == RigState::fault; }
   void read(Period& period, std::span<BodySample> samples) noexcept override;
-  CommandReport command(Period& period, std::span<const Wrench> F_hand_W) noexcept override;
+  /// Shows the wrenches on the hand, one for each handle.
+  CommandReport command(Period& period, std::span<const Wrench> F_hand_W) noexcept;
 
   /// Torque runs down from the next period on.
   void disarm() noexcept { rig_->disarm(); }

@@ -5,6 +5,17 @@
 #include <cmath>
 
 namespace godobject {
+namespace {
+
+PoseError difference(const Pose& a, const Pose& b) noexcept {
+  return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
+}
+
+PoseError worst(const PoseError& a, const PoseError& b) noexcept {
+  return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
+}
+
+}  // namespace
 
 // --- one period -----------------------------------------------------------------------------------
 
@@ -83,16 +94,26 @@ void Session::observe(CycleRecord& record) const noexcept {
   for (std::size_t i = 0; i < record.bodies.size(); ++i) record.bodies[i] = engine_->view(i);
   record.energy = engine_->energy();
   record.num_touching = engine_->contacts(record.touching);
-  if (!follows()) return;
+  if (follows()) measure(record);
+}
+
+/// Where no truth is known the handles are where the samples say.
+void Session::measure(CycleRecord& record) const noexcept {
   record.following = record.sensing = record.exact_following = record.encoders = {};
   const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
+  const bool offset = relative || grip_;  // between handle and target
   for (const std::size_t body : driven_) {
     if (grip_ && !grip_->holds(body)) continue;
     const BodyView& view = record.bodies[body];
-    const Pose& X_WD = relative || grip_ ? view.target.X_WD : samples_[body].X_WD;
-    record.following = worst(record.following, difference(view.X_WB, X_WD));
+    const Pose& X_WH = truth_ ? truth_->handle(body) : samples_[body].X_WD;
+    record.following = worst(record.following, difference(view.X_WB, offset ? view.target.X_WD : X_WH));
+    if (!truth_) continue;
+    const BodyView exact = truth_->exact(body);
+    record.sensing = worst(record.sensing, difference(samples_[body].X_WD, X_WH));
+    record.exact_following =
+        worst(record.exact_following, difference(exact.X_WB, offset ? exact.target.X_WD : X_WH));
+    record.encoders = worst(record.encoders, difference(view.X_WB, exact.X_WB));
   }
-  if (truth_) truth_->measure(samples_, record);
 }
 
 /// All that can be held get the device's sample; engaged for the one that is.

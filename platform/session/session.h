@@ -141,7 +141,7 @@ class Session {
   Session(const SceneConfig& scene, Motion motion);
 
   /// device: null for none.
-  static Made make(const SceneConfig& scene, Motion motion, DeviceParts* device);
+  static Made build(const SceneConfig& scene, Motion motion, DeviceParts* device);
   void connect(DeviceParts device, std::vector<std::string>& errors);
 
   // phases.cc
@@ -160,6 +160,7 @@ class Session {
   void limit(CycleRecord& record) noexcept;
   void command(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
+  void measure(CycleRecord& record) const noexcept;
 
   void take_hold() noexcept;
   void pass_missed_time() noexcept;

@@ -18,26 +18,21 @@ void check_imposed_joints(const SceneConfig& scene, const Motion& motion, bool r
           "each, or the scene [[motion.joint]] tables");
 }
 
-/// The device's rig runs with the scene's step.
-SceneConfig with_its_cycle(SceneConfig scene) {
-  if (scene.device && scene.device->rig) scene.device->rig->cycle_s = scene.step;
-  return scene;
-}
-
 }  // namespace
 
 Session::Session(const SceneConfig& scene, Motion motion)
-    : scene_(with_its_cycle(scene)),
+    : scene_(scene),
       motion_(std::move(motion)),
       driven_(driven_bodies(scene)),
       samples_(scene.bodies.size()),
       handed_(scene_, motion_) {
+  if (scene_.device && scene_.device->rig) scene_.device->rig = rig_of(scene);
   period_.step = scene.step;
   devices_.push_back(&handed_);
 }
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion) {
-  return make(scene, std::move(motion), nullptr);
+  return build(scene, std::move(motion), nullptr);
 }
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses) {
@@ -45,10 +40,10 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, std::unique
 }
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion, DeviceParts device) {
-  return make(scene, std::move(motion), &device);
+  return build(scene, std::move(motion), &device);
 }
 
-Session::Made Session::make(const SceneConfig& scene, Motion motion, DeviceParts* device) {
+Session::Made Session::build(const SceneConfig& scene, Motion motion, DeviceParts* device) {
   Made made;
   const bool real = device != nullptr && !device->truth;
   check_imposed_joints(scene, motion, real, made.errors);
@@ -61,7 +56,7 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, DeviceParts
     s->grip_.emplace(scene);
     for (const std::size_t body : s->driven_) s->samples_[body].engaged = false;
   }
-  if (s->motion_.has_joints()) LedJoints(s->scene_).lead(s->motion_.joints(0), true, s->samples_);
+  s->handed_.lead_joints(0, s->samples_);
   if (device != nullptr && !s->driven_.empty()) s->connect(std::move(*device), made.errors);
   if (!made.errors.empty()) return made;
 

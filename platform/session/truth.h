@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "platform/session/record.h"
+#include "platform/engine/engine.h"
 
 namespace godobject {
 
@@ -17,8 +17,10 @@ class Truth {
   virtual void start(std::span<const BodySample> samples) = 0;
   /// The session's engine is about to have made the step to t (s, of the motion) with these samples. Real-time.
   virtual void step(double t, std::span<const BodySample> samples) noexcept = 0;
-  /// The record's following, sensing, exact_following and encoders, after the session has set `held`. Real-time.
-  virtual void measure(std::span<const BodySample> samples, CycleRecord& record) const noexcept = 0;
+  /// Where the handle of this driven body really is.
+  virtual const Pose& handle(std::size_t body) const noexcept = 0;
+  /// The body as a perfect device would have moved it. Real-time.
+  virtual BodyView exact(std::size_t body) const noexcept = 0;
   /// False when the motion left the workspace of the simulated device.
   virtual bool reachable() const noexcept = 0;
   /// Mean load of each bus so far, percent.

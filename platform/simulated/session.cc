@@ -27,7 +27,7 @@ class MotionHand final : public Hand {
 /// A link of a simulated tracker whose tools the hand moves.
 class MovedTrackerLink final : public TrackerLink {
  public:
-  /// mover: moves the tools of all trackers; null: another link of the scene does it.
+  /// tools: of all trackers of the scene; one of their links moves them.
   MovedTrackerLink(std::unique_ptr<SimTrackerLink> link, std::shared_ptr<SimTrackers> tools, bool moves_tools)
       : link_(std::move(link)), tools_(std::move(tools)), moves_tools_(moves_tools) {}
 
@@ -85,7 +85,7 @@ std::shared_ptr<const Hand> hand_of(Motion motion) { return std::make_shared<Mot
 
 SimRigConfig sim_rig_config(const SceneConfig& scene) {
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
-  return {.rig = *scene.device->rig,
+  return {.rig = rig_of(scene),
           .plant = scene.device->plant,
           .wire = scene.wire,
           .faults = scene.faults,
@@ -107,17 +107,14 @@ Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bu
                            const RigProfiles& profiles) {
   if (bus == BusChoice::direct || driven_bodies(scene).empty())
     return Session::make(scene, std::move(motion));
-  SceneConfig with_cycle = scene;
-  const bool has_rig = scene.device && scene.device->rig;
-  if (has_rig) with_cycle.device->rig->cycle_s = scene.step;
   DeviceParts device;
   std::vector<std::string> errors;
   const std::shared_ptr<const Hand> hand = hand_of(motion);
   std::unique_ptr<SimLink> rig;
-  if (has_rig) rig = make_rig(with_cycle, hand, profiles, errors);
+  if (scene.device && scene.device->rig) rig = make_rig(scene, hand, profiles, errors);
   if (errors.empty() && scene.device) device.trackers = make_trackers(scene, hand, errors);
   if (!errors.empty()) return {.session = nullptr, .errors = errors};
-  device.truth = std::make_unique<SimulatedTruth>(with_cycle, hand, rig.get());
+  device.truth = std::make_unique<SimulatedTruth>(scene, hand, rig.get());
   device.buses = std::move(rig);
   return Session::make(scene, std::move(motion), std::move(device));
 }

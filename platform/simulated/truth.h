@@ -19,12 +19,13 @@ class SimulatedTruth final : public Truth {
 
   void start(std::span<const BodySample> samples) override;
   void step(double t, std::span<const BodySample> samples) noexcept override;
-  void measure(std::span<const BodySample> samples, CycleRecord& record) const noexcept override;
+  const Pose& handle(std::size_t body) const noexcept override { return samples_[body].X_WD; }
+  BodyView exact(std::size_t body) const noexcept override { return engine_->view(body); }
   bool reachable() const noexcept override { return link_ == nullptr || link_->rig().reachable(); }
   std::vector<double> bus_load_percent() const override;
 
  private:
-  Target handle(std::size_t driven, double t) const noexcept;
+  Target target(std::size_t driven, double t) const noexcept;
 
   SceneConfig scene_;
   std::shared_ptr<const Hand> hand_;

@@ -3,27 +3,24 @@
 
 usage: without_sim.py GODOBJECT WITHOUT_SIM SCENE NM LIBGODOBJECT_SIM
 """
-import re
 import subprocess
 import sys
+
+from simulated_rig import simulated_rig
 
 RUN_S = 60
 
 
-def symbols(nm, path):
+def symbols(nm, path, kinds=None):
+    """Defined ones, of these kinds."""
     listing = subprocess.run([nm, "--defined-only", "--extern-only", path], check=True, capture_output=True, text=True)
-    return {line.split()[2] for line in listing.stdout.splitlines() if len(line.split()) == 3}
-
-
-def own(nm, library):
-    """Of the simulation itself: strong functions, which no other library of the project defines as well."""
-    listing = subprocess.run([nm, "--defined-only", "--extern-only", library], check=True, capture_output=True, text=True)
-    return {fields[2] for fields in map(str.split, listing.stdout.splitlines()) if len(fields) == 3 and fields[1] == "T"}
+    return {fields[2] for fields in map(str.split, listing.stdout.splitlines())
+            if len(fields) == 3 and (kinds is None or fields[1] in kinds)}
 
 
 def main():
     full, without, scene, nm, library = sys.argv[1:]
-    of_sim = own(nm, library)
+    of_sim = symbols(nm, library, "T")  # functions that no other library of the project defines as well
     if not of_sim & symbols(nm, full):
         sys.exit("the full program has no symbol of the simulation: this says nothing")
     left = of_sim & symbols(nm, without)
@@ -32,20 +29,10 @@ def main():
     refused = subprocess.run([without, "run", scene, "--fast"], capture_output=True, text=True)
     if refused.returncode != 2 or "GODOBJECT_SIM" not in refused.stderr:
         sys.exit(f"--bus sim: {refused.returncode} {refused.stderr}")
-    with subprocess.Popen([full, "simulate", scene, "--bus", "pty", "--realtime", "--duration", "60"],
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as simulated:
-        try:
-            addresses = {}
-            for line in simulated.stdout:
-                addresses.update(re.findall(r"bus (\w+): (/dev/pts/\d+)", line))
-                if line.strip() == "ready":
-                    break
-            buses = [word for name, path in addresses.items() for word in ("--bus", f"{name}=slcan:{path}")]
-            run = subprocess.run([without, "run", scene, "--duration", "3", *buses], capture_output=True, text=True,
-                                 timeout=RUN_S)
-        finally:
-            simulated.terminate()
-            simulated.wait(timeout=RUN_S)
+    with simulated_rig(full, scene) as addresses:
+        buses = [word for name, address in addresses.items() for word in ("--bus", f"{name}={address}")]
+        run = subprocess.run([without, "run", scene, "--duration", "3", *buses], capture_output=True, text=True,
+                             timeout=RUN_S)
     print(run.stdout + run.stderr)
     return run.returncode
 

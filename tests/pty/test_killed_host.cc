@@ -101,8 +101,8 @@ TEST_F(KilledHost, MotorsAreOffTwentyMillisecondsLater) {
     const double time_s = time_to_zero_s(status);
     std::printf("zero torque %.1f ms after the last SYNC\n", 1e3 * time_s);
     EXPECT_LE(time_s, 0.02 + step_s) << status;
-    EXPECT_GT(time_s, 0.01) << "so fast it was not the watchdog: " << status;
     for (const auto& drive : status["drives"]) EXPECT_EQ(drive["torque_Nm"], 0) << status;
+    // that it was the watchdog over the commands, which count from the last of them: it may have come before the SYNC
     EXPECT_THAT(emergencies_, SizeIs(2));
     EXPECT_THAT(emergencies_, Each(canopen::emcy_rpdo_timeout));
     return;
