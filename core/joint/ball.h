@@ -6,7 +6,8 @@
 namespace godobject {
 
 struct BallJoint {
-  static constexpr JointKind kind = JointKind::ball;
+  static constexpr const char* name = "ball";
+  static constexpr const char* meaning = "turn about a point";  // what the child may do
 
   static JointMotion<3, 0> motion(const JointFrames& X) noexcept {
     JointMotion<3, 0> m;

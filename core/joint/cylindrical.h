@@ -6,7 +6,8 @@
 namespace godobject {
 
 struct CylindricalJoint {
-  static constexpr JointKind kind = JointKind::cylindrical;
+  static constexpr const char* name = "cylindrical";
+  static constexpr const char* meaning = "turn about z and slide along it";  // what the child may do
 
   static JointMotion<1, 1> motion(const JointFrames& X) noexcept {
     const Vec3 z = X.R_WP.col(2);

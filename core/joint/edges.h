@@ -1,7 +1,8 @@
 // Joints as edges of the tree of bodies that touch: either of the two bodies may be the child there.
 //
-// Unknowns are the twists of bodies about their centres of mass, less some that obey the joints (core/contact/jointed_bodies.h).
-// So, with S what the joint allows and e what a stop's force on a coordinate does to the child,
+// Unknowns are the twists of bodies about their centres of mass, less some that obey the joints
+// (core/contact/jointed_bodies.h). So, with S what the joint allows and e what a stop's force on a coordinate does to
+// the child,
 //
 //   (30)  V_c = X V_p + S q',  U = A_c S,  D = S^T U + D_stop
 //         A_p += X^T (A_c - U D^-1 U^T) X,  b_p += X^T (b_c - U D^-1 S^T b_c),  q' = D^-1 (S^T b_c - U^T X V_p)
@@ -12,14 +13,14 @@
 
 #include <array>
 
-#include "core/joint/joint.h"
+#include "core/joint/list.h"
 #include "core/math/spatial.h"
 
 namespace godobject {
 
-/// The joint of a body where a stage is predicted to end. Worthless between steps.
+/// The joint of a body where a stage is predicted to end. Scratch: undefined between steps.
 struct JointEdge {
-  JointKind kind = JointKind::free;
+  JointKind kind{};
   std::size_t parent = world;
   Column a_W;  // anchor, on the body
   int num_turns = 0, num_axes = 0;

@@ -13,7 +13,8 @@ inline Vec3 misalignment(const JointFrames& X) noexcept {
 }
 
 struct FixedJoint {
-  static constexpr JointKind kind = JointKind::fixed;
+  static constexpr const char* name = "fixed";
+  static constexpr const char* meaning = "nothing";  // what the child may do
 
   static JointMotion<0, 0> motion(const JointFrames& X) noexcept {
     JointMotion<0, 0> m;

@@ -6,7 +6,8 @@
 namespace godobject {
 
 struct HingeJoint {
-  static constexpr JointKind kind = JointKind::hinge;
+  static constexpr const char* name = "hinge";
+  static constexpr const char* meaning = "turn about z";  // what the child may do
 
   static JointMotion<1, 0> motion(const JointFrames& X) noexcept {
     JointMotion<1, 0> m;

@@ -2,7 +2,8 @@
 //
 // A joint has a frame on the parent (P) and one on the child (C); they coincide at joint coordinate zero. Its
 // motion is a list of axes, turns about and slides along them, one per coordinate. At an instant a joint gives its
-// axes and how far it is violated, e. The solver needs nothing else: a new joint is one file like hinge.h.
+// axes and how far it is violated, e. The solver needs nothing else: a new joint is one file like
+// hinge.h, named in list.h.
 //
 // The room: a file a kind, list.h with all of them, stops.h (19), imposed.h for coordinates that the device leads,
 // stabilisation.h (5), (18); tree.h and tree_solve.h solve a tree of bodies in linear time (7).
@@ -15,7 +16,7 @@
 
 namespace godobject {
 
-enum class JointKind : std::uint8_t { free, fixed, ball, hinge, slider, cylindrical, universal };
+enum class JointKind : std::uint8_t;  // core/joint/list.h
 
 inline constexpr std::size_t world = static_cast<std::size_t>(-1);
 
@@ -29,7 +30,7 @@ inline JointFrame joint_frame(const Pose& X) noexcept { return {.p = X.p, .R = X
 
 /// How a body hangs on its parent.
 struct JointParams {
-  JointKind kind = JointKind::free;
+  JointKind kind{};            // free: it hangs on nothing
   std::size_t parent = world;  // index of a body before this one, or world
   JointFrame P;                // on the parent
   JointFrame C;                // on this body

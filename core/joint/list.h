@@ -1,4 +1,4 @@
-// Every kind of joint: a new one is a file and a line here.
+// Every kind of joint: a new one is a file, and named here.
 #pragma once
 
 #include "core/joint/ball.h"
@@ -9,6 +9,9 @@
 #include "core/joint/universal.h"
 
 namespace godobject {
+
+/// How a body may move against its parent; free: it hangs on nothing.
+enum class JointKind : std::uint8_t { free, fixed, ball, hinge, slider, cylindrical, universal };
 
 /// Calls f with the joint type of this kind; nothing for `free`.
 template <class F>

@@ -6,7 +6,8 @@
 namespace godobject {
 
 struct SliderJoint {
-  static constexpr JointKind kind = JointKind::slider;
+  static constexpr const char* name = "slider";
+  static constexpr const char* meaning = "slide along z";  // what the child may do
 
   static JointMotion<0, 1> motion(const JointFrames& X) noexcept {
     const Vec3 z = X.R_WP.col(2);

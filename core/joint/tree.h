@@ -69,7 +69,7 @@ TreePlace lane(const TreePlaceOf<T>& at, std::size_t j) noexcept {
           .V = {.w = lane(at.V.w, j), .v = lane(at.V.v, j)}};
 }
 
-/// A body of the tree during a stage. Worthless between steps, but for the joint's wrench. As it stands: the world.
+/// A body of the tree during a stage. Scratch: undefined between steps, but for the joint's wrench. As it stands: the world.
 struct TreeNode {
   TreePlace at;          // predicted end of the stage
   ArticulatedBody body;  // at the anchor of its joint
@@ -91,7 +91,7 @@ struct Tree {
   bool stiff_stop = false;  // a stop of the last stage turned its coordinate round within the stage
 
   TreeNode& parent(const JointParams& par) noexcept {
-    return par.parent == world ? ground : nodes[par.parent];
+    return par.parent == world ? ground : nodes[par.parent];  // cppcheck-suppress returnTempReference
   }
 };
 

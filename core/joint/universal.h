@@ -6,7 +6,9 @@
 namespace godobject {
 
 struct UniversalJoint {
-  static constexpr JointKind kind = JointKind::universal;
+  static constexpr const char* name = "universal";
+  static constexpr const char* meaning =
+      "turn about x of the parent's frame, then about y of the child's";  // what the child may do
 
   static JointMotion<2, 0> motion(const JointFrames& X) noexcept {
     const Vec3 x = X.R_WP.col(0), y = X.R_WC.col(1);

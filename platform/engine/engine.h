@@ -1,8 +1,8 @@
 // A compiled composition of the core behind one virtual call a step, for programs that choose the scene
 // at run time. A product with one scene calls godobject::step on its own scene type instead.
 //
-// The room: of.h makes an engine of a scene type; a file a family of compositions; contact_params.h and joint_params.h turn a
-// scene's values into the core's.
+// The room: of.h makes an engine of a scene type; a file a family of compositions; contact_params.h and joint_params.h
+// turn a scene's values into the core's.
 #pragma once
 
 #include <memory>

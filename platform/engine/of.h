@@ -5,7 +5,7 @@
 #include "core/godobject.h"
 #include "platform/engine/contact_params.h"
 #include "platform/engine/engine.h"
-#include "platform/engine/joint_params.h"
+#include "platform/scene/joint_params.h"
 
 namespace godobject {
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/device/holding.h"
+#include "platform/scene/joint_kinds.h"
 
 namespace godobject {
 namespace {
@@ -36,7 +37,7 @@ class DeviceBuilder {
     const auto parent = places_.find(joint.parent);
     if (parent == places_.end()) return;  // nothing joins it to the world
     Place at{parent->second.link, composed(parent->second.X_LB, joint.X_BP)};
-    if (joint.kind == JointKind::ball) {
+    if (is_ball(joint.kind)) {
       device_.errors.push_back("joint '" + joint.name +
                                "' is a ball joint, which no encoder measures: describe the device by "
                                "[[device.joint]] and [[device.handle]] tables");
@@ -46,14 +47,12 @@ class DeviceBuilder {
       if (joint.coordinates[i] == base_name)
         device_.errors.push_back("coordinate '" + joint.coordinates[i] + "' of joint '" + joint.name +
                                  "' is what the device's base is called: give it another name");
-      const bool universal = joint.kind == JointKind::universal;
-      const Vec3 axis = !universal ? Vec3::UnitZ() : i == 0 ? Vec3::UnitX() : Vec3::UnitY();
       device_.tree.joints.push_back(
           {.name = joint.coordinates[i],
            .parent = at.link,
            .kind = is_turn(joint.kind, i) ? DeviceJointKind::hinge : DeviceJointKind::slider,
            .X_PJ = at.X_LB,
-           .axis_J = axis});
+           .axis_J = axis_at_zero(joint.kind, i)});
       at = {joint.coordinates[i], {}};
     }
     places_[joint.child] = {at.link, composed(at.X_LB, inverse(joint.X_BC))};

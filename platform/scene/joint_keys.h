@@ -7,15 +7,13 @@
 #include <numbers>
 #include <set>
 
-#include "platform/engine/joint_params.h"
+#include "platform/scene/joint_kinds.h"
+#include "platform/scene/joint_params.h"
 #include "platform/scene/joint_tree.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/visit.h"
 
 namespace godobject {
-
-/// Names of JointKind in scene files, in its order, but for `free`: that is a body without a joint.
-inline constexpr std::array joint_kind_names{"fixed", "ball", "hinge", "slider", "cylindrical", "universal"};
 
 inline constexpr double advised_gap_m = 1e-6, advised_gap_rad = 1e-6;  // of a joint at the start
 
@@ -30,17 +28,6 @@ inline std::string rounded(double x) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", x);
   return text.data();
-}
-
-/// Names for coordinates that have none.
-inline std::vector<std::string> default_coordinates(const JointConfig& j) {
-  switch (j.kind) {
-    case JointKind::hinge:
-    case JointKind::slider: return {j.name};
-    case JointKind::cylindrical: return {j.name + "_turn", j.name + "_slide"};
-    case JointKind::universal: return {j.name + "_x", j.name + "_y"};
-    default: return {};
-  }
 }
 
 template <class V>
@@ -97,7 +84,7 @@ void visit_joint_frames(V& v, JointConfig& j) {
           .otherwise = "none"},
       axis);
   if (v.has("axis")) {
-    v.check(num_coordinates(j.kind) > 0 && j.kind != JointKind::universal, "axis",
+    v.check(is_along_z(j.kind), "axis",
             "has no meaning here: give parent_orientation_wxyz and child_orientation_wxyz");
     v.check(std::abs(axis.norm() - 1) <= 1e-6, "axis", "must have length 1");
     v.check(!v.has("parent_orientation_wxyz") && !v.has("child_orientation_wxyz"), "axis",
@@ -114,7 +101,7 @@ void visit_joint_frames(V& v, JointConfig& j) {
 
 template <class V>
 void visit_coordinates(V& v, JointConfig& j) {
-  if (j.coordinates.empty()) j.coordinates = default_coordinates(j);
+  if (j.coordinates.empty()) j.coordinates = default_coordinates(j.name, j.kind);
   v.value(
       Key{.name = "coordinates",
           .unit = "",
@@ -137,11 +124,8 @@ template <class V>
 void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig& j) {
   visit_name(v, "name of the joint: columns of traces start with it", j.name);
   std::size_t kind = static_cast<std::size_t>(j.kind) - 1;
-  v.one_of(
-      Key{"kind", "",
-          "what the child may do against the parent: nothing; turn about a point; turn about z; slide along "
-          "z; both; turn about x of the parent's frame, then about y of the child's"},
-      {joint_kind_names.begin(), joint_kind_names.end()}, kind);
+  const std::string meaning = "what the child may do against the parent: " + joint_kind_meanings();
+  v.one_of(Key{"kind", "", meaning}, joint_kind_names(), kind);
   j.kind = static_cast<JointKind>(kind + 1);
   visit_joint_ends(v, bodies, j);
   visit_joint_frames(v, j);

@@ -2,8 +2,8 @@
 // platform/engine/engine.cc turns it into a compiled composition of the core.
 //
 // The room: *_keys.h list the keys of each table once, for reader, writer and reference; scene_toml.h, profile_toml.h and
-// fault_file.h read files; mesh/ reads obstacles, text/ is TOML, CSV and messages; joint_tree.h and contact_pairs.h check what
-// belongs together.
+// fault_file.h read files; mesh/ reads obstacles, text/ is TOML, CSV and messages; joint_tree.h and contact_pairs.h
+// check what belongs together.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/joint/joint.h"
+#include "core/joint/list.h"
 #include "hal/rig/params.h"
 #include "hal/tracker/params.h"
 #include "platform/scene/contact_config.h"
@@ -110,22 +110,6 @@ struct JointConfig {
   bool imposed = false;                  // the coordinates follow the device's joints of the same names
   std::vector<StopConfig> stops;         // at most one for each coordinate
 };
-
-/// Coordinates that have a name: a ball joint's turns have none.
-constexpr std::size_t num_coordinates(JointKind kind) noexcept {
-  switch (kind) {
-    case JointKind::hinge:
-    case JointKind::slider: return 1;
-    case JointKind::cylindrical:
-    case JointKind::universal: return 2;
-    default: return 0;
-  }
-}
-
-/// Whether coordinate i of the joint is a turn, rad; otherwise it is a slide, m.
-constexpr bool is_turn(JointKind kind, std::size_t i) noexcept {
-  return kind != JointKind::slider && !(kind == JointKind::cylindrical && i == 1);
-}
 
 /// One coordinate of a built-in motion: offset + amplitude sin(2 pi f t + phase).
 struct CoordinateMotion {
@@ -225,6 +209,13 @@ inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConf
 /// What the hand feels of such a device is the torque of its drives.
 constexpr bool shows_force(DeviceKind kind) noexcept {
   return kind == DeviceKind::impedance || kind == DeviceKind::relative;
+}
+
+/// The rig of the scene's device, with a SYNC in each of the scene's steps.
+inline RigParams rig_of(const SceneConfig& scene) {
+  RigParams rig = *scene.device->rig;
+  rig.cycle_s = scene.step;
+  return rig;
 }
 
 /// Which of motion_targets() a tracker's tool is.

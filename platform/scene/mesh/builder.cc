@@ -18,7 +18,7 @@ using Polygon = std::vector<std::uint32_t>;
 /// The area of a polygon as a vector, twice (Newell).
 Vec3 area_2(const std::vector<Vec3>& vertices, const Polygon& polygon) {
   Vec3 sum = Vec3::Zero();
-  const Vec3 o = vertices[polygon[0]];
+  const Vec3& o = vertices[polygon[0]];
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
     sum += (vertices[polygon[i]] - o).cross(vertices[polygon[i + 1]] - o);
   return sum;

@@ -32,7 +32,7 @@ std::optional<std::uint32_t> read_row(std::string_view line, std::vector<Real>& 
 }
 
 std::string load_mesh(const std::string& path, ObstacleConfig& obstacle) {
-  const std::string why_not = read_mesh(path, obstacle.scale.value_or(1), obstacle.mesh);
+  std::string why_not = read_mesh(path, obstacle.scale.value_or(1), obstacle.mesh);
   if (!why_not.empty()) return why_not;
   std::string complaint;
   if (MeshSolid::make(obstacle.mesh, complaint)) return "";

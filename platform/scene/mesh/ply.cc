@@ -230,7 +230,7 @@ std::string read_ply(std::string_view file, MeshBuilder& mesh) {
   TextScanner text(file);
   if (!file.starts_with("ply")) return "does not begin with \"ply\"";
   Header header;
-  const std::string wrong = read_header(text, header);
+  std::string wrong = read_header(text, header);
   if (!wrong.empty()) return wrong;
   Body body(Numbers(text.rest(), header.form), mesh);
   for (const Element& element : header.elements) {

@@ -29,6 +29,7 @@ class KeyReference {
   /// A key without a default, of T.
   template <class T>
   void absent(const Key& key) {
+    // cppcheck-suppress assignBoolToPointer
     constexpr const char* type = std::same_as<T, bool> ? "boolean" : std::integral<T> ? "integer" : "number";
     row(key, type, "none");
   }

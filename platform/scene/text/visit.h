@@ -1,7 +1,6 @@
-// What the key lists of platform/scene/scene_keys.h, platform/scene/joint_keys.h, platform/scene/contact_keys.h and platform/scene/device_keys.h have in
-// common. A visitor V walks them:
-// platform/scene/text/toml_reader.h fills a SceneConfig from a file, platform/scene/text/toml_writer.h prints one, platform/scene/text/key_reference.h
-// writes the reference of the format. V offers
+// What the lists of keys (scene_keys.h, joint_keys.h, contact_keys.h, device_keys.h) have in common. A visitor V walks
+// them: toml_reader.h fills a SceneConfig from a file, toml_writer.h prints one, key_reference.h writes the reference of
+// the format. V offers
 //   value, unit_vector, attitude, inertia, one_of   a key and its member
 //   path         a file in the folder of the file that is read, or below; says where it is
 //   either       two spellings of one number: value, or other * unit_of_other; else the fallback

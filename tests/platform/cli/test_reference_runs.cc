@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "platform/engine/joint_params.h"
+#include "platform/scene/joint_params.h"
 #include "platform/scene/scene_toml.h"
 #include "platform/scene/text/csv.h"
 #include "tests/support/program.h"

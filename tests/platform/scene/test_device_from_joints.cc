@@ -7,7 +7,8 @@
 #include <random>
 
 #include "hal/joint/kinematic_tree.h"
-#include "platform/engine/joint_params.h"
+#include "platform/scene/joint_kinds.h"
+#include "platform/scene/joint_params.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_device_from_joints {

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "platform/engine/joint_params.h"
+#include "platform/scene/joint_params.h"
 #include "platform/session/make_session.h"
 #include "tests/support/tool_scene.h"
 

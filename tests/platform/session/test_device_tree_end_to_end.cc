@@ -97,7 +97,7 @@ TEST(DeviceTreeEndToEnd, EveryHandleHasItsVelocity) {
 
 TEST(DeviceTreeEndToEnd, TheTorquesOfAllHandlesReachTheDrivenJointsAndNoOther) {
   SimulatedRig sim(test::grasper_rig_params());
-  const JointVector posture = moving(0.3);
+  JointVector posture = moving(0.3);
   sim.q_ref = [&](double) { return posture; };
   ASSERT_TRUE(sim.boot());
   ASSERT_TRUE(sim.rig->arm());

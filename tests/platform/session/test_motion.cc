@@ -178,7 +178,8 @@ TEST(Motion, FastSpinKeepsItsDirection) {
 TEST(Motion, HeldSamplesOvershootLittle) {
   std::string csv = pose_header;
   for (int i = 0; i < 60; ++i) {
-    const double x = 0.001 * (i / 3), t = 0.004 * i + (i % 2 ? 0.0015 : 0);
+    const int third = i / 3;
+    const double x = 0.001 * third, t = 0.004 * i + (i % 2 ? 0.0015 : 0);
     csv += row(t, {Vec3(x, 0, 0), Quat(std::cos(0.5 * x), std::sin(0.5 * x), 0, 0)});
   }
   const Motion motion = *Motion::parse(csv, "m.csv", one_coupled_body()).motion;

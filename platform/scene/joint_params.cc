@@ -1,9 +1,8 @@
-#include "platform/engine/joint_params.h"
+#include "platform/scene/joint_params.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "core/joint/list.h"
+#include "platform/scene/joint_kinds.h"
 
 namespace godobject {
 namespace {
@@ -20,20 +19,6 @@ JointFrames frames_at_start(std::span<const BodyConfig> bodies, const JointConfi
   return {.R_WP = (X_WP.q * joint.X_BP.q).toRotationMatrix(),
           .R_WC = (X_WC.q * joint.X_BC.q).toRotationMatrix(),
           .d_W = X_WC.p + X_WC.q * joint.X_BC.p - X_WP.p - X_WP.q * joint.X_BP.p};
-}
-
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
-double angular_gap(JointKind kind, const JointFrames& X) {
-  const Mat3 &P = X.R_WP, &C = X.R_WC;
-  switch (kind) {
-    case JointKind::hinge:
-    case JointKind::cylindrical: return angle_between(P.col(2), C.col(2));
-    case JointKind::universal: return std::abs(pi / 2 - angle_between(P.col(0), C.col(1)));
-    case JointKind::fixed:
-    case JointKind::slider: return Eigen::AngleAxis<Real>(P.transpose() * C).angle();
-    default: return 0;
-  }
 }
 
 }  // namespace
