@@ -6,7 +6,7 @@ std::string_view name_of(BusState state) noexcept {
   constexpr std::array<std::string_view, 7> names{"closed",  "error-active", "error-warning", "error-passive",
                                                   "bus-off", "down",         "gone"};
   const auto index = static_cast<std::size_t>(state);
-  return index < names.size() ? names[index] : "?";
+  return index < names.size() ? names[index] : "?";  // cppcheck-suppress returnDanglingLifetime
 }
 
 namespace {

@@ -17,7 +17,8 @@ constexpr std::uint32_t fd_format_flag =
 constexpr std::int64_t max_seconds = std::numeric_limits<std::int64_t>::max() / 1'000'000'000 - 1;
 
 bool is_interface(std::string_view name) {
-  return !name.empty() && name.size() <= max_interface_length && name.find_first_of(" \t\r\n") == name.npos;
+  return !name.empty() && name.size() <= max_interface_length &&
+         name.find_first_of(" \t\r\n") == std::string::npos;
 }
 
 /// The whole of `text` as an unsigned number.
@@ -155,7 +156,7 @@ CandumpResult parse_candump(std::string_view line, ReceivedFrame& received,
   if (!is_interface(name)) return CandumpResult::bad_interface;
   std::string_view body = cut(line, ' ');
   const std::string_view direction = line;
-  if (body.find('#') == body.npos) return CandumpResult::bad_data;
+  if (body.find('#') == std::string::npos) return CandumpResult::bad_data;
   const std::string_view identifier = cut(body, '#');
   const CandumpResult result = parse_identifier(identifier, parsed.frame);
   if (result != CandumpResult::ok) return result;

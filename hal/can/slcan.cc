@@ -42,7 +42,7 @@ bool is_frame(char command) noexcept {
 
 /// `text` begins with t, T, r or R; what follows the data stays in it.
 ParseResult take_frame(std::string_view& text, CanFrame& frame) noexcept {
-  const char command = text.front();
+  const char command = text.front();  // cppcheck-suppress containerOutOfBounds
   frame.extended = command == 'T' || command == 'R';
   frame.remote = command == 'r' || command == 'R';
   const std::size_t id_digits = frame.extended ? 8 : 3;

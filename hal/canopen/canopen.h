@@ -1,14 +1,15 @@
 // CANopen (CiA 301): identifiers, network management, heartbeat, SYNC and emergency messages.
 //
-// The room: message.h names any frame; object.h, sdo*.h and pdo_map.h are the object dictionary over the wire, lss.h node ids,
-// cia401.h and cia406.h device profiles; node_profile.h, commissioning*.h set a node up and read it back.
+// The room: message.h names any frame; object.h, sdo*.h and pdo_map.h are the object dictionary over the wire, lss.h
+// node ids, cia401.h and cia406.h device profiles; node_profile.h, commissioning*.h set a node up and read it back.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "hal/base/codec.h"
-#include "hal/can/frame.h"
+#include "hal/can/filter.h"
 
 namespace godobject::canopen {
 
@@ -70,12 +71,18 @@ constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   return is_canopen(frame) ? static_cast<std::uint8_t>(frame.id & max_node_id) : std::uint8_t{0};
 }
 
+/// All frames from and to a node in it: the low seven bits, whatever the function code.
+inline std::vector<CanFilter> filters(std::uint8_t node) { return {{.id = node, .mask = max_node_id}}; }
+
 /// Node that an RPDO1 goes to; 0: it is none.
 constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
   return is_canopen(frame) && (frame.id & ~std::uint32_t{max_node_id}) == rpdo_cob_id(1, 0)
              ? static_cast<std::uint8_t>(frame.id & max_node_id)
              : std::uint8_t{0};
 }
+
+/// COB-ID of what it commands by: RPDO1.
+constexpr std::uint32_t command_id(std::uint8_t node) noexcept { return rpdo_cob_id(1, node); }
 
 /// What one node of a network sends, its master: NMT, SYNC and the heartbeat of that node id.
 constexpr bool is_from_master(const CanFrame& frame, std::uint8_t master) noexcept {

@@ -80,7 +80,7 @@ void Master::poll(Nanoseconds now, CanBus& bus) noexcept {
   while (sent_ < count_ && bus.try_send(make_frame(request_cob_id, messages_[sent_])) == SendResult::queued)
     ++sent_;
   const bool all_sent = sent_ == count_;
-  if (all_sent && !answer_) outcome_ = Outcome::done;
+  if (all_sent && !answer_) outcome_ = Outcome::done;  // NOLINT(bugprone-branch-clone): for another reason
   else if (now < deadline_ns_) return;
   else if (num_answers_ > 0) outcome_ = Outcome::done;
   else outcome_ = all_sent ? Outcome::no_answer : Outcome::not_sent;

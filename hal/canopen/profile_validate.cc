@@ -57,16 +57,15 @@ class Validation {
  private:
   /// An encoder's profile on a drive makes no sense beyond that.
   bool is_of_kind(const NodeProfile& profile, const Kind& kind, const std::string& joint) {
-    for (const ProfileObject& object : profile.identity) {
-      if (object.address != canopen::ObjectAddress{0x1000, 0} || object.value == kind.device_profile)
-        continue;
-      error(profile, object.line,
-            "device_profile is " + std::to_string(object.value) + ", but the " + kind.name + " of joint '" +
-                joint + "' is a node of CiA " + std::to_string(kind.device_profile) +
-                ": give it a profile of that");
-      return false;
-    }
-    return true;
+    const auto other = std::ranges::find_if(profile.identity, [&](const ProfileObject& object) {
+      return object.address == canopen::ObjectAddress{0x1000, 0} && object.value != kind.device_profile;
+    });
+    if (other == profile.identity.end()) return true;
+    error(profile, other->line,
+          "device_profile is " + std::to_string(other->value) + ", but the " + kind.name + " of joint '" +
+              joint + "' is a node of CiA " + std::to_string(kind.device_profile) +
+              ": give it a profile of that");
+    return false;
   }
 
   void check_heartbeats(const NodeProfile& profile) {

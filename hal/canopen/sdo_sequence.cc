@@ -73,6 +73,7 @@ void SdoSequence::finish_transfer(Nanoseconds now) noexcept {
   const AbortCode code = client_.abort_code();
   const bool absent = client_.state() == TransferState::aborted &&
                       (code == AbortCode::no_object || code == AbortCode::no_sub_index);
+  // NOLINTNEXTLINE(bugprone-branch-clone): for another reason
   if (absent && !writing_ && step.action == SdoAction::switch_off_if_there) next();
   else if (client_.state() != TransferState::done) failure_ = SdoFailure::transfer;
   else if (writing_) next();

@@ -21,18 +21,29 @@ std::unique_ptr<DriveLink> make(const DriveParams& params, double cycle_s) {
 
 // In the order of DriveProtocol.
 constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
-    {make<Cia402Link>, {.sender = canopen::sender, .commanded = canopen::commanded}},
+    {make<Cia402Link>,
+     {.sender = canopen::sender,
+      .commanded = canopen::commanded,
+      .filters = canopen::filters,
+      .command_id = canopen::command_id}},
     {make<OdriveLink>,
      {.canopen = false,
       .max_node_id = odrive::max_node_id,
       .sender = odrive::sender,
       .commanded = odrive::commanded,
+      .filters = odrive::filters,
+      .command_id = odrive::command_id,
+      .idle_command = odrive::make_idle_command,
+      .watchdog = &odrive::watchdog,
       .describe = odrive::describe}},
     {make<MoteusLink>,
      {.canopen = false,
       .fd = true,
       .sender = moteus::sender,
       .commanded = moteus::commanded,
+      .filters = moteus::filters,
+      .idle_command = moteus::make_query,
+      .watchdog = &moteus::watchdog,
       .describe = moteus::describe}},
 }};
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/can/filter.h"
 #include "hal/canopen/canopen.h"
 #include "hal/rig/params.h"
 
@@ -92,6 +93,12 @@ struct DriveText {
   std::string value{};                            // what else it says
 };
 
+/// What takes the torque of a drive of this protocol away when the host has died, without a profile of the drive's.
+struct ProtocolWatchdog {
+  double (*time_s)(double cycle_s) noexcept = nullptr;  // set by this program; null: it sets none
+  const char* mechanism = nullptr;                      // what does it, or how to get one
+};
+
 /// What the drives of a bus make of it.
 struct BusProtocol {
   bool canopen = true;  // SYNC, NMT and heartbeats; encoders and buttons can be on it
@@ -101,6 +108,14 @@ struct BusProtocol {
   std::uint8_t (*sender)(const CanFrame&) noexcept = nullptr;
   /// The drive that a frame commands, which none but its host sends; 0: it is no command.
   std::uint8_t (*commanded)(const CanFrame&) noexcept = nullptr;
+  /// All frames from and to a node. Allocates.
+  std::vector<CanFilter> (*filters)(std::uint8_t node) = nullptr;
+  /// Identifier of the command that a newer one may replace before it has left; null: there is none of 11 bits.
+  std::uint32_t (*command_id)(std::uint8_t node) noexcept = nullptr;
+  /// A frame that commands a node and makes it do nothing; null: RPDO1 is the only one.
+  CanFrame (*idle_command)(std::uint8_t node) noexcept = nullptr;
+  /// Null: as the node's profile sets it up.
+  const ProtocolWatchdog* watchdog = nullptr;
   /// Of any frame; allocates. Null: the messages are those of CANopen.
   DriveText (*describe)(const CanFrame&) = nullptr;
 };

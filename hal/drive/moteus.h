@@ -112,6 +112,9 @@ constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
   return from_host ? static_cast<std::uint8_t>(frame.id & 0x7Fu) : std::uint8_t{0};
 }
 
+/// Extended where the source makes it more than 11 bits, also of the host where it asks for a reply.
+std::vector<CanFilter> filters(std::uint8_t node);
+
 /// moteus_text.cc
 DriveText describe(const CanFrame& frame);
 
@@ -121,6 +124,8 @@ CanFrame make_query(std::uint8_t node) noexcept;
 CanFrame make_torque(std::uint8_t node, float torque_Nm, float watchdog_s) noexcept;
 /// 20 ms, or four cycles where those are longer: more than a few lost frames, less than a hand notices.
 double watchdog_s(double cycle_s) noexcept;
+inline constexpr ProtocolWatchdog watchdog{.time_s = watchdog_s,
+                                           .mechanism = "register 027h, with each command"};
 /// Mode 0. 8 bytes.
 CanFrame make_stop(std::uint8_t node, bool with_query) noexcept;
 

@@ -73,6 +73,20 @@ constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
   }
 }
 
+/// Whatever the command.
+inline std::vector<CanFilter> filters(std::uint8_t node) {
+  return {{.id = frame_id(node, Command{}), .mask = 0x7E0}};
+}
+
+constexpr std::uint32_t command_id(std::uint8_t node) noexcept {
+  return frame_id(node, Command::set_input_torque);
+}
+
+inline constexpr ProtocolWatchdog watchdog{
+    .mechanism =
+        "CAN Simple has no message that sets one: set axis0.config.enable_watchdog = True and "
+        "watchdog_timeout = 0.02 on the drive, and say so by watchdog = \"drive\""};
+
 /// odrive_text.cc
 DriveText describe(const CanFrame& frame);
 
@@ -99,6 +113,7 @@ constexpr CanFrame make_torque_mode(std::uint8_t node) noexcept {
 constexpr CanFrame make_input_torque(std::uint8_t node, float torque_Nm) noexcept {
   return make_message(node, Command::set_input_torque, torque_Nm);
 }
+constexpr CanFrame make_idle_command(std::uint8_t node) noexcept { return make_input_torque(node, 0); }
 /// Firmware 0.5 takes it without, and with, the byte.
 constexpr CanFrame make_clear_errors(std::uint8_t node) noexcept {
   return {.id = frame_id(node, Command::clear_errors), .size = 1};

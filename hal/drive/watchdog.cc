@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hal/drive/moteus.h"
+#include "hal/drive/link.h"
 
 namespace godobject {
 namespace {
@@ -58,16 +58,11 @@ TimeToZero of_cia402(const DriveParams& drive, const std::optional<NodeProfile>&
 
 TimeToZero of_host(const RigParams& rig, const DriveParams& drive,
                    const std::optional<NodeProfile>& profile) {
-  switch (drive.protocol) {
-    case DriveProtocol::cia402: break;
-    case DriveProtocol::moteus:
-      return {.s = moteus::watchdog_s(rig.cycle_s), .mechanism = "register 027h, with each command"};
-    case DriveProtocol::odrive:
-      return {.mechanism =
-                  "CAN Simple has no message that sets one: set axis0.config.enable_watchdog = True and "
-                  "watchdog_timeout = 0.02 on the drive, and say so by watchdog = \"drive\""};
-  }
-  return of_cia402(drive, profile);
+  const ProtocolWatchdog* const watchdog = bus_protocol(drive.protocol).watchdog;
+  if (watchdog == nullptr) return of_cia402(drive, profile);
+  TimeToZero out{.mechanism = watchdog->mechanism};
+  if (watchdog->time_s != nullptr) out.s = watchdog->time_s(rig.cycle_s);
+  return out;
 }
 
 }  // namespace

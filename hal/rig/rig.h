@@ -7,8 +7,9 @@
 // A bus speaks one protocol, that of its drives (hal/drive/link.h). CANopen buses, also those without a drive,
 // have SYNC, NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
 //
-// The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what brings its
-// buses; receive.cc and supervise.cc are halves of Rig; swing_watch.h watches commands for oscillation.
+// The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what
+// brings its buses, bus_load.h what they carry; receive.cc and supervise.cc are halves of Rig; swing_watch.h watches
+// commands for oscillation.
 #pragma once
 
 #include <array>

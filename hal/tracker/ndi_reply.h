@@ -52,7 +52,7 @@ inline constexpr std::size_t max_handles = 16;
 
 /// A TX or BX reply.
 struct PoseReply {
-  std::array<HandlePose, max_handles> handles{};
+  std::array<HandlePose, max_handles> handles;
   std::size_t num_handles = 0;
   std::uint16_t system_status = 0;  // see system_status_text
 

@@ -67,7 +67,7 @@ class NdiTracker final : public Tracker {
   void on_handles(std::span<const std::uint8_t> text, Nanoseconds now) noexcept;
   void on_poses(ndi::ReplyReceiver::Event event, std::span<const std::uint8_t> content,
                 Nanoseconds now) noexcept;
-  void take(const ndi::HandlePose& pose, Nanoseconds now) noexcept;
+  void take(const ndi::HandlePose& pose, Nanoseconds t) noexcept;
   [[gnu::format(printf, 2, 3)]] void refuse(const char* format, ...) noexcept;
   void next_handle() noexcept;
   void next_definition() noexcept;

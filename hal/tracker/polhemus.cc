@@ -151,6 +151,7 @@ std::optional<Command> init_command(Model model, std::size_t index, std::size_t 
     return std::nullopt;
   }
   Command command;
+  // cppcheck-suppress wrongPrintfScanfArgNum  ; the formats without a place for it leave it out
   const int size = std::snprintf(command.data.data(), command.data.size(), format, index - 1);
   command.size = static_cast<std::size_t>(size);
   return command;

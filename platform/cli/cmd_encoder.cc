@@ -90,7 +90,7 @@ ExitCode print_status(const EncoderOptions& options) {
   StatusLines lines(node);
   lines.print_name("name", {0x1008, 0});
   constexpr std::array identity{"vendor", "product", "revision", "serial"};
-  for (std::uint8_t i = 0; i < identity.size(); ++i)
+  for (std::size_t i = 0; i < identity.size(); ++i)
     lines.print(identity[i], {{0x1018, static_cast<std::uint8_t>(i + 1)}, ObjectType::u32}, hexadecimal);
   lines.print("position", position, [&](std::int64_t value) { return number(value) + " counts"; });
   lines.print("speed", speed,

@@ -102,6 +102,7 @@ ExitCode run(RunOptions options) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-size): a list
 void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("SCENE", options.scene, "scene file (TOML), see docs/scenes.md")->required();
   auto* realtime = verb.add_flag("--realtime", options.realtime,

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "hal/can/bus.h"
+#include "hal/can/filter.h"
 
 namespace godobject {
 
@@ -34,22 +35,6 @@ class LinuxBus : public CanBus {
   /// (platform/rt/last_resort.h). Empty: it carries no such frame. Allocates.
   virtual std::string as_written(const CanFrame&) const { return {}; }
 };
-
-/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
-struct CanFilter {
-  std::uint32_t id = 0;
-  std::uint32_t mask = 0;
-  bool extended = false;
-};
-
-/// Whether a receiver with these filters gets the frame.
-constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame) noexcept {
-  if (filters.empty()) return true;
-  for (const CanFilter& filter : filters)
-    if (filter.extended == frame.extended && (frame.id & filter.mask) == (filter.id & filter.mask))
-      return true;
-  return false;
-}
 
 struct BusSettings {
   double bit_rate = 1e6;                 // bit/s; what the scene expects of the bus

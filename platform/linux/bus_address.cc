@@ -47,14 +47,14 @@ std::string unknown_kind(std::string_view kind) {
 std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& error) {
   const std::size_t colon = text.find(':');
   const std::string_view name = text.substr(0, colon);
-  const std::string_view where = colon == text.npos ? std::string_view() : text.substr(colon + 1);
+  const std::string_view where = colon == std::string::npos ? std::string_view() : text.substr(colon + 1);
   const auto kind = std::ranges::find(kinds, name, &KindText::name);
   error.assign("'").append(text).append("': ");
   if (kind == kinds.end()) {
     // The commonest slip: the bare name of what there is.
-    if (colon == text.npos && name.starts_with('/')) {
+    if (colon == std::string::npos && name.starts_with('/')) {
       error.append("say what it is: slcan:").append(text).append(" or replay:").append(text);
-    } else if (colon == text.npos && (name.starts_with("can") || name.starts_with("vcan"))) {
+    } else if (colon == std::string::npos && (name.starts_with("can") || name.starts_with("vcan"))) {
       error.append("say what it is: socketcan:").append(text);
     } else {
       error += unknown_kind(name);

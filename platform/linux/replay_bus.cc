@@ -79,7 +79,7 @@ std::string joined(const std::set<std::string, std::less<>>& names) {
 ReplayBus::ReplayBus(std::string where, const BusSettings& settings)
     : path_(std::move(where)), filters_(settings.filters.begin(), settings.filters.end()) {
   const std::size_t comma = path_.rfind(',');
-  if (comma == path_.npos || std::filesystem::exists(path_)) return;  // a name may have a comma in it
+  if (comma == std::string::npos || std::filesystem::exists(path_)) return;  // a name may have a comma in it
   interface_ = path_.substr(comma + 1);
   path_.resize(comma);
 }

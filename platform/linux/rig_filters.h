@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "hal/can/filter.h"
 #include "hal/rig/params.h"
-#include "platform/linux/bus.h"
 
 namespace godobject {
 

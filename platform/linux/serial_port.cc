@@ -228,7 +228,7 @@ std::string SerialPort::latency_report() const {
 
 SerialAddress parse_serial_address(const std::string& where, std::uint32_t default_baud) {
   const std::size_t comma = where.rfind(',');
-  if (comma == where.npos) return {.path = where, .baud = default_baud};
+  if (comma == std::string::npos) return {.path = where, .baud = default_baud};
   SerialAddress address{.path = where.substr(0, comma)};
   const char* const end = where.data() + where.size();
   const auto [stop, error] = std::from_chars(where.data() + comma + 1, end, address.baud);

@@ -105,7 +105,7 @@ SendResult SlcanBus::try_send(const CanFrame& frame) noexcept {
     result = SendResult::invalid;
   } else if (now == BusState::bus_off) {
     result = SendResult::off;
-  } else if (is_cut_off(now)) {
+  } else if (is_cut_off(now)) {  // NOLINT(bugprone-branch-clone): once more after the write
     result = SendResult::down;
   } else if (!line_.put({text.data(), size})) {
     result = SendResult::full;

@@ -17,7 +17,7 @@
 namespace godobject {
 namespace {
 
-constexpr std::size_t prefault_bytes = 256 * 1024;
+constexpr std::size_t prefault_bytes = std::size_t{256} * 1024;
 
 std::string error_text(int error) { return std::generic_category().message(error); }
 

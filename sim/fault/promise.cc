@@ -61,7 +61,7 @@ constexpr std::array promises{
 constexpr int cycles_more(FaultDelay delay) noexcept { return delay == votes ? 5 : 2; }
 
 std::string text_of(FaultDelay delay) {
-  const std::string cycles = std::to_string(cycles_more(delay)) + " cycles";
+  std::string cycles = std::to_string(cycles_more(delay)) + " cycles";
   switch (delay) {
     case lost: return "`stale_after` + `lost_after` + " + cycles;
     case heartbeat: return "`heartbeat_timeout` + " + cycles;

@@ -23,10 +23,11 @@ struct SimDriveParams {
 ///
 /// What stops the motor of a host that is gone is what was set up, and nothing else: a drive that nobody has
 /// set up keeps its torque.
-/// No RPDO1 for its deadline (1400h:05, where it is not 0) while the power stage works: fault, no torque, EMCY 8250h; the watchdog
-/// acts at its own time, not with a SYNC, and in NMT operational only. When the heartbeat that 1016h names stops, 6007h says what happens.
-/// Leaving the NMT state operational switches the power stage off. Quick stop removes the torque at once and
-/// ends in Switch On Disabled, or stays in Quick Stop Active where 605Ah says so (5 to 7).
+/// No RPDO1 for its deadline (1400h:05, where it is not 0) while the power stage works: fault, no torque, EMCY 8250h;
+/// the watchdog acts at its own time, not with a SYNC, and in NMT operational only. When the heartbeat that 1016h
+/// names stops, 6007h says what happens. Leaving the NMT state operational switches the power stage off. Quick stop
+/// removes the torque at once and ends in Switch On Disabled, or stays in Quick Stop Active where 605Ah says so (5 to
+/// 7).
 ///
 /// CSV and CSP (6060h; RPDO3, RPDO2) pull the motor to their target by a soft spring and damper within
 /// torque_max_Nm. Homing knows one method, 37 or 35: the position here is 607Ch. Any other ends in an error.

@@ -1,8 +1,6 @@
 #include "sim/node/second_host.h"
 
 #include "hal/drive/link.h"
-#include "hal/drive/moteus.h"
-#include "hal/drive/odrive.h"
 
 namespace godobject {
 
@@ -12,9 +10,8 @@ SimSecondHost::SimSecondHost(CanBus& bus, const RigParams& rig, std::size_t inde
                canopen::make_heartbeat(rig.host_node_id, canopen::NmtState::operational)};
   for (const DriveParams& drive : rig.drives) {
     if (drive.bus != index_of_bus) continue;
-    if (drive.protocol == DriveProtocol::odrive)
-      frames_.push_back(odrive::make_input_torque(drive.node_id, 0));
-    if (drive.protocol == DriveProtocol::moteus) frames_.push_back(moteus::make_query(drive.node_id));
+    const auto idle_command = bus_protocol(drive.protocol).idle_command;
+    if (idle_command != nullptr) frames_.push_back(idle_command(drive.node_id));
   }
 }
 

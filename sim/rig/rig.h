@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "hal/can/bus_load.h"
 #include "hal/canopen/node_profile.h"
 #include "hal/joint/inverse_kinematics.h"
+#include "hal/rig/bus_load.h"
 #include "hal/rig/link.h"
 #include "sim/config.h"
 #include "sim/fault/injector.h"
@@ -50,8 +50,8 @@ class SimRig {
   void run_wires(Nanoseconds t) noexcept;
   /// When run_wires() has something to do again; none when nothing is under way.
   std::optional<Nanoseconds> next_event() const noexcept;
-  /// Begins and ends the faults that are due, and moves the mechanics to t under the torque the drives apply now; the hand is where it is at
-  /// motion_time (s).
+  /// Begins and ends the faults that are due, and moves the mechanics to t under the torque the drives apply now; the
+  /// hand is where it is at motion_time (s).
   void run_plant(Nanoseconds t, double motion_time) noexcept;
 
   /// The config's faults are scheduled in it.
@@ -104,10 +104,9 @@ class SimRig {
   };
 
   SimCanPort& add_port(std::size_t bus);
-  void add_encoder(const EncoderParams& params, const std::optional<NodeProfile>& profile,
-                   double heartbeat_s);
-  void add_drive(const DriveParams& params, const std::optional<NodeProfile>& profile, double heartbeat_s);
-  void add_button(const ButtonParams& params, double heartbeat_s);
+  void add_encoder(const EncoderParams& e, const std::optional<NodeProfile>& profile, double heartbeat_s);
+  void add_drive(const DriveParams& d, const std::optional<NodeProfile>& profile, double heartbeat_s);
+  void add_button(const ButtonParams& b, double heartbeat_s);
   void press_buttons(double motion_time) noexcept;
   Eigen::Index joint_named(const std::string& name) const;
   JointTarget hand_at(double motion_time) noexcept;

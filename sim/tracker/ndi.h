@@ -37,7 +37,7 @@ class SimNdi final : public SimTracker {
   void answer_phrq(Nanoseconds now) noexcept;
   void answer_phinf(const Port& port, Nanoseconds now) noexcept;
   void answer_poses(bool binary, std::string_view parameters, Nanoseconds now) noexcept;
-  void send_text(std::string_view text, Nanoseconds now) noexcept;
+  void send_text(std::string_view content, Nanoseconds now) noexcept;
   void send_error(std::uint8_t code, Nanoseconds now) noexcept;
   Port* port_of(std::string_view digits) noexcept;
   std::uint32_t port_bits(std::size_t tool) const noexcept;

@@ -10,7 +10,8 @@ SimPolhemus::SimPolhemus(const TrackerParams& params, double rate_hz, std::uint6
                          polhemus::Model model)
     : SimTracker(rate_hz, seed), model_(model), num_tools_(std::min(params.tools.size(), max_tracked_tools)) {
   for (std::size_t i = 0; i < num_tools_; ++i)
-    stations_[i] = static_cast<std::uint8_t>(std::clamp(std::atoi(params.tools[i].tool.c_str()), 1, 16));
+    stations_[i] = static_cast<std::uint8_t>(
+        std::clamp(std::strtol(params.tools[i].tool.c_str(), nullptr, 10), 1L, 16L));
 }
 
 /// Fastrak's commands are single characters, except those that take numbers; Liberty's end with CR.

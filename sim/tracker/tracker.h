@@ -62,7 +62,7 @@ class SimTracker {
   void restart_frames() noexcept { measurement_.frame = 0; }
   /// After every measurement.
   virtual void measured(Nanoseconds) noexcept {}
-  void send(std::span<const std::uint8_t> message, Nanoseconds now) noexcept;
+  void send(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept;
 
  private:
   struct Message {

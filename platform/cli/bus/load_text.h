@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/can/bus_load.h"
+#include "hal/rig/bus_load.h"
 
 namespace godobject {
 

@@ -33,7 +33,7 @@ class MessageDecoder {
   std::string node_name(std::uint8_t id) const;
   MessageText decode_drive_protocol(const CanFrame& frame) const;
   MessageText decode_node_message(const CanFrame& frame, std::uint8_t node) const;
-  std::string decode_tpdo(const CanFrame& frame, int number, std::uint8_t node) const;
+  std::string decode_tpdo(const CanFrame& frame, int number, std::uint8_t id) const;
   std::string decode_drive(const CanFrame& frame, int number, const DriveParams& drive) const;
   std::string coordinate(std::int64_t counts, const Calibration& calibration, const std::string& joint) const;
 

@@ -93,7 +93,7 @@ std::optional<canopen::ObjectAddress> parse_object_address(std::string_view text
   const std::size_t colon = text.find(':');
   const auto index = parse_hex(text.substr(0, colon), 0xFFFF);
   const auto sub =
-      colon == text.npos ? std::optional<std::uint32_t>(0) : parse_hex(text.substr(colon + 1), 0xFF);
+      colon == std::string::npos ? std::optional<std::uint32_t>(0) : parse_hex(text.substr(colon + 1), 0xFF);
   if (!index || !sub) return std::nullopt;
   return canopen::ObjectAddress{static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*sub)};
 }

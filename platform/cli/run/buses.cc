@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hal/canopen/canopen.h"
+#include "hal/drive/link.h"
 #include "platform/cli/named_address.h"
 #include "platform/linux/rig_filters.h"
 
@@ -79,15 +80,11 @@ void plan_real_buses(std::span<const std::string> given, const SceneConfig& scen
 /// A SYNC or a command of the last cycle is worth nothing in this one. What finds no slot waits in the queue of
 /// the rest, as do commands with extended identifiers (moteus).
 void add_slots(LinuxLink& link, const RigParams& rig, Nanoseconds period) {
-  constexpr std::uint32_t odrive_set_torque = 0x00E;
   for (std::size_t i = 0; i < rig.buses.size(); ++i)
     static_cast<void>(link.add_slot(i, canopen::make_sync().id, period / 2));
   for (const DriveParams& drive : rig.drives) {
-    if (drive.protocol == DriveProtocol::moteus) continue;
-    const std::uint32_t id = drive.protocol == DriveProtocol::odrive
-                                 ? std::uint32_t{drive.node_id} << 5 | odrive_set_torque
-                                 : canopen::rpdo_cob_id(1, drive.node_id);
-    static_cast<void>(link.add_slot(drive.bus, id, period));
+    const auto command_id = bus_protocol(drive.protocol).command_id;
+    if (command_id != nullptr) static_cast<void>(link.add_slot(drive.bus, command_id(drive.node_id), period));
   }
 }
 

@@ -27,6 +27,6 @@ class FrameNotebook final : public CanBus {
 };
 
 /// What Rig::stop() would send on each bus, as bytes: drives off, nodes pre-operational. Good until a bus is closed.
-std::vector<LastWords> last_words(const RigParams& rig, LinuxLink& link);
+std::vector<LastWords> last_words(const RigParams& params, LinuxLink& link);
 
 }  // namespace godobject

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/can/bus_load.h"
 #include "hal/canopen/node_profile.h"
+#include "hal/rig/bus_load.h"
 #include "platform/cli/run/buses.h"
 #include "platform/cli/run/cycle.h"
 #include "platform/cli/run/files.h"

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/can/bus_load.h"
+#include "hal/rig/bus_load.h"
 #include "platform/cli/run/loop.h"
 #include "platform/cli/run/options.h"
 

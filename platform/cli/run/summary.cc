@@ -121,8 +121,8 @@ void print_summary(std::FILE* out, const RunReport& report) {
   std::fprintf(out, "%s: %" PRIu64 " cycles of %g s, composition '%s', %zu bytes\n", scene.name.c_str(),
                result.statistics.cycles, scene.step, composition.name.c_str(), composition.bytes());
   if (!result.stopped_by.empty())
-    std::fprintf(out, "  %-26s %s, after %g s\n", "stopped by", result.stopped_by.data(),
-                 static_cast<double>(result.statistics.cycles) * scene.step);
+    std::fprintf(out, "  %-26s %.*s, after %g s\n", "stopped by", static_cast<int>(result.stopped_by.size()),
+                 result.stopped_by.data(), static_cast<double>(result.statistics.cycles) * scene.step);
   if (report.options.realtime)
     std::fprintf(out, "  %-26s %" PRIu64 " (%" PRIu64 " cycles late, %" PRIu64 " periods skipped)\n",
                  "missed deadlines", result.timing.missed(), result.timing.late, result.timing.skipped);

@@ -51,7 +51,7 @@ class Simulation {
   const std::vector<OfferedBus>& buses() const noexcept { return buses_; }
   std::span<const std::unique_ptr<TrackerLine>> trackers() const noexcept { return trackers_; }
   /// Plays a fault from the next step on. Empty, or why not. Allocates.
-  std::string play(const FaultConfig& fault);
+  std::string play(const FaultConfig& config);
   void clear_faults() noexcept;
   Nanoseconds now() const noexcept { return now_ns_; }
   double motion_time() const noexcept;

@@ -30,7 +30,7 @@ struct Source {
 double worst_us(Source source, int seconds) {
   ClockMap map;
   double worst = 0;
-  for (Nanoseconds device = 0; device < seconds * 1000 * ms; device += 2 * ms) {
+  for (Nanoseconds device = 0; device < seconds * (1000 * ms); device += 2 * ms) {
     map.add(device, source.arrival_of(device));
     if (device < 3000 * ms) continue;
     const double error = static_cast<double>(map.to_host(device) - source.host_of(device) - ms) * 1e-3;

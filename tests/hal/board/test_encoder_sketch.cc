@@ -14,6 +14,7 @@ namespace sketch {
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wparentheses"
 
+// NOLINTBEGIN(readability-identifier-naming): Arduino's
 constexpr int INPUT_PULLUP = 0, CHANGE = 0;
 std::array<int, 8> pins{};
 std::array<void (*)(), 8> interrupt_of{};
@@ -33,6 +34,7 @@ void attachInterrupt(int pin, void (*handler)(), int) {
 std::uint32_t micros() { return clock_us; }
 void noInterrupts() {}
 void interrupts() {}
+// NOLINTEND(readability-identifier-naming)
 
 #include "docs/encoder-board/encoder_board.ino"
 

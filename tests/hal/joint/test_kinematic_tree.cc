@@ -161,7 +161,7 @@ TEST(KinematicTree, JacobiansAgreeWithNumericDifferences) {
       q_minus(j) -= step;
       const TreeConfiguration after = tree.at(q_plus), before = tree.at(q_minus);
       for (std::size_t i = 0; i < here.num_handles(); ++i) {
-        const Pose plus = after.X_WH(i), minus = before.X_WH(i);
+        const Pose &plus = after.X_WH(i), &minus = before.X_WH(i);
         const Vec3 v = (plus.p - minus.p) / (2 * step);
         const Eigen::AngleAxisd turn(plus.q * minus.q.conjugate());
         const Vec3 w = turn.axis() * turn.angle() / (2 * step);
@@ -265,8 +265,10 @@ TEST(KinematicTree, HoldsItsCapacitiesOfJointsAndHandles) {
   const TreeConfiguration here = tree.at(JointVector::Zero(max_joints));
   for (std::size_t i = 0; i < max_handles; ++i) EXPECT_EQ(here.X_WH(i).p.x(), static_cast<double>(2 * i + 2));
   const std::vector<Wrench> F(max_handles, {Vec3(0, 0, 1), Vec3::Zero()});
-  for (std::size_t j = 0; j < max_joints; ++j)
-    EXPECT_EQ(here.joint_torques(F)(static_cast<Eigen::Index>(j)), static_cast<double>(max_handles - j / 2));
+  for (std::size_t j = 0; j < max_joints; ++j) {
+    const std::size_t beyond = max_handles - j / 2;
+    EXPECT_EQ(here.joint_torques(F)(static_cast<Eigen::Index>(j)), static_cast<double>(beyond));
+  }
 }
 
 }  // namespace

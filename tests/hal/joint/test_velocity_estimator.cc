@@ -85,7 +85,7 @@ TEST(VelocityEstimator, IrregularSampleTimes) {
   Nanoseconds t_ns = 0;
   constexpr double v = 0.3;
   for (int k = 0; k < 200; ++k) {
-    t_ns += period_ns + (k * 7919 % 13 - 6) * 60'000 + (k % 17 == 0 ? 4 * period_ns : 0);
+    t_ns += period_ns + (k * 7919 % 13 - 6) * Nanoseconds{60'000} + (k % 17 == 0 ? 4 * period_ns : 0);
     const double estimate = estimator.update(quantised(v * 1e-9 * static_cast<double>(t_ns)), t_ns);
     if (k <= 20) continue;
     EXPECT_NEAR(estimate, v, 0.1 * quantum / 1e-3);

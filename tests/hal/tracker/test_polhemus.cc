@@ -159,16 +159,16 @@ std::unique_ptr<Tracker> tracking_tracker(Nanoseconds& now) {
 
 TEST(PolhemusTracker, ACorruptedRecordIsRefusedOrNear) {
   // Without a CRC a wrong low bit of a position passes. How far off it can be is bounded.
-  Nanoseconds now = 0;
   double worst = 0;
   for (std::size_t at = 0; at < fastrak_size; ++at) {
     for (int bit = 0; bit < 8; ++bit) {
-      const auto tracker = tracking_tracker(now = 0);
+      Nanoseconds now = 0;
+      const auto tracker = tracking_tracker(now);
       ASSERT_EQ(tracker->report().state, TrackerState::tracking);
       Bytes wire = wire_of(record_at(1));
       wire[at] = static_cast<std::uint8_t>(wire[at] ^ (1u << bit));
-      tracker->receive(wire, now += 10 * ms);
-      tracker->receive(wire_of(record_at(2)), now += 10 * ms);
+      tracker->receive(wire, now + 10 * ms);
+      tracker->receive(wire_of(record_at(2)), now + 20 * ms);
       const ToolSample& sample = tracker->report().tools[0];
       worst = std::max(worst, (sample.X_TH.p - record_at(2).X_TH.p).norm());
     }

@@ -248,7 +248,7 @@ TEST(PoseTrack, BeginsAnewAfterAGap) {
 TEST(PoseTrack, SamplesOutOfOrderAreIgnored) {
   PoseTrack track(100 * ms);
   EXPECT_FALSE(track.at(0).valid);
-  for (int i = 0; i < 10; ++i) track.push(turning(0.01 * i), i * 10 * ms, i * 10 * ms);
+  for (int i = 0; i < 10; ++i) track.push(turning(0.01 * i), i * (10 * ms), i * (10 * ms));
   const Pose far{.p = Vec3(9, 9, 9), .q = Quat::Identity()};
   track.push(far, 50 * ms, 100 * ms);
   track.push(far, 90 * ms, 100 * ms);

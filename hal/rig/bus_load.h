@@ -41,7 +41,8 @@ struct BusLoad {
 };
 
 /// One entry per bus of the rig, in order. NMT, SDO and EMCY, and what leads a drive to enabled, are
-/// sporadic and not counted, nor is retransmission after errors. Bit rates, periods and bus indices must be valid. Set-up only: allocates.
+/// sporadic and not counted, nor is retransmission after errors. Bit rates, periods and bus indices must be valid.
+/// Set-up only: allocates.
 std::vector<BusLoad> bus_load(const RigParams& rig, const BusLoadParams& params);
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-#include "hal/can/bus_load.h"
+#include "hal/rig/bus_load.h"
 
 #include <gtest/gtest.h>
 
