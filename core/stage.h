@@ -80,7 +80,7 @@ requires(uses<typename S::Joints>) struct JointScratchType<S> {
                                   Tree<S::max_bodies, typename S::Joints>>;
 };
 
-/// Worthless between steps.
+/// Scratch: undefined between steps.
 template <class S>
 struct Scratch {
   using T = Lanes<S>;

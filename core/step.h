@@ -90,6 +90,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
 /// state and what the devices are to show. A step whose input or result is not finite is not taken: x
 /// keeps all but the shown wrench, which goes to zero within its rate limit.
 template <Scene S>
+// NOLINTNEXTLINE(readability-function-size): one flat list
 GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
                             Output<S>& out) noexcept {
   out.fault = Fault::none;

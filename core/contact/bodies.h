@@ -7,8 +7,8 @@
 //
 //   (28)  V^T A V = V^T b
 //
-// the balance of energy of the exact solution. The modes of the contacts (open, stick, slip) are found by Newton iterations over that (29), island by
-// island. What they leave is the residual.
+// the balance of energy of the exact solution. The modes of the contacts (open, stick, slip) are found by Newton
+// iterations over that (29), island by island. What they leave is the residual.
 #pragma once
 
 #include "core/contact/jointed_bodies.h"
@@ -26,9 +26,9 @@ constexpr Pass touching_pass(int pass) noexcept {
 }
 /// Of a pass: few while friction is still sought.
 constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == Pass::by_secant ? 3 : 8; }
-/// The iterations end when no force misses its law by more than this part of the largest normal force. What lasts is found in
-/// two iterations; where many bodies hit each other the next ones find more of it, and are content with less: of the friction
-/// in the end with what there is, of normal forces with as much as the sweep of tests/contacts allows.
+/// The iterations end when no force misses its law by more than this part of the largest normal force. What lasts is
+/// found in two iterations; where many bodies hit each other the next ones find more of it, and are content with less:
+/// of the friction in the end with what there is, of normal forces with as much as the sweep of tests/contacts allows.
 constexpr Real friction_tolerance(int pass) noexcept {
   return 3e-3 * static_cast<Real>(1 << std::max(pass - 1, 0));
 }

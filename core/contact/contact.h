@@ -4,12 +4,14 @@
 //   (23)  F_t = -(k_t xi + c_t v_t) while |F_t| <= mu F_n; beyond, the contact point slips and |F_t| = mu F_n
 //
 // d: depth of the sphere in the surface; v: velocity of the contact point against the surface, n off the surface;
-// xi: how far the contact point has been dragged since it stuck; e: the rest penetration, the offset of the contact spring. Bodies put
-// into each other, by whoever made the scene or let go of one, begin with e = d, which is relaxed at the depenetration velocity.
+// xi: how far the contact point has been dragged since it stuck; e: the rest penetration, the offset of the contact
+// spring. Bodies put into each other, by whoever made the scene or let go of one, begin with e = d, which is relaxed
+// at the depenetration velocity.
 //
-// The room: memory.h is what a contact carries over, candidates.h those near enough to matter, stage.h contacts of a stage in
-// groups of four, fixed.h and bodies.h a step's contacts with the world and among bodies, tree.h and tree_solve.h a tool's
-// contacts along its joints, line_search.h; find/ is the search for contacts: broad phase, edges, directions out.
+// The room: memory.h is what a contact carries over, candidates.h those near enough to matter, stage.h contacts of a
+// stage in groups of four, fixed.h and bodies.h a step's contacts with the world and among bodies, tree.h and
+// tree_solve.h a tool's contacts along its joints, line_search.h; find/ is the search for contacts: broad phase,
+// edges, directions out.
 #pragma once
 
 #include <array>

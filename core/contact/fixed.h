@@ -21,7 +21,7 @@ struct FixedContacts {
   using BodyOutput = ContactWrench;
 };
 
-/// Worthless between steps.
+/// Scratch: undefined between steps.
 template <class Contacts, std::size_t N>
 struct FixedContactScratch {
   static constexpr std::size_t max_packs = Contacts::max_contacts / 4 + N;

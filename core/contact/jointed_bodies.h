@@ -16,7 +16,7 @@ struct OnJoints : Contacts {
   static constexpr bool jointed = true;
 };
 
-/// What a stage is told of the joints, and what it says of them. Worthless between steps.
+/// What a stage is told of the joints, and what it says of them. Scratch: undefined between steps.
 template <std::size_t N, class Joints>
 struct TouchingJoints {
   struct Node {

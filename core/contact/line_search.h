@@ -3,8 +3,9 @@
 //   (29)  E(V) = V^T A V / 2 - V^T b + h sum max(F_0 - eta_n v_n, 0)^2 / (2 eta_n)
 //
 // A and b without the normal forces: convex, and a pass is a step of Newton's method. Where it changes the cases of
-// contacts it is taken only as far as E falls, so iterations cannot go round in a circle; and then to the multiple of V where
-// E is least: there V^T dE/dV = 0, the balance of energy with the forces of the law itself, whatever cases were assumed.
+// contacts it is taken only as far as E falls, so iterations cannot go round in a circle; and then to the multiple of
+// V where E is least: there V^T dE/dV = 0, the balance of energy with the forces of the law itself, whatever cases
+// were assumed.
 #pragma once
 
 #include "core/system/conjugate_gradients.h"

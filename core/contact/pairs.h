@@ -54,7 +54,7 @@ struct LinePacks {
   std::size_t size = 0;
 };
 
-/// Worthless between steps.
+/// Scratch: undefined between steps.
 template <class Contacts, std::size_t N>
 struct BodyContactScratch {
   static constexpr std::size_t max_contacts = Contacts::max_contacts;

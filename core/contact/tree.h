@@ -29,15 +29,15 @@ struct TouchingPair {
   AnchorTwist F;           // impulse of its contacts at rest
 };
 
-/// A body among those that touch. Worthless between steps.
+/// A body among those that touch. Scratch: undefined between steps.
 struct TouchingBody {
   std::uint32_t pair = 0, parent = 0;          // in the tree: edge (pair, or joint) and body; itself: a root
   std::uint32_t first_pack = 0, end_pack = 0;  // contacts with the world
   TwistBlock on_world;                         // of its contacts with the world
   TwistBlock A;                                // of these and its stage
   AnchorTwist F;                               // impulse of these at rest
-  TwistBlock subtree_A;                        // the same for the tree, tamed; then with all that hangs on it
-  TwistBlock S_inverse;                        // (27)
+  TwistBlock subtree_A;  // the same for the tree, capped; then with all that hangs on it
+  TwistBlock S_inverse;  // (27)
   Block Y_ww, Y_wv, Y_vw, Y_vv;
   bool hangs = false;  // on its parent, by a pair that bears a force
 };

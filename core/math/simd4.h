@@ -7,6 +7,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 #include "core/math/types.h"
 
@@ -96,9 +99,8 @@ inline Pack select(const PackMask& condition, const Pack& yes, const Pack& no) n
 
 /// Bit j: the condition holds for number j.
 inline std::uint32_t bits(const PackMask& m) noexcept {
-#if defined(__AVX__)
-  using Numbers = Pack::Part;
-  return static_cast<std::uint32_t>(__builtin_ia32_movmskpd256(std::bit_cast<Numbers>(m.parts[0])));
+#ifdef __AVX__
+  return static_cast<std::uint32_t>(_mm256_movemask_pd(std::bit_cast<__m256d>(m.parts[0])));
 #else
   std::uint32_t b = 0;
   for (std::size_t j = 0; j < Pack::size; ++j)
@@ -124,7 +126,7 @@ inline Real total(const Pack& a) noexcept { return (a[0] + a[1]) + (a[2] + a[3])
 inline Pack sqrt(const Pack& a) noexcept {
 #ifdef __AVX__
   Pack r;
-  r.parts[0] = __builtin_ia32_sqrtpd256(a.parts[0]);
+  r.parts[0] = _mm256_sqrt_pd(a.parts[0]);
   return r;
 #else
   return {std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};

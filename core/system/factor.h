@@ -9,8 +9,8 @@
 // by (33), after all that hangs on them. Bound: max_blocks blocks A_ik, and for each body a product for every two of its
 // neighbours. An island that has more is left to the iteration.
 //
-// The room: what solves bodies that touch, together: factor_joints.h brings joints in (33), coupling_block.h is a pair's block,
-// conjugate_gradients.h serves where the factor has no room.
+// The room: what solves bodies that touch, together: factor_joints.h brings joints in (33), coupling_block.h is a
+// pair's block, conjugate_gradients.h serves where the factor has no room.
 #pragma once
 
 #include "core/contact/tree_solve.h"
@@ -25,7 +25,7 @@ struct FactorLeaves {
   std::uint32_t hanging = 0, parent = nowhere;
 };
 
-/// Worthless between steps. Bodies are numbered as they are eliminated.
+/// Scratch: undefined between steps. Bodies are numbered as they are eliminated.
 template <std::size_t N, bool jointed_ = false>
 struct ContactFactor {
   static constexpr bool jointed = jointed_;

@@ -1,6 +1,6 @@
 // A body on a joint in the factor of an island: its column is that of the joint's coordinates.
 //
-// When body c is eliminated, what hung on it is out of the system, and of its joints the one to body p is left. With S and
+// When body c is eliminated, its children are out of the system, and of its joints the one to body p is left. With S and
 // X as in (30),
 //
 //   (33)  V_c = X V_p + S q':  A_ip += A_ic X,  A_pp += X^T A_cc X + A_pc X + X^T A_cp,

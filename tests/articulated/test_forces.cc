@@ -13,7 +13,7 @@ constexpr Real tolerance = 1e-9;
 TEST(Forces, ReactionsOfAToolThatHangsStraight) {
   HungGrasper tool;
   tool.hold(JointVector::Zero(6).eval(), 4000);
-  const Real g = tool.gravity, k_tube = tool.stiffness(1), k_jaw = tool.stiffness(2);
+  const Real g = HungGrasper::gravity, k_tube = tool.stiffness(1), k_jaw = tool.stiffness(2);
   const Real weight = (tool.mass(1) + 2 * tool.mass(2)) * g;
   const Real sag = weight / (k_tube + 2 * k_jaw);  // tube and jaws slide down as one
   for (const std::size_t i : {1u, 2u, 3u})

@@ -167,7 +167,7 @@ TYPED_TEST(ContactList, LetsBodiesOutSlowly) {
           EXPECT_LT(out.depth, slow ? radius : 0.1 * radius)
               << "k 1e" << decade << ", " << zeta << ", h " << h;
         }
-  std::printf("%s: let out at %.3f m/s at most\n", TypeParam::name, fastest);
+  std::printf("%s: relaxed at %.3f m/s at most\n", TypeParam::name, fastest);
 }
 
 // Parameters.

@@ -37,7 +37,7 @@ class ContactTools : public ::testing::Test {};
 using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;
 TYPED_TEST_SUITE(ContactTools, BothIntegrators);
 
-/// Pulled into obstacles, in which some begin. Those are not let out: that would be work.
+/// Pulled into obstacles, in which some begin. Their rest penetration is not relaxed: that would be work.
 TYPED_TEST(ContactTools, RandomToolsOnObstaclesGainNothing) {
   Random random(5);
   int touched = 0;

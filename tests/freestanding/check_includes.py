@@ -8,9 +8,9 @@ import pathlib
 import re
 import sys
 
-# Headers of the core that need neither an OS nor a heap.
+# Headers of the core that need neither an OS nor a heap; immintrin.h is the compiler's.
 CORE_STD = {"algorithm", "array", "bit", "cmath", "compare", "concepts", "cstddef", "cstdint",
-            "initializer_list", "limits", "numbers", "optional", "span", "tuple", "type_traits", "utility"}
+            "immintrin.h", "initializer_list", "limits", "numbers", "optional", "span", "tuple", "type_traits", "utility"}
 # What hal must not include: the operating system, threads, streams, clocks, exceptions.
 HAL_REFUSED = {"atomic", "chrono", "condition_variable", "exception", "filesystem", "fstream", "future",
                "iostream", "mutex", "shared_mutex", "stdexcept", "stop_token", "thread"}

@@ -96,17 +96,16 @@ TEST(JointReaction, RodReleasedFromTheHorizontal) {
 }
 
 TEST(JointReaction, ConicalPendulum) {
-  // Steady precession w = Omega z at angle beta: Omega^2 (I_t + m l^2 - I_a) cos(beta) = m g l.
+  // Steady precession w = W z at angle beta: W^2 (I_t + m l^2 - I_a) cos(beta) = m g l.
   const double m = 0.3, length = 0.4, l = length / 2, beta = 0.6;
   Case problem = pendulum(m, length);
   problem.joints[0].type = JointType::ball;
   Body& body = problem.bodies[0];
-  const double Omega =
-      std::sqrt(m * g * l / ((body.I_B(0, 0) + m * l * l - body.I_B(2, 2)) * std::cos(beta)));
+  const double W = std::sqrt(m * g * l / ((body.I_B(0, 0) + m * l * l - body.I_B(2, 2)) * std::cos(beta)));
   const auto exact = [=](double t) {
     RigidState x;
-    x.w = {0, 0, Omega};
-    x.q = turn(Vector3d::UnitZ(), Omega * t) * turn(Vector3d::UnitY(), -beta);
+    x.w = {0, 0, W};
+    x.q = turn(Vector3d::UnitZ(), W * t) * turn(Vector3d::UnitY(), -beta);
     x.p = x.q * Vector3d(0, 0, -l);
     x.v = x.w.cross(x.p);
     return x;
@@ -120,7 +119,7 @@ TEST(JointReaction, ConicalPendulum) {
     EXPECT_LT(worst.q, 1e-11);
     EXPECT_LT(worst.w, 1e-10);
     const Vector3d inward(-x.p.x(), -x.p.y(), 0);
-    const Vector3d expected = m * Omega * Omega * inward + Vector3d(0, 0, m * g);
+    const Vector3d expected = m * W * W * inward + Vector3d(0, 0, m * g);
     EXPECT_LT((solution.reactions[i][0].f - expected).norm(), 1e-10);
   }
 }

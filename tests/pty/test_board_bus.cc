@@ -91,7 +91,7 @@ class BoardBusTest : public testing::Test {
     const Nanoseconds now = link_->begin_cycle(0);
     rig_->start(now);
     rig_->sync(now);
-    Nanoseconds t = now;
+    Nanoseconds t{};
     do {
       t = link_->wait(now + 3 * ms / 2);
       rig_->receive(t);

@@ -54,7 +54,7 @@ TEST(CanLink, NothingIsWrongWithAGoodOne) {
   EXPECT_EQ(link_warnings("can0", controller_at(1'000'000)), "");
   CanLink link = controller_at(1'000'000);
   link.controller->restart_ms = 0;
-  std::strcpy(link.qdisc.data(), "fq_codel");
+  std::ranges::copy("fq_codel", link.qdisc.begin());
   const std::string warnings = link_warnings("can0", link);
   EXPECT_NE(warnings.find("type can restart-ms 100"), std::string::npos);
   EXPECT_NE(warnings.find("tc qdisc replace dev can0 root pfifo_fast"), std::string::npos);

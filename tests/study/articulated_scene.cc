@@ -55,11 +55,11 @@ RigidState s3_device(std::size_t body, double t, double amplitude) {
   const auto sine_of = [&](double size, double frequency_Hz, double phase) {
     return sine(t, 0, amplitude * size, frequency_Hz, phase);
   };
-  const RigidState trocar =
+  RigidState trocar =
       turned(turned(RigidState{}, X, sine_of(30 * degree, 1, 0)), Y, sine_of(30 * degree, 0.8, 0.9));
   if (body == 0) return trocar;
   const Signal slide = sine_of(0.04, 0.5, 0.4);
-  const RigidState tube =
+  RigidState tube =
       turned(moved(trocar, (0.025 + slide.value) * Z, slide.rate * Z), Z, sine_of(60 * degree, 0.7, 1.3));
   if (body == 1) return tube;
   const double side = body == 2 ? 1 : -1;

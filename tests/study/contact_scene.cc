@@ -87,8 +87,9 @@ oracle::Body brick(const Vec3& half_extents, const Vec3& p) {
 /// Where brick b starts: of the first pile column by column; more piles stand beside it, where nothing is dragged.
 Vec3 place_in_pile(std::size_t b) {
   constexpr std::size_t in_pile = 63;
-  const auto i = static_cast<double>(b % in_pile / 9), l = static_cast<double>(b % 9 / 3),
-             j = static_cast<double>(b % 3), pile = static_cast<double>(b / in_pile);
+  const std::size_t column = b % in_pile / 9, layer = b % 9 / 3, of_pile = b / in_pile;
+  const auto i = static_cast<double>(column), l = static_cast<double>(layer), j = static_cast<double>(b % 3),
+             pile = static_cast<double>(of_pile);
   return {(i - 3) * 0.036 + (l == 1 ? 0.004 : 0), (j - 1) * 0.019 + 0.15 * pile, 0.005 + 0.0102 * l};
 }
 

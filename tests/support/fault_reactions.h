@@ -1,6 +1,7 @@
 // What sim/fault/promise.h promises, as it is played on test::FaultyRig.
 #pragma once
 
+#include <cmath>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -57,9 +58,9 @@ inline std::vector<FaultReaction> fault_reactions(const RigParams& rig) {
       reaction.expected = reaction.expected | promised.fault;
       if (promised.within == FaultDelay::duration) continue;  // never the first
       const auto within_ns = bound(promised.within, rig, 0);
-      const int within = within_ns
-                             ? static_cast<int>(1e-9 * static_cast<double>(*within_ns) / rig.cycle_s + 0.5)
-                             : cycles_of_travel;
+      const int within =
+          within_ns ? static_cast<int>(std::lround(1e-9 * static_cast<double>(*within_ns) / rig.cycle_s))
+                    : cycles_of_travel;
       if (reaction.within == 0 || (promised.always && within < reaction.within)) reaction.within = within;
     }
     out.push_back(reaction);

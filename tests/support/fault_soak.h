@@ -19,7 +19,7 @@ namespace godobject::test {
 /// Bus time, from GODOBJECT_SOAK_SECONDS: 3600 is the hour of the release.
 inline double soak_seconds(double unless_given) {
   const char* const text = std::getenv("GODOBJECT_SOAK_SECONDS");
-  return text ? std::atof(text) : unless_given;
+  return text ? std::strtod(text, nullptr) : unless_given;
 }
 
 template <class Link>

@@ -61,6 +61,8 @@ class SimulatedRig {
   static constexpr Nanoseconds heartbeat_ns = 100'000'000;
   static constexpr Nanoseconds watchdog_ns = 20'000'000;  // as the profiles have it
 
+  SimulatedRig(const SimulatedRig&) = delete;  // the references hold this
+  SimulatedRig& operator=(const SimulatedRig&) = delete;
   explicit SimulatedRig(const RigParams& rig_params = arm_rig_params(), bool haptic = false,
                         const PlantConfig& plant_config = {}, SimDefaults defaults = SimDefaults::rig)
       : params(rig_params), plant(plant_config, rig_params.tree.joints.size(), haptic, zero(), 0) {

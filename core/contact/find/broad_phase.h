@@ -67,7 +67,7 @@ struct AabbPack {
   Vector3<Pack> hi = Vector3<Pack>::Constant(Pack(0));
 };
 
-/// Worthless between steps.
+/// Scratch: undefined between steps.
 template <std::size_t max_bodies>
 struct BroadPhaseScratch {
   struct Entry {

@@ -15,7 +15,7 @@ inline Vec3 half_extents(const ShapeParams& shape) noexcept {
   return shape.half_extents;
 }
 
-/// Worthless between steps.
+/// Scratch: undefined between steps.
 template <class Contacts, std::size_t N>
 struct ContactFinder {
   static constexpr std::size_t max_spheres = std::tuple_size_v<decltype(Contacts::Params::spheres)>;

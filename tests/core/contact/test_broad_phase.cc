@@ -84,11 +84,13 @@ void expect_same(const std::vector<SpherePair>& found, const std::vector<SphereP
     EXPECT_LT((found[k].n_W - expected[k].n_W).norm(), 1e-9);
   }
 }
+// NOLINTBEGIN(bugprone-suspicious-memory-comparison): of the bits, zeros and NaN included
 bool bit_equal(const SpherePair& a, const SpherePair& b) {
   return a.i == b.i && a.j == b.j && a.body_i == b.body_i && a.body_j == b.body_j &&
          std::memcmp(&a.gap, &b.gap, sizeof a.gap) == 0 &&
          std::memcmp(a.n_W.data(), b.n_W.data(), 3 * sizeof(Real)) == 0;
 }
+// NOLINTEND(bugprone-suspicious-memory-comparison)
 bool bit_equal(const std::vector<SpherePair>& a, const std::vector<SpherePair>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const SpherePair& p, const SpherePair& q) { return bit_equal(p, q); });

@@ -33,7 +33,7 @@ TEST(Histogram, EveryValueIsInTheBinWhoseEdgesEncloseIt) {
 
 TEST(Histogram, PercentilesOfOneToThousandAreWithinABin) {
   Histogram h;
-  for (int i = 1; i <= 1000; ++i) h.add(1000 * i);
+  for (int i = 1; i <= 1000; ++i) h.add(std::int64_t{1000} * i);
   EXPECT_EQ(h.count(), 1000u);
   EXPECT_EQ(h.max(), 1'000'000);
   for (const auto& [share, exact] : {std::pair{0.5, 500e3}, {0.99, 990e3}, {0.999, 999e3}}) {

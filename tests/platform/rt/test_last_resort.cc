@@ -72,7 +72,7 @@ std::size_t recurse(const volatile char* before, std::size_t depth) {
 }
 
 TEST(LastResort, AStackOverflowWritesTheLastFrames) {
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the sanitizer takes the signal";
 #endif
   const Wire wire;

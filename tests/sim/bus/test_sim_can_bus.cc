@@ -332,7 +332,7 @@ TEST(SimCanBus, TrafficDelaysTheRecovery) {
   const CanFrame frame = frame_of(0x200);
   for (int i = 0; i < 10; ++i) bus.send(1, frame);
   EXPECT_TRUE(bus.ports[0].restart());
-  const Nanoseconds recovered = 10'000 * us + 10 * wire_time(frame) + (128 - 10) * 11 * us;
+  const Nanoseconds recovered = 10'000 * us + 10 * wire_time(frame) + (128 - 10) * (11 * us);
   bus.wire.advance_to(recovered - 1);
   EXPECT_EQ(bus.ports[0].state(), BusState::bus_off);
   bus.wire.advance_to(recovered);

@@ -3,8 +3,8 @@
 
 #include <numbers>
 
-#include "hal/can/bus_load.h"
 #include "hal/drive/odrive.h"
+#include "hal/rig/bus_load.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/faulty_rig.h"
 

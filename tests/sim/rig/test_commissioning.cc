@@ -309,25 +309,25 @@ TEST(CommissioningErrors, BusThatSendsNothing) {
 class StubbornNode final : ObjectObserver {
  public:
   StubbornNode() {
-    objects.add({0x1A00, 1}, canopen::ObjectType::u32, ObjectAccess::read_write, 0x60410010);
-    objects.add({0x6061, 0}, canopen::ObjectType::i8, ObjectAccess::read_only, 1);
-    EXPECT_TRUE(host.open() && port.open());
+    objects_.add({0x1A00, 1}, canopen::ObjectType::u32, ObjectAccess::read_write, 0x60410010);
+    objects_.add({0x6061, 0}, canopen::ObjectType::i8, ObjectAccess::read_only, 1);
+    EXPECT_TRUE(host_.open() && port_.open());
   }
 
   /// Runs the steps to their end; the error, or empty.
   std::string run(std::vector<SdoStep> steps) {
     SdoSequence sequence(5, std::move(steps), 100 * ms, 50 * ms);
     for (Nanoseconds now = 0; !sequence.done() && !sequence.failed() && now < 1000 * ms; now += ms) {
-      for (ReceivedFrame received; host.try_receive(received);) sequence.on_frame(received.frame);
-      sequence.poll(now, host);
-      wire.advance_to(now + ms / 2);
-      for (ReceivedFrame received; port.try_receive(received);) {
+      for (ReceivedFrame received; host_.try_receive(received);) sequence.on_frame(received.frame);
+      sequence.poll(now, host_);
+      wire_.advance_to(now + ms / 2);
+      for (ReceivedFrame received; port_.try_receive(received);) {
         sdo::Message request;
         if (sdo::parse_frame(received.frame, sdo::request_cob_id(5), request) != ParseResult::ok) continue;
-        const sdo::Message answer = server.answer(request).value();
-        EXPECT_EQ(port.try_send(sdo::make_frame(sdo::response_cob_id(5), answer)), SendResult::queued);
+        const sdo::Message answer = server_.answer(request).value();
+        EXPECT_EQ(port_.try_send(sdo::make_frame(sdo::response_cob_id(5), answer)), SendResult::queued);
       }
-      wire.advance_to(now + ms);
+      wire_.advance_to(now + ms);
     }
     EXPECT_TRUE(sequence.done() || sequence.failed());
     return sequence.error_text();
@@ -338,14 +338,14 @@ class StubbornNode final : ObjectObserver {
     return sdo::AbortCode::none;
   }
   void on_written(canopen::ObjectAddress address, std::int64_t) noexcept override {
-    objects.find(address)->value = 0x60410010;
+    objects_.find(address)->value = 0x60410010;
   }
   void before_read() noexcept override {}
 
-  SimCanWire wire{{}};
-  SimCanPort host{wire}, port{wire};
-  ObjectDictionary objects{*this};
-  SdoServer server{objects};
+  SimCanWire wire_{{}};
+  SimCanPort host_{wire_}, port_{wire_};
+  ObjectDictionary objects_{*this};
+  SdoServer server_{objects_};
 };
 
 TEST(SdoSequence, ValueThatIsNotKeptIsFoundByReadingItBack) {

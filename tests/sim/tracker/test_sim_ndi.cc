@@ -16,7 +16,8 @@ const Pose here{.p = Vec3(0.1, -0.2, -1.5), .q = Quat(0.5, 0.5, -0.5, 0.5)};
 
 /// A wired tool and a passive one, whose definition is 700 bytes.
 struct Polaris : SimulatedTracker {
-  explicit Polaris(std::vector<std::string> tools = {"0A", "probe.rom"}, TrackerParams params = {})
+  explicit Polaris(const std::vector<std::string>& tools = {"0A", "probe.rom"},
+                   const TrackerParams& params = {})
       : SimulatedTracker(make_host(tools, params), nullptr) {
     far = std::make_unique<SimNdi>(tracker->params(), 60, 1);
     for (std::size_t i = 0; i < tools.size(); ++i) far->set_pose(i, here);
