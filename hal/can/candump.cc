@@ -25,6 +25,7 @@ bool is_interface(std::string_view name) {
 template <class T>
 bool to_number(std::string_view text, int base, T& value) {
   const char* const end = text.data() + text.size();
+  // NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage): up to `end`
   const auto [stop, error] = std::from_chars(text.data(), end, value, base);
   return error == std::errc{} && stop == end && !text.empty() && text.front() != '-';
 }

@@ -75,7 +75,7 @@ constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
 
 /// Whatever the command.
 inline std::vector<CanFilter> filters(std::uint8_t node) {
-  return {{.id = frame_id(node, Command{}), .mask = 0x7E0}};
+  return {{.id = std::uint32_t{node} << 5, .mask = 0x7E0}};
 }
 
 constexpr std::uint32_t command_id(std::uint8_t node) noexcept {

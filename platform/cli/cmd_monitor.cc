@@ -33,7 +33,7 @@ struct MonitorOptions {
 /// The buses in the order of the options, with what the table says of each.
 struct Monitor {
   std::optional<RigParams> rig;
-  std::vector<BusKind> kinds;
+  std::vector<const BusBackend*> backends;
   std::vector<std::unique_ptr<LinuxBus>> buses;
   std::optional<MessageTable> table;
 };
@@ -92,7 +92,7 @@ bool add_bus(const MonitorOptions& options, std::string text, Monitor& monitor,
   if (options.bit_rate > 0) settings.bit_rate = options.bit_rate;
   bus.bit_rates = {.nominal = settings.bit_rate,
                    .data = settings.data_bit_rate > 0 ? settings.data_bit_rate : settings.bit_rate};
-  monitor.kinds.push_back(address->kind);
+  monitor.backends.push_back(address->backend);
   monitor.buses.push_back(make_bus(*address, settings));
   shown.push_back(std::move(bus));
   return true;
@@ -103,9 +103,9 @@ ExitCode open_buses(Monitor& monitor) {
     LinuxBus& bus = *monitor.buses[i];
     if (!bus.open()) {
       std::fprintf(stderr, "--bus: %s\n", bus.trouble().c_str());
-      return monitor.kinds[i] == BusKind::replay ? ExitCode::usage : ExitCode::not_available;
+      return monitor.backends[i]->is_file ? ExitCode::usage : ExitCode::not_available;
     }
-    if (monitor.kinds[i] == BusKind::pty) std::fprintf(stderr, "%s\n", bus.trouble().c_str());
+    if (monitor.backends[i]->makes_terminal) std::fprintf(stderr, "%s\n", bus.trouble().c_str());
   }
   return ExitCode::ok;
 }
@@ -113,8 +113,7 @@ ExitCode open_buses(Monitor& monitor) {
 /// Nothing will come any more: it is gone, or the log is at its end.
 bool has_ended(const Monitor& monitor, std::size_t i) {
   const BusState state = monitor.buses[i]->state();
-  const bool comes_back = monitor.kinds[i] == BusKind::socketcan || monitor.kinds[i] == BusKind::pty;
-  return state == BusState::gone || (state == BusState::down && !comes_back);
+  return state == BusState::gone || (state == BusState::down && !monitor.backends[i]->comes_back);
 }
 
 bool all_ended(const Monitor& monitor) {

@@ -295,7 +295,7 @@ Invalid check(const SceneConfig& scene) {
 }
 
 template <Scene S>
-CompositionRow row(std::string name, DeviceKind kind) {
+CompositionRow row(const std::string& name, DeviceKind kind) {
   Composition c{.name = name + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
                 .integrator = S::Integrator::name,
                 .max_bodies = S::max_bodies,

@@ -42,16 +42,21 @@ struct BusSettings {
   std::span<const CanFilter> filters{};  // empty: everything
 };
 
-enum class BusKind : std::uint8_t {
-  socketcan,  // socketcan:can0
-  slcan,      // slcan:/dev/ttyACM0, at another baud rate than 115200 slcan:/dev/ttyUSB0,3000000
-  pty,        // pty: makes a pseudo-terminal that speaks SLCAN, and says its name
-  board,  // board:/dev/ttyACM0, an encoder board, see hal/board/nodes.h; at 921600 baud, or what follows a comma
-  replay,  // replay:run.log, one interface of it replay:run.log,can0
+/// A kind of bus, as --bus names it.
+struct BusBackend {
+  std::string_view name;   // "slcan"
+  std::string_view where;  // what stands after the colon, with an example; empty: nothing
+  std::unique_ptr<LinuxBus> (*make)(const std::string& where, const BusSettings& settings) = nullptr;
+  std::size_t max_where = 4096;      // characters
+  const char* no_answers = nullptr;  // why nodes cannot be asked over it
+  const char* no_device = nullptr;   // why a device cannot be played on it
+  bool makes_terminal = false;       // it says the name of its terminal once it is open
+  bool comes_back = false;           // after it was down
+  bool is_file = false;
 };
 
 struct BusAddress {
-  BusKind kind = BusKind::socketcan;
+  const BusBackend* backend = nullptr;
   std::string where;  // interface, path of a terminal, or of a log
 };
 

@@ -13,25 +13,39 @@
 namespace godobject {
 namespace {
 
-struct KindText {
-  BusKind kind;
-  std::string_view name;
-  std::string_view where;  // what stands after the colon; empty: nothing
-};
+template <class Bus>
+std::unique_ptr<LinuxBus> make(const std::string& where, const BusSettings& settings) {
+  return std::make_unique<Bus>(where, settings);
+}
 
-constexpr std::array kinds{
-    KindText{BusKind::socketcan, "socketcan", "INTERFACE, e.g. socketcan:can0"},
-    KindText{BusKind::slcan, "slcan", "PATH[,BAUD], e.g. slcan:/dev/ttyACM0"},
-    KindText{BusKind::pty, "pty", ""},
-    KindText{BusKind::board, "board", "PATH[,BAUD], e.g. board:/dev/ttyACM0"},
-    KindText{BusKind::replay, "replay", "FILE[,INTERFACE], e.g. replay:run.log"},
-};
+std::unique_ptr<LinuxBus> make_pty(const std::string&, const BusSettings& settings) {
+  return std::make_unique<PtyBus>(settings);
+}
 
-constexpr std::size_t max_interface_length = 15;  // IFNAMSIZ - 1
+// One row for each.
+constexpr std::array backends{
+    BusBackend{.name = "socketcan",
+               .where = "INTERFACE, e.g. socketcan:can0",
+               .make = make<SocketCanBus>,
+               .max_where = 15,  // IFNAMSIZ - 1
+               .comes_back = true},
+    BusBackend{.name = "slcan", .where = "PATH[,BAUD], e.g. slcan:/dev/ttyACM0", .make = make<SlcanBus>},
+    BusBackend{.name = "pty", .where = "", .make = make_pty, .makes_terminal = true, .comes_back = true},
+    BusBackend{.name = "board",
+               .where = "PATH[,BAUD], e.g. board:/dev/ttyACM0",
+               .make = make<BoardBus>,
+               .no_answers = "an encoder board has no objects",
+               .no_device = "an encoder board is a device, not a bus to play one on"},
+    BusBackend{.name = "replay",
+               .where = "FILE[,INTERFACE], e.g. replay:run.log",
+               .make = make<ReplayBus>,
+               .no_answers = "a log gives no answers",
+               .is_file = true},
+};
 
 std::string unknown_kind(std::string_view kind) {
-  std::array<std::string_view, kinds.size()> names{};
-  std::ranges::transform(kinds, names.begin(), &KindText::name);
+  std::array<std::string_view, backends.size()> names{};
+  std::ranges::transform(backends, names.begin(), &BusBackend::name);
   std::string text = "no kind of bus is called '";
   text.append(kind).append("'");
   if (const auto nearest = nearest_name(kind, names))
@@ -48,9 +62,9 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
   const std::size_t colon = text.find(':');
   const std::string_view name = text.substr(0, colon);
   const std::string_view where = colon == std::string::npos ? std::string_view() : text.substr(colon + 1);
-  const auto kind = std::ranges::find(kinds, name, &KindText::name);
+  const auto backend = std::ranges::find(backends, name, &BusBackend::name);
   error.assign("'").append(text).append("': ");
-  if (kind == kinds.end()) {
+  if (backend == backends.end()) {
     // The commonest slip: the bare name of what there is.
     if (colon == std::string::npos && name.starts_with('/')) {
       error.append("say what it is: slcan:").append(text).append(" or replay:").append(text);
@@ -61,31 +75,25 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
     }
     return std::nullopt;
   }
-  if (kind->where.empty() != where.empty()) {
+  if (backend->where.empty() != where.empty()) {
     if (where.empty()) {
-      error.append(name).append(": is followed by ").append(kind->where);
+      error.append(name).append(": is followed by ").append(backend->where);
     } else {
       error += "nothing follows pty: the system chooses the terminal, and its name is printed";
     }
     return std::nullopt;
   }
-  if (kind->kind == BusKind::socketcan && where.size() > max_interface_length) {
-    error += "the name of an interface has at most 15 characters";
+  if (where.size() > backend->max_where) {
+    error.append("what follows ").append(name).append(": has at most ");
+    error += std::to_string(backend->max_where) + " characters";
     return std::nullopt;
   }
   error.clear();
-  return BusAddress{.kind = kind->kind, .where = std::string(where)};
+  return BusAddress{.backend = &*backend, .where = std::string(where)};
 }
 
 std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings& settings) {
-  switch (address.kind) {
-    case BusKind::socketcan: return std::make_unique<SocketCanBus>(address.where, settings);
-    case BusKind::slcan: return std::make_unique<SlcanBus>(address.where, settings);
-    case BusKind::pty: return std::make_unique<PtyBus>(settings);
-    case BusKind::board: return std::make_unique<BoardBus>(address.where, settings);
-    case BusKind::replay: return std::make_unique<ReplayBus>(address.where, settings);
-  }
-  return nullptr;
+  return address.backend->make(address.where, settings);
 }
 
 }  // namespace godobject

@@ -11,7 +11,7 @@
 namespace godobject {
 namespace {
 
-constexpr Nanoseconds ms = 1'000'000;
+constexpr Nanoseconds ns_per_ms = 1'000'000;
 
 /// Up to 2.27 times the shortest of the rig. No two nodes' clocks agree: heartbeats in step would all come
 /// between the same SYNC and its answers.
@@ -42,7 +42,7 @@ MadeDrive make_drive(CanBus& bus, const DriveParams& params, std::vector<SdoStep
   const bool own_watchdog = params.watchdog == DriveWatchdog::drive;
   auto drive = std::make_unique<SimDrive>(
       bus, SimDriveParams{.drive = params,
-                          .rpdo_timeout_ns = own_watchdog ? ms * params.watchdog_ms : 0,
+                          .rpdo_timeout_ns = own_watchdog ? ns_per_ms * params.watchdog_ms : 0,
                           .heartbeat_period_ns = heartbeat_ns});
   drive->store(std::move(stored));
   return both(std::move(drive));

@@ -26,8 +26,10 @@ std::unique_ptr<Bar<I>> bar(Real step = 1e-4) {
   par.bodies[0].body = rigid_body(0.1, Vec3(3e-4, 3e-4, 3e-4).asDiagonal());
   par.bodies[0].coupling = spring(par.bodies[0].body, 1e4, 10);
   par.bodies[0].device.rise = 0;
-  for (int i = 0; i < num_spheres; ++i)
-    add_sphere(par, 0, Vec3(0.02 * (i % 4), 0.02 * (i / 4), radius - i * step), radius);
+  for (int i = 0; i < num_spheres; ++i) {
+    const int row = i / 4, column = i % 4;
+    add_sphere(par, 0, Vec3(0.02 * column, 0.02 * row, radius - i * step), radius);
+  }
   add_plane(par);
   set_law(par, law);
   place(run->x, 0, {.X_WB = {}, .V_WB = {}});

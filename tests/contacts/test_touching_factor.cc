@@ -44,7 +44,7 @@ void measure(const LongMatrix& A, const LongVector& b, const LongVector& V, Miss
              left.cwiseQuotient(d).norm() / (V.cwiseProduct(d).norm() + b.cwiseQuotient(d).norm()));
   keep_worst(miss.balance, std::abs(V.dot(A * V) / V.dot(b) - 1));
   ++miss.systems;
-  if (V.size() > 6 * solved) return;
+  if (V.size() > Eigen::Index{6} * solved) return;
   const LongVector exact = A.ldlt().solve(b), off = V - exact;
   keep_worst(miss.error, std::sqrt(off.dot(A * off) / exact.dot(b)));
 }

@@ -88,9 +88,10 @@ void load_pair(TouchingPair& pair, Random& random, System& s) {
   pair.touches = true;
   pair.stiffness_cap = stiffness_cap(pair.A, s.work->stages[pair.child].M);
   Matrix J = Matrix::Zero(6, s.A.cols());
-  J.middleCols<6>(6 * pair.child).setIdentity();
-  J.middleCols<6>(6 * pair.parent) = -Mat6::Identity();
-  J.block<3, 3>(3, 6 * pair.parent) = cross_matrix(d);
+  const Eigen::Index at_child = Eigen::Index{6} * pair.child, at_parent = Eigen::Index{6} * pair.parent;
+  J.middleCols<6>(at_child).setIdentity();
+  J.middleCols<6>(at_parent) = -Mat6::Identity();
+  J.block<3, 3>(3, at_parent) = cross_matrix(d);
   s.A += J.transpose() * A * J;
   if (in_tree(pair, s.work->tree)) s.A_tree += pair.stiffness_cap * J.transpose() * A * J;
 }

@@ -157,9 +157,9 @@ inline LongMatrix in_full(const System& s) {
     Eigen::Matrix<Long, 6, 12> J;
     J << Mat6::Identity().cast<Long>(), -X.cast<Long>();
     const Eigen::Matrix<Long, 12, 12> sum = J.transpose() * matrix(pair.A).cast<Long>() * J;
-    const std::array<Eigen::Index, 2> at{6 * pair.child, 6 * pair.parent};
-    for (const int i : {0, 1})
-      for (const int j : {0, 1})
+    const std::array<Eigen::Index, 2> at{Eigen::Index{6} * pair.child, Eigen::Index{6} * pair.parent};
+    for (const Eigen::Index i : {0, 1})
+      for (const Eigen::Index j : {0, 1})
         A.block<6, 6>(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) +=
             sum.block<6, 6>(6 * i, 6 * j);
   }

@@ -109,6 +109,7 @@ class RecallDeepPairs {
 /// world leave it through one face. leaving_W: the way by which all spheres of a leave b, if they are deep in each other.
 /// True: they are, and the result is undefined.
 template <class Contacts, std::size_t N>
+// NOLINTNEXTLINE(readability-function-size): a list of cases
 bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
                       std::uint64_t pair, std::uint32_t first, std::uint32_t end, const Vec3* leaving_W,
                       NearContacts<Contacts::max_contacts>& near) noexcept {

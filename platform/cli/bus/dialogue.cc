@@ -22,8 +22,7 @@ void add_dialogue_options(CLI::App& verb, DialogueOptions& options) {
 ExitCode BusDialogue::open(const DialogueOptions& options, std::span<const CanFilter> wanted) {
   std::string error;
   const std::optional<BusAddress> address = parse_bus_address(options.bus, error);
-  if (address && address->kind == BusKind::replay) error = "a log gives no answers";
-  if (address && address->kind == BusKind::board) error = "an encoder board has no objects";
+  if (address && address->backend->no_answers != nullptr) error = address->backend->no_answers;
   if (!error.empty()) {
     std::fprintf(stderr, "--bus: %s\n", error.c_str());
     return ExitCode::usage;
@@ -33,7 +32,7 @@ ExitCode BusDialogue::open(const DialogueOptions& options, std::span<const CanFi
     std::fprintf(stderr, "--bus %s: %s\n", options.bus.c_str(), bus_->trouble().c_str());
     return ExitCode::not_available;
   }
-  if (address->kind == BusKind::pty) std::fprintf(stderr, "%s\n", bus_->trouble().c_str());
+  if (address->backend->makes_terminal) std::fprintf(stderr, "%s\n", bus_->trouble().c_str());
   return ExitCode::ok;
 }
 

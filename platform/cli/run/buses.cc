@@ -41,7 +41,7 @@ std::vector<std::string> with_names(std::span<const std::string> given, const st
   for (const std::string& text : given) {
     std::string ignored;
     const std::optional<BusAddress> address = parse_bus_address(text, ignored);
-    if (address && address->kind == BusKind::pty)
+    if (address && address->backend->makes_terminal)
       for (const BusParams& bus : buses) named.push_back(bus.name + "=" + text);
     else named.push_back(text);
   }

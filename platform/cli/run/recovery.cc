@@ -33,7 +33,7 @@ bool pause(double s, const std::atomic<bool>& stop) {
   return !stop;
 }
 
-bool is_pty(const RunLink& real, std::size_t i) { return real.plan.addresses[i].kind == BusKind::pty; }
+bool is_pty(const RunLink& real, std::size_t i) { return real.plan.addresses[i].backend->makes_terminal; }
 
 /// A pseudo-terminal is down until its other end is opened, by whoever plays the device.
 bool wait_for_other_ends(const RunLink& real, const std::atomic<bool>& stop) {

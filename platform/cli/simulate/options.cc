@@ -23,9 +23,8 @@ void offer(const std::string& option, const std::string& text, bool is_tap, cons
   std::string error;
   const std::optional<BusAddress> address = parse_bus_address(wanted.address, error);
   if (!address) return complain(error);
-  if (address->kind == BusKind::board)
-    return complain("an encoder board is a device, not a bus to play one on");
-  if (wanted.name.empty() && rig.buses.size() > 1 && address->kind != BusKind::pty)
+  if (address->backend->no_device != nullptr) return complain(address->backend->no_device);
+  if (wanted.name.empty() && rig.buses.size() > 1 && !address->backend->makes_terminal)
     return complain("the scene has " + std::to_string(rig.buses.size()) + " buses: say which, as in " +
                     rig.buses.front().name + "=" + wanted.address);
   bool found = false;

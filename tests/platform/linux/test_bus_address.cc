@@ -10,21 +10,20 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(BusAddress, EveryKindIsParsedAndMade) {
-  for (const auto& [text, kind, where] :
-       {std::tuple{"socketcan:can0", BusKind::socketcan, "can0"},
-        {"slcan:/dev/ttyACM0", BusKind::slcan, "/dev/ttyACM0"},
-        {"slcan:/dev/ttyUSB0,3000000", BusKind::slcan, "/dev/ttyUSB0,3000000"},
-        {"board:/dev/ttyACM0", BusKind::board, "/dev/ttyACM0"},
-        {"board:/dev/ttyUSB0,2000000", BusKind::board, "/dev/ttyUSB0,2000000"},
-        {"pty:", BusKind::pty, ""},
-        {"pty", BusKind::pty, ""},
-        {"replay:a:b.log", BusKind::replay, "a:b.log"},
-        {"replay:run.log,can1", BusKind::replay, "run.log,can1"}}) {
+  for (const auto& [text, name, where] : {std::tuple{"socketcan:can0", "socketcan", "can0"},
+                                          {"slcan:/dev/ttyACM0", "slcan", "/dev/ttyACM0"},
+                                          {"slcan:/dev/ttyUSB0,3000000", "slcan", "/dev/ttyUSB0,3000000"},
+                                          {"board:/dev/ttyACM0", "board", "/dev/ttyACM0"},
+                                          {"board:/dev/ttyUSB0,2000000", "board", "/dev/ttyUSB0,2000000"},
+                                          {"pty:", "pty", ""},
+                                          {"pty", "pty", ""},
+                                          {"replay:a:b.log", "replay", "a:b.log"},
+                                          {"replay:run.log,can1", "replay", "run.log,can1"}}) {
     std::string error = "of before";
     const std::optional<BusAddress> address = parse_bus_address(text, error);
     ASSERT_TRUE(address.has_value()) << text << ": " << error;
     EXPECT_THAT(error, IsEmpty());
-    EXPECT_EQ(address->kind, kind) << text;
+    EXPECT_EQ(address->backend->name, name) << text;
     EXPECT_EQ(address->where, where) << text;
     const std::unique_ptr<LinuxBus> bus = make_bus(*address, {});
     ASSERT_TRUE(bus) << text;

@@ -55,7 +55,7 @@ class FaultPromiseKept : public testing::TestWithParam<FaultPromise> {
     std::string error;
     fault = *resolve(*parse_fault(words, error), params()).fault;
     device.play(words);
-    begin_ns = device.t_sync_ns + device.period_ns;
+    begin_ns = device.t_sync_ns + test::FaultyRig::period_ns;
     Nanoseconds watched_ns = to_ns(params().heartbeat_timeout_s);
     for (const PromisedFault& promised : GetParam().faults)
       watched_ns = std::max(watched_ns, within(promised).value_or(0));
@@ -99,7 +99,7 @@ class FaultPromiseKept : public testing::TestWithParam<FaultPromise> {
   void expect_motors_at_zero() {
     ASSERT_FALSE(log().records().empty());
     const DriveParams& drive = params().drives[0];
-    const Nanoseconds cycle_ns = device.period_ns;
+    const Nanoseconds cycle_ns = test::FaultyRig::period_ns;
     const Nanoseconds ramp_ns = to_ns(drive.torque_max_Nm / drive.torque_rate_Nm_per_s);
     Nanoseconds zero_ns = log().records().front().t_ns + ramp_ns + 3 * cycle_ns;
     if (GetParam().motors == MotorsEnd::watchdog)
