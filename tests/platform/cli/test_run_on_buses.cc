@@ -102,7 +102,10 @@ class RunOnBuses : public ProgramTest {
 
   SceneConfig scene_ = patient_scene();
   Motion motion_{scene_};
-  BusPlan plan_{.choice = BusChoice::real, .addresses = {{}, {}}, .texts = {"cable:0", "cable:1"}};
+  static constexpr BusBackend cable{.name = "cable", .where = "NUMBER"};
+  BusPlan plan_{.choice = BusChoice::real,
+                .addresses = {{.backend = &cable, .where = "0"}, {.backend = &cable, .where = "1"}},
+                .texts = {"cable:0", "cable:1"}};
   RigProfiles profiles_{.encoders = std::vector<std::optional<NodeProfile>>(rig().encoders.size()),
                         .drives = std::vector<std::optional<NodeProfile>>(rig().drives.size())};
   std::unique_ptr<RigPlayer> player_;
