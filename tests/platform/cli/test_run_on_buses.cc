@@ -102,9 +102,9 @@ class RunOnBuses : public ProgramTest {
 
   SceneConfig scene_ = patient_scene();
   Motion motion_{scene_};
-  static constexpr BusBackend cable{.name = "cable", .where = "NUMBER"};
+  static constexpr BusBackend cable_kind{.name = "cable", .where = "NUMBER"};
   BusPlan plan_{.choice = BusChoice::real,
-                .addresses = {{.backend = &cable, .where = "0"}, {.backend = &cable, .where = "1"}},
+                .addresses = {{.backend = &cable_kind, .where = "0"}, {.backend = &cable_kind, .where = "1"}},
                 .texts = {"cable:0", "cable:1"}};
   RigProfiles profiles_{.encoders = std::vector<std::optional<NodeProfile>>(rig().encoders.size()),
                         .drives = std::vector<std::optional<NodeProfile>>(rig().drives.size())};
