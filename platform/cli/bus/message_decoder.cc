@@ -9,7 +9,7 @@
 namespace godobject {
 namespace {
 
-const char* text_of(canopen::NmtState state) {
+const char* nmt_name(canopen::NmtState state) {
   switch (state) {
     case canopen::NmtState::boot_up: return "boot-up";
     case canopen::NmtState::stopped: return "stopped";
@@ -19,7 +19,7 @@ const char* text_of(canopen::NmtState state) {
   return "";
 }
 
-const char* text_of(canopen::NmtCommand command) {
+const char* nmt_name(canopen::NmtCommand command) {
   switch (command) {
     case canopen::NmtCommand::start: return "start";
     case canopen::NmtCommand::stop: return "stop";
@@ -33,7 +33,7 @@ const char* text_of(canopen::NmtCommand command) {
 std::string decode_nmt(const CanFrame& frame) {
   canopen::Nmt nmt;
   if (canopen::parse_nmt(frame, nmt) != ParseResult::ok) return "not an NMT command";
-  return std::string(text_of(nmt.command)) +
+  return std::string(nmt_name(nmt.command)) +
          (nmt.node == 0 ? ": all nodes" : ": node " + std::to_string(nmt.node));
 }
 
@@ -53,7 +53,7 @@ std::string decode_emergency(const CanFrame& frame) {
 std::string decode_heartbeat(const CanFrame& frame) {
   canopen::Heartbeat heartbeat;
   if (canopen::parse_heartbeat(frame, heartbeat) != ParseResult::ok) return "not a heartbeat: node guarding?";
-  return text_of(heartbeat.state);
+  return nmt_name(heartbeat.state);
 }
 
 std::string object_of(const sdo::Message& message) {
