@@ -112,7 +112,7 @@ struct BusProtocol {
   std::vector<CanFilter> (*filters)(std::uint8_t node) = nullptr;
   /// Identifier of the command that a newer one may replace before it has left; null: there is none of 11 bits.
   std::uint32_t (*command_id)(std::uint8_t node) noexcept = nullptr;
-  /// A frame that commands a node and makes it do nothing; null: RPDO1 is the only one.
+  /// A frame that commands a node and makes it do nothing; null: there is none, SYNC and heartbeats show another host.
   CanFrame (*idle_command)(std::uint8_t node) noexcept = nullptr;
   /// Null: as the node's profile sets it up.
   const ProtocolWatchdog* watchdog = nullptr;

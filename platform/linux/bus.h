@@ -47,11 +47,11 @@ struct BusBackend {
   std::string_view name;   // "slcan"
   std::string_view where;  // what stands after the colon, with an example; empty: nothing
   std::unique_ptr<LinuxBus> (*make)(const std::string& where, const BusSettings& settings) = nullptr;
-  std::size_t max_where = 4096;      // characters
-  const char* no_answers = nullptr;  // why nodes cannot be asked over it
-  const char* no_device = nullptr;   // why a device cannot be played on it
-  bool makes_terminal = false;       // it says the name of its terminal once it is open
-  bool comes_back = false;           // after it was down
+  std::size_t max_where = std::string::npos;  // characters
+  const char* no_answers = nullptr;           // why nodes cannot be asked over it
+  const char* no_device = nullptr;            // why a device cannot be played on it
+  bool makes_terminal = false;                // it says the name of its terminal once it is open
+  bool comes_back = false;                    // after it was down
   bool is_file = false;
 };
 

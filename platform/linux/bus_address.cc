@@ -84,7 +84,7 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
     return std::nullopt;
   }
   if (where.size() > backend->max_where) {
-    error.append("what follows ").append(name).append(": has at most ");
+    error.append(name).append(": is followed by ").append(backend->where).append("; at most ");
     error += std::to_string(backend->max_where) + " characters";
     return std::nullopt;
   }

@@ -124,7 +124,7 @@ template <class V>
 void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig& j) {
   visit_name(v, "name of the joint: columns of traces start with it", j.name);
   std::size_t kind = static_cast<std::size_t>(j.kind) - 1;
-  const std::string meaning = "what the child may do against the parent: " + joint_kind_meanings();
+  static const std::string meaning = "what the child may do against the parent: " + joint_kind_meanings();
   v.one_of(Key{"kind", "", meaning}, joint_kind_names(), kind);
   j.kind = static_cast<JointKind>(kind + 1);
   visit_joint_ends(v, bodies, j);

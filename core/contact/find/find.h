@@ -144,7 +144,8 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       Pack d;
       Vector3<Pack> n_W;
       if (shape.kind == ShapeKind::plane) {
-        found_all(sought & near_plane(shape, R_WS, pack, d, n_W), d, n_W);
+        const std::uint32_t hits = sought & near_plane(shape, R_WS, pack, d, n_W);
+        found_all(hits, d, n_W);
         continue;
       }
       if (on_a.has_surfaces() && shape.kind == ShapeKind::box) {

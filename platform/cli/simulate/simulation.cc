@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "hal/canopen/canopen.h"
+#include "hal/drive/link.h"
 #include "platform/simulated/session.h"
 
 namespace godobject {
@@ -85,12 +86,20 @@ void Simulation::clear_faults() noexcept {
 void Simulation::take_frames() noexcept {
   CanFrame frame;
   std::uint8_t counter = 0;
-  for (BusBridge& bridge : bridges_) {
-    while (bridge.try_take(frame)) {
+  for (std::size_t i = 0; i < bridges_.size(); ++i) {
+    while (bridges_[i].try_take(frame)) {
       if (canopen::parse_sync(frame, counter) == ParseResult::ok) on_sync();
-      bridge.deliver(frame);
+      watch_commands(buses_[i].wire, frame);
+      bridges_[i].deliver(frame);
     }
   }
+}
+
+void Simulation::watch_commands(std::size_t bus, const CanFrame& frame) noexcept {
+  const std::uint8_t node = bus_protocol(protocol_of_bus(params_, bus)).commanded(frame);
+  for (std::size_t i = 0; i < motors_.size(); ++i)
+    if (params_.drives[i].bus == bus && params_.drives[i].node_id == node)
+      motors_[i].t_commanded_s = seconds(now_ns_);
 }
 
 // Positions are those of the time of the SYNC; that of the next bus, which follows at once, changes nothing.
@@ -162,7 +171,8 @@ nlohmann::ordered_json Simulation::to_json() const {
                              {"joint", params_.drives[i].joint},
                              {"torque_Nm", motors_[i].torque_Nm},
                              {"max_torque_Nm", motors_[i].max_torque_Nm},
-                             {"nonzero_at_s", motors_[i].t_nonzero_s}});
+                             {"nonzero_at_s", motors_[i].t_nonzero_s},
+                             {"commanded_at_s", motors_[i].t_commanded_s}});
   out["trackers"] = json::array();
   for (const std::unique_ptr<TrackerLine>& tracker : trackers_)
     out["trackers"].push_back({{"name", tracker->name()},

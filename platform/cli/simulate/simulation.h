@@ -31,6 +31,7 @@ struct MotorWatch {
   double torque_Nm = 0;
   double max_torque_Nm = 0;  // largest absolute value so far
   double t_nonzero_s = 0;    // when it last was not zero, of simulated time
+  double t_commanded_s = 0;  // when a command of the host for this drive last came
 };
 
 class Simulation {
@@ -64,6 +65,7 @@ class Simulation {
   nlohmann::ordered_json faults_json() const;
   void take_frames() noexcept;
   void on_sync() noexcept;
+  void watch_commands(std::size_t bus, const CanFrame& frame) noexcept;
   void run_plant() noexcept;
   void watch_motors() noexcept;
 
