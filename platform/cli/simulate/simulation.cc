@@ -118,9 +118,10 @@ void Simulation::run_plant() noexcept {
 void Simulation::watch_motors() noexcept {
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     MotorWatch& motor = motors_[i];
+    const bool had_torque = motor.torque_Nm != 0;
     motor.torque_Nm = rig_->applied_torque_Nm(i);
     motor.max_torque_Nm = std::max(motor.max_torque_Nm, std::abs(motor.torque_Nm));
-    if (motor.torque_Nm != 0) motor.t_nonzero_s = seconds(now_ns_);
+    if (motor.torque_Nm != 0 || had_torque) motor.t_nonzero_s = seconds(now_ns_);
   }
 }
 

@@ -30,7 +30,7 @@ struct OfferedBus {
 struct MotorWatch {
   double torque_Nm = 0;
   double max_torque_Nm = 0;  // largest absolute value so far
-  double t_nonzero_s = 0;    // when it last was not zero, of simulated time
+  double t_nonzero_s = 0;    // until when it was not zero, at the latest; of simulated time
   double t_commanded_s = 0;  // when a command of the host for this drive last came
 };
 
