@@ -25,9 +25,8 @@ bool standard_output_is_complete() {
   return complete;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// Throws where something is defective or out of memory.
+godobject::ExitCode run(int argc, char** argv) {
   using godobject::ExitCode;
   ExitCode code = ExitCode::ok;
   CLI::App app("A tool in a simulated scene, pulled to a tracked device by a damped spring.", "godobject");
@@ -45,13 +44,21 @@ int main(int argc, char** argv) {
     }
   } catch (const CLI::ParseError& error) {
     code = app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+  }
+  return standard_output_is_complete() ? code : std::max(code, ExitCode::fault);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using godobject::ExitCode;
+  ExitCode code = ExitCode::not_available;
+  try {
+    code = run(argc, argv);
   } catch (const std::bad_alloc&) {
     std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
-    code = ExitCode::not_available;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "a defect of the program: %s\n", error.what());
-    code = ExitCode::not_available;
   }
-  if (!standard_output_is_complete()) code = std::max(code, ExitCode::fault);
   return static_cast<int>(code);
 }

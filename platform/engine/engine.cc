@@ -2,29 +2,20 @@
 
 #include <algorithm>
 #include <functional>
-#include <optional>
 
 #include "platform/engine/of.h"
 
 namespace godobject {
 namespace {
 
-/// Adding a composition: one file engine_<what>.cc and one line here.
+/// Adding a composition: one file, its line in of.h and one here.
 std::vector<CompositionRow> table() {
   std::vector<CompositionRow> rows;
-  add_free(rows);
-  add_pose(rows);
-  add_haptic(rows);
-  add_holding(rows);
-  add_relative(rows);
-  add_admittance(rows);
-  add_free_joints(rows);
-  add_pose_joints(rows);
-  add_haptic_joints(rows);
-  add_haptic_stops(rows);
-  add_free_contacts(rows);
-  add_pose_contacts(rows);
-  add_haptic_contacts(rows);
+  add_rigid(rows);
+  add_joints(rows);
+  add_chains(rows);
+  add_contacts(rows);
+  add_joints_contacts(rows);
   add_touching(rows);
   add_touching_joints(rows);
   std::stable_sort(rows.begin(), rows.end(), [](const CompositionRow& a, const CompositionRow& b) {
@@ -33,36 +24,16 @@ std::vector<CompositionRow> table() {
   return rows;
 }
 
-bool is_haptic(const FeedbackConfig& f) {
-  return f.stiffness > 0 || f.damping > 0 || f.rotational_stiffness > 0 || f.rotational_damping > 0;
-}
-
-bool gives_a_pose(DeviceKind kind) { return kind == DeviceKind::impedance || kind == DeviceKind::non_haptic; }
-
-/// What a scene asks of a composition.
+/// What a scene asks of a composition: each has all that couplings, feedback and devices need.
 struct Needs {
-  bool coupling = false, feedback = false, joints = false, stops = false, imposed = false;
-  std::optional<DeviceKind> kind;  // absent: no device
+  bool joints = false;
   ContactScope contacts = ContactScope::none;
   ContactCounts counts;  // of them
-  bool holding = false;  // by its pose
 };
 
 Needs needs_of(const SceneConfig& scene) {
-  const auto any_body = [&](auto has) { return std::ranges::any_of(scene.bodies, has); };
-  const auto any_joint = [&](auto has) { return std::ranges::any_of(scene.joints, has); };
-  const DeviceKind kind = scene.device ? scene.device->kind : DeviceKind::non_haptic;
-  Needs needs;
-  needs.coupling = any_body([](const BodyConfig& b) { return b.coupling.has_value(); });
-  needs.feedback = kind != DeviceKind::non_haptic &&
-                   any_body([](const BodyConfig& b) { return b.feedback && is_haptic(*b.feedback); });
-  needs.joints = !scene.joints.empty();
-  needs.stops = any_joint([](const JointConfig& j) { return !j.stops.empty(); });
-  needs.imposed = any_joint([](const JointConfig& j) { return j.imposed; });
-  needs.contacts = contact_scope(scene);
+  Needs needs{.joints = !scene.joints.empty(), .contacts = contact_scope(scene), .counts = {}};
   if (needs.contacts != ContactScope::none) needs.counts = contact_counts(scene);
-  if (needs.coupling || needs.imposed || kind == DeviceKind::admittance) needs.kind = kind;
-  needs.holding = takes_hold(scene) && gives_a_pose(kind);
   return needs;
 }
 
@@ -78,14 +49,8 @@ bool has_room_for(const Composition& c, const Needs& needs, const SceneConfig& s
 
 /// All but numbers of things.
 bool has_parts_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
-  if (c.integrator != scene.integrator) return false;
-  if (needs.kind) {
-    const bool same_kind = gives_a_pose(*needs.kind) ? gives_a_pose(c.kind) : c.kind == *needs.kind;
-    if (!c.device || !same_kind || c.holding != needs.holding) return false;
-  }
-  return covers(c.contacts, needs.contacts) && (c.coupling || !needs.coupling) &&
-         (c.feedback || !needs.feedback) && (c.joints || !needs.joints) && (c.stops || !needs.stops) &&
-         (c.imposed || !needs.imposed);
+  return c.integrator == scene.integrator && covers(c.contacts, needs.contacts) &&
+         (c.joints || !needs.joints);
 }
 
 /// Which of the scene's numbers no candidate has room for, and the largest room there is.
@@ -122,15 +87,7 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   const auto add = [&](bool needed, const std::string& what) {
     if (needed) parts += (parts.empty() ? "" : ", ") + what;
   };
-  add(needs.kind.has_value(),
-      std::string("a device of kind '") +
-          device_kind_names[static_cast<std::size_t>(needs.kind.value_or(DeviceKind::non_haptic))] + "'");
-  add(needs.holding, "that takes hold of bodies");
-  add(needs.coupling, "couplings");
-  add(needs.feedback, "feedback");
   add(needs.joints, "joints");
-  add(needs.stops, "stops");
-  add(needs.imposed, "imposed joints");
   add(needs.contacts == ContactScope::obstacles, "contacts with obstacles");
   add(needs.contacts == ContactScope::bodies, "contacts between bodies");
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +

@@ -1,8 +1,8 @@
 // A compiled composition of the core behind one virtual call a step, for programs that choose the scene
 // at run time. A product with one scene calls godobject::step on its own scene type instead.
 //
-// The room: of.h makes an engine of a scene type; a file a family of compositions; contact_params.h and joint_params.h
-// turn a scene's values into the core's.
+// The room: tool.h is their scene type, with any device (any_device.h), of.h makes an engine of it; a file a pair of
+// compositions; contact_params.h turns a scene's contacts into the core's.
 #pragma once
 
 #include <memory>
@@ -63,13 +63,10 @@ struct PartBytes {
 
 /// The parts of a composition and what they cost.
 struct Composition {
-  std::string name;  // "haptic-1 tr-bdf2"
+  std::string name;  // "rigid-1 tr-bdf2"
   std::string integrator;
   std::size_t max_bodies = 0;
-  bool device = false, coupling = false, feedback = false;
-  bool joints = false, stops = false, imposed = false;
-  DeviceKind kind = DeviceKind::non_haptic;  // meaningful with a device
-  bool holding = false;                      // of a pose device: it takes hold of bodies
+  bool joints = false;  // with all that they can have
   ContactScope contacts = ContactScope::none;
   std::size_t max_spheres = 0, max_surfaces = 0, max_contacts = 0;
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;

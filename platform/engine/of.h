@@ -3,26 +3,46 @@
 
 #include "core/contact/fixed.h"
 #include "core/godobject.h"
+#include "platform/engine/any_device.h"
 #include "platform/engine/contact_params.h"
 #include "platform/engine/engine.h"
 #include "platform/scene/joint_params.h"
 
 namespace godobject {
 
-/// The device part's own input from the general sample.
-inline void set_input(const BodySample& sample, const Target&, PoseDevice::Input& in) noexcept {
-  in = {.X_WD = sample.X_WD, .V_WD = sample.V_WD, .valid = sample.valid, .engaged = sample.engaged};
-}
-inline void set_input(const BodySample& sample, const Target& before, RelativeDevice::Input& in) noexcept {
+/// A relative device's change of pose.
+inline RelativeDevice::Input increment(const BodySample& sample, const Target& before) noexcept {
   const RotationError turn = rotation_error(before.X_WD.q, sample.X_WD.q, Vec3::Zero());
-  in = {.dp_W = sample.X_WD.p - before.X_WD.p,
-        .dphi_W = to_world(before.X_WD.q, turn.phi_B),
-        .clutch = sample.clutch,
-        .valid = sample.valid,
-        .engaged = sample.engaged};
+  return {.dp_W = sample.X_WD.p - before.X_WD.p,
+          .dphi_W = to_world(before.X_WD.q, turn.phi_B),
+          .clutch = sample.clutch,
+          .valid = sample.valid,
+          .engaged = sample.engaged};
 }
-inline void set_input(const BodySample& sample, const Target&, AdmittanceDevice::Input& in) noexcept {
-  in = {.F_WB = sample.F_WB, .valid = sample.valid, .engaged = sample.engaged};
+
+/// What a kind of device reads of the general sample.
+inline void set_input(AnyDevice::Kind kind, const BodySample& sample, const Target& before,
+                      AnyDevice::Input& in) noexcept {
+  switch (kind) {
+    case AnyDevice::Kind::pose:
+    case AnyDevice::Kind::holding:
+      in.pose = {.X_WD = sample.X_WD, .V_WD = sample.V_WD, .valid = sample.valid, .engaged = sample.engaged};
+      return;
+    case AnyDevice::Kind::relative: in.relative = increment(sample, before); return;
+    case AnyDevice::Kind::admittance:
+      in.admittance = {.F_WB = sample.F_WB, .valid = sample.valid, .engaged = sample.engaged};
+      return;
+  }
+}
+
+inline AnyDevice::Kind kind_of(const SceneConfig& scene) noexcept {
+  switch (scene.device ? scene.device->kind : DeviceKind::non_haptic) {
+    case DeviceKind::impedance:
+    case DeviceKind::non_haptic: break;
+    case DeviceKind::relative: return AnyDevice::Kind::relative;
+    case DeviceKind::admittance: return AnyDevice::Kind::admittance;
+  }
+  return takes_hold(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
 }
 
 inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
@@ -60,7 +80,7 @@ inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
 }
 
 inline Real ramp_of(const SceneConfig& scene, const LimitConfig& limits) {
-  if (scene.coupling == CouplingMode::imposed) return 0;
+  if (!scene.device || scene.coupling == CouplingMode::imposed) return 0;
   return takes_hold(scene) ? limits.grab_ramp : limits.ramp;
 }
 
@@ -74,22 +94,17 @@ Params<S> params_of(const SceneConfig& scene) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const BodyConfig& body = scene.bodies[i];
     par.bodies[i].body = rigid_body(body.mass, body.inertia);
-    if constexpr (uses<typename S::Coupling>) {
-      const bool imposed = scene.coupling == CouplingMode::imposed && body.coupling;
-      par.bodies[i].coupling =
-          imposed ? rigid_spring(par.bodies[i].body, par.h) : spring_params(body.coupling);
-    }
-    if constexpr (uses<typename S::Feedback>) {
-      par.bodies[i].feedback = {.gains = spring_params(body.feedback),
-                                .max_force = limits.force,
-                                .max_torque = limits.torque,
-                                .max_force_rate = limits.force_rate,
-                                .max_torque_rate = limits.torque_rate};
-    }
-    if constexpr (uses<typename S::Device>) {
-      par.bodies[i].device.rise = ramp_of(scene, limits);
-      if (scene.device && scene.device->rig) par.bodies[i].device.stale = scene.device->rig->stale_after_s;
-    }
+    const bool imposed = scene.coupling == CouplingMode::imposed && body.coupling;
+    par.bodies[i].coupling = imposed ? rigid_spring(par.bodies[i].body, par.h) : spring_params(body.coupling);
+    const bool shows = scene.device && shows_force(scene.device->kind);
+    par.bodies[i].feedback = {.gains = shows ? spring_params(body.feedback) : SpringParams{},
+                              .max_force = limits.force,
+                              .max_torque = limits.torque,
+                              .max_force_rate = limits.force_rate,
+                              .max_torque_rate = limits.torque_rate};
+    par.bodies[i].device.kind = kind_of(scene);
+    par.bodies[i].device.rise = ramp_of(scene, limits);
+    if (scene.device && scene.device->rig) par.bodies[i].device.stale = scene.device->rig->stale_after_s;
   }
   if constexpr (uses<typename S::Joints>) {
     for (const JointConfig& joint : scene.joints)
@@ -115,15 +130,14 @@ class EngineOf final : public Engine {
     }
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       place(x_, i, {.X_WB = scene.bodies[i].X_WB, .V_WB = scene.bodies[i].V_WB});
-      if constexpr (uses<typename S::Device>) {
-        const Target sample{.X_WD = at_start[i].X_WD, .V_WD = at_start[i].V_WD};
-        before_[i] = sample;
-        const bool absolute = std::is_same_v<typename S::Device, PoseDevice>;
-        engage_at(x_, i, absolute ? sample : Target{.X_WD = scene.bodies[i].X_WB, .V_WD = {}});
-        const bool holding = std::is_same_v<typename S::Device, HoldingDevice>;  // captures in its first step
-        const bool at_once = par_.bodies[i].device.rise == 0 && at_start[i].engaged && !holding;
-        if (!at_once) x_.bodies[i].device.ramp = {};
-      }
+      const AnyDevice::Params& device = par_.bodies[i].device;
+      const Target sample{.X_WD = at_start[i].X_WD, .V_WD = at_start[i].V_WD};
+      before_[i] = sample;
+      const bool absolute = device.kind == AnyDevice::Kind::pose;
+      engage_at(x_, i, absolute ? sample : Target{.X_WD = scene.bodies[i].X_WB, .V_WD = {}});
+      const bool captures = device.kind == AnyDevice::Kind::holding;  // in its first step
+      const bool at_once = device.rise == 0 && at_start[i].engaged && !captures;
+      if (!at_once) x_.bodies[i].device.ramp = {};
     }
     if constexpr (imposes<S>) {
       for (const JointConfig& joint : scene.joints)
@@ -134,12 +148,10 @@ class EngineOf final : public Engine {
   const Composition& composition() const noexcept override { return composition_; }
 
   StepReport step(std::span<const BodySample> samples) noexcept override {
-    if constexpr (uses<typename S::Device>) {
-      for (std::size_t i = 0; i < par_.num_bodies; ++i) {
-        set_input(samples[i], before_[i], in_.devices[i]);
-        if (samples[i].valid) before_[i] = {.X_WD = samples[i].X_WD, .V_WD = samples[i].V_WD};
-        if constexpr (imposes<S>) in_.joints[i] = samples[i].joint;
-      }
+    for (std::size_t i = 0; i < par_.num_bodies; ++i) {
+      set_input(par_.bodies[i].device.kind, samples[i], before_[i], in_.devices[i]);
+      if (samples[i].valid) before_[i] = {.X_WD = samples[i].X_WD, .V_WD = samples[i].V_WD};
+      if constexpr (imposes<S>) in_.joints[i] = samples[i].joint;
     }
     godobject::step(par_, in_, x_, w_, out_);
     StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}};
@@ -148,36 +160,30 @@ class EngineOf final : public Engine {
   }
 
   void pass_time(double s) noexcept override {
-    if constexpr (uses<typename S::Device>)
-      for (std::size_t i = 0; i < par_.num_bodies; ++i) godobject::pass_time(x_.bodies[i].device, s, par_.h);
+    for (std::size_t i = 0; i < par_.num_bodies; ++i) godobject::pass_time(x_.bodies[i].device, s, par_.h);
   }
 
   BodyView view(std::size_t i) const noexcept override {
     BodyView v{.X_WB = x_.bodies[i].x.X_WB,
                .V_WB = {.w = to_world(x_.bodies[i].x.X_WB.q, x_.bodies[i].x.w_B), .v = x_.bodies[i].x.v_W},
-               .target = {},
+               .target = x_.bodies[i].device.last,
                .feedback_D = feedback(i),
-               .coupling_B = {},
+               .coupling_B = coupling_wrench(par_, x_, i),
                .joint_C = {},
                .contact_W = {}};
-    if constexpr (uses<typename S::Device>) v.target = x_.bodies[i].device.last;
-    if constexpr (uses<typename S::Coupling>) v.coupling_B = coupling_wrench(par_, x_, i);
     if constexpr (uses<typename S::Joints>) v.joint_C = out_.bodies[i].joint.F_C;
     if constexpr (uses<ContactsOf<S>>) v.contact_W = out_.bodies[i].contact.F_W;
     return v;
   }
 
-  Wrench feedback(std::size_t i) const noexcept override {
-    if constexpr (uses<typename S::Feedback>) return out_.bodies[i].feedback.F_D;
-    return {};
-  }
+  Wrench feedback(std::size_t i) const noexcept override { return out_.bodies[i].feedback.F_D; }
 
   double energy() const noexcept override {
     double e = 0;
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       e += kinetic_energy(par_.bodies[i].body, x_.bodies[i].x);
       e -= par_.bodies[i].body.m * par_.gravity_W.dot(x_.bodies[i].x.X_WB.p);
-      if constexpr (uses<typename S::Coupling>) e += coupling_energy(par_, x_, i);
+      e += coupling_energy(par_, x_, i);
     }
     if constexpr (uses<ContactsOf<S>>) {
       each_contact([&](const NearContact& near, const ContactMemory& contact) {
@@ -240,14 +246,7 @@ struct CompositionRow {
 };
 
 template <Scene S>
-constexpr bool stops_of() noexcept {
-  if constexpr (uses<typename S::Joints>) return uses<typename S::Joints::Stops>;
-  return false;
-}
-
-template <Scene S>
 std::vector<PartBytes> parts_of() {
-  using Device = typename S::Device;
   using Joints = typename S::Joints;
   using Memory = typename S::Integrator::Memory;
   constexpr std::size_t N = S::max_bodies;
@@ -255,27 +254,23 @@ std::vector<PartBytes> parts_of() {
   const auto add = [&](const char* name, std::size_t params, std::size_t state, std::size_t scratch) {
     parts.push_back({name, N * params, N * state, scratch});
   };
-  const auto add_slot = [&]<class Part>(const char* name, const Part*) {
-    if constexpr (uses<Part>) add(name, sizeof(typename Part::Params), sizeof(typename Part::State), 0);
-  };
   using W = Scratch<S>;
   constexpr std::size_t stage = sizeof(W::next) + sizeof(W::bases) + sizeof(W::velocities);
   constexpr std::size_t targets = sizeof(W::pulls) + sizeof(W::inside);
-  add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState), stage + (uses<Device> ? 0 : targets));
+  add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState), stage);
   if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory), 0);
-  if constexpr (uses<Device>)
-    add("device", sizeof(typename Device::Params), sizeof(typename Device::State), targets);
+  add("device", sizeof(AnyDevice::Params), sizeof(AnyDevice::State), targets);
   if constexpr (uses<Joints>) {
-    const std::size_t stops = stops_of<S>() ? sizeof(typename Joints::Stops::Params) : 0;
     add("joints", sizeof(typename TreeJoints<>::Params), 0, sizeof(W::tree));
-    if (stops > 0) add("joint stops", stops, 0, 0);
-    if constexpr (imposes<S>)
+    if constexpr (imposes<S>) {
+      add("joint stops", sizeof(typename Joints::Stops::Params), 0, 0);
       add("imposed joints",
           sizeof(typename Joints::Params) - sizeof(typename TreeJoints<typename Joints::Stops>::Params),
           sizeof(typename Joints::State), sizeof(W::leads));
+    }
   }
-  add_slot("coupling", static_cast<const typename S::Coupling*>(nullptr));
-  add_slot("feedback", static_cast<const typename S::Feedback*>(nullptr));
+  add("coupling", sizeof(typename S::Coupling::Params), sizeof(typename S::Coupling::State), 0);
+  add("feedback", sizeof(typename S::Feedback::Params), sizeof(typename S::Feedback::State), 0);
   if constexpr (uses<ContactsOf<S>>)
     parts.push_back(
         {"contacts", sizeof(Params<S>::contacts), sizeof(State<S>::contacts), sizeof(W::contacts)});
@@ -295,18 +290,11 @@ Invalid check(const SceneConfig& scene) {
 }
 
 template <Scene S>
-CompositionRow row(const std::string& name, DeviceKind kind) {
+CompositionRow row(const std::string& name) {
   Composition c{.name = name + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
                 .integrator = S::Integrator::name,
                 .max_bodies = S::max_bodies,
-                .device = uses<typename S::Device>,
-                .coupling = uses<typename S::Coupling>,
-                .feedback = uses<typename S::Feedback>,
-                .joints = uses<typename S::Joints>,
-                .stops = stops_of<S>(),
-                .imposed = imposes<S>,
-                .kind = kind,
-                .holding = std::is_same_v<typename S::Device, HoldingDevice>,
+                .joints = imposes<S>,
                 .contacts = scope_of<S>(),
                 .params_bytes = sizeof(Params<S>),
                 .state_bytes = sizeof(State<S>),
@@ -323,32 +311,13 @@ CompositionRow row(const std::string& name, DeviceKind kind) {
           [](const SceneConfig& scene) { return check<S>(scene); }};
 }
 
-// One file each: sim/engine_<what>.cc.
-void add_free(std::vector<CompositionRow>& table);
-void add_pose(std::vector<CompositionRow>& table);
-void add_haptic(std::vector<CompositionRow>& table);
-void add_holding(std::vector<CompositionRow>& table);
-void add_relative(std::vector<CompositionRow>& table);
-void add_admittance(std::vector<CompositionRow>& table);
-void add_free_joints(std::vector<CompositionRow>& table);
-void add_pose_joints(std::vector<CompositionRow>& table);
-void add_haptic_joints(std::vector<CompositionRow>& table);
-void add_haptic_stops(std::vector<CompositionRow>& table);
-void add_free_contacts(std::vector<CompositionRow>& table);
-void add_pose_contacts(std::vector<CompositionRow>& table);
-void add_haptic_contacts(std::vector<CompositionRow>& table);
+// One file each.
+void add_rigid(std::vector<CompositionRow>& table);
+void add_joints(std::vector<CompositionRow>& table);
+void add_chains(std::vector<CompositionRow>& table);
+void add_contacts(std::vector<CompositionRow>& table);
+void add_joints_contacts(std::vector<CompositionRow>& table);
 void add_touching(std::vector<CompositionRow>& table);
 void add_touching_joints(std::vector<CompositionRow>& table);
-
-/// Adds the scene with both integrators and all capacities.
-template <template <class, std::size_t> class SceneOf>
-void add_all(std::vector<CompositionRow>& table, const char* name, DeviceKind kind) {
-  table.push_back(row<SceneOf<ImplicitEuler, 1>>(name, kind));
-  table.push_back(row<SceneOf<ImplicitEuler, 2>>(name, kind));
-  table.push_back(row<SceneOf<ImplicitEuler, 8>>(name, kind));
-  table.push_back(row<SceneOf<TrBdf2, 1>>(name, kind));
-  table.push_back(row<SceneOf<TrBdf2, 2>>(name, kind));
-  table.push_back(row<SceneOf<TrBdf2, 8>>(name, kind));
-}
 
 }  // namespace godobject

@@ -1,9 +1,11 @@
-#include <sanitizer/allocator_interface.h>
-
 #include <cstdio>
 #include <cstdlib>
 
 #include "tests/fuzz/decode.h"
+
+// As sanitizer/allocator_interface.h declares it, which comes with clang alone. NOLINTNEXTLINE(bugprone-reserved-identifier)
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),
+                                                         void (*on_free)(const volatile void*));
 
 namespace godobject::fuzz {
 namespace {

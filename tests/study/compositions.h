@@ -1,6 +1,6 @@
-// The scenes the study measures: the compositions of the program (sim/engine_*.cc) by the same names, and
-// "device", which has no coupling, so that each part can be told from the next. The articulated ones also with each
-// part of the joints by itself, and with each stabilisation.
+// The scenes the study measures: each has one part more than the one before it, so that each part can be told from the
+// next ("device" has no coupling). The articulated ones also with each part of the joints by itself, and with each
+// stabilisation.
 #pragma once
 
 #include "core/contact/bodies.h"

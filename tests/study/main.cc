@@ -49,29 +49,21 @@ study::StudyOptions study_options(const StudyArguments& a) {
   return options;
 }
 
-int run(const StudyArguments& a) {
+int run_parts(const StudyArguments& a) {
   if (!a.report.empty() && a.part != "all") {
     std::fprintf(stderr, "--report needs the results of all parts: godobject-study all --report ...\n");
     return 2;
   }
-  try {
-    const study::StudyResults results = run_study(
-        study_options(a), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
-    for (const std::string& note : results.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "study: %s\n", error.what());
-    return 1;
-  }
+  const study::StudyResults results = run_study(
+      study_options(a), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
+  for (const std::string& note : results.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   std::printf("results in %s\n", a.out.c_str());
   if (!a.report.empty()) std::printf("report in %s\n", a.report.c_str());
   return 0;
 }
 
-}  // namespace
-}  // namespace godobject
-
-int main(int argc, char** argv) {
-  godobject::StudyArguments arguments;
+int run(int argc, char** argv) {
+  StudyArguments arguments;
   CLI::App app("Measure error against run time, stability, footprint, joints and contacts.",
                "godobject-study");
   app.add_option("PART", arguments.part, "error, stability, footprint, joints, contacts or all (default)")
@@ -84,5 +76,17 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  return godobject::run(arguments);
+  return run_parts(arguments);
+}
+
+}  // namespace
+}  // namespace godobject
+
+int main(int argc, char** argv) {
+  try {
+    return godobject::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "study: %s\n", error.what());
+    return 1;
+  }
 }

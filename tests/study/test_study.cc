@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "platform/engine/engine.h"
 #include "tests/study/tool.h"
 
 namespace godobject::study::test_study {
@@ -169,21 +168,6 @@ std::vector<FootprintRow> quick_footprint(const fs::path& counted) {
   InstructionCounter counter(counted.string());
   std::string why_not;
   return study_footprint(default_probe_directory(), true, counter, say_nothing, why_not);
-}
-
-TEST(FootprintStudy, AgreesWithTheProgramsCompositions) {
-  const std::vector<FootprintRow> rows = quick_footprint({});
-  if (rows.empty()) GTEST_SKIP() << "target godobject_probe is not built";
-  int num_shared = 0;
-  for (const Composition& c : compositions()) {
-    const FootprintRow* const r = find(rows, c.name);
-    if (r == nullptr) continue;
-    ++num_shared;
-    EXPECT_EQ(r->params_bytes, c.params_bytes) << c.name;
-    EXPECT_EQ(r->state_bytes, c.state_bytes) << c.name;
-    EXPECT_EQ(r->scratch_bytes, c.scratch_bytes) << c.name;
-  }
-  EXPECT_EQ(num_shared, 10);  // 5 scenes with 2 integrators
 }
 
 TEST(FootprintStudy, LeavingAPartOutLeavesItsDataAndCodeOut) {

@@ -358,7 +358,7 @@ TEST_F(CliRun, CheckSaysInADozenLinesWhatRuns) {
   const ProgramResult lines = run_program("check " + rigid, "sh -c 'exec \"$0\" \"$@\" 2> /dev/null' ");
   EXPECT_LE(std::ranges::count(lines.output, '\n'), 18) << lines.output;
   for (const char* part :
-       {"'rigid', 1 body", "'haptic-1 tr-bdf2'", "10 s in steps of 0.001 s", "6 encoders, 3 drives",
+       {"'rigid', 1 body", "'rigid-1 tr-bdf2'", "10 s in steps of 0.001 s", "6 encoders, 3 drives",
         "5 N, 0.2 N m", "can0: load 63.0 % at worst", "above 50 %", "--full"})
     EXPECT_THAT(result.output, HasSubstr(part));
   EXPECT_EQ(run_program("check --quiet sim/scenes/s1.toml").output, "");
@@ -368,7 +368,7 @@ TEST_F(CliRun, CheckPrintsConfigurationPartsBytesAndBusLoad) {
   const ProgramResult result = run_program("check --full " + rigid);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const char* part :
-       {"[scene]", "damping", "composition 'haptic-1 tr-bdf2'", "coupling", "feedback", "scratch", "total",
+       {"[scene]", "damping", "composition 'rigid-1 tr-bdf2'", "coupling", "feedback", "scratch", "total",
         "compiled in", "bus can0", "bus can1", "0x181", "worst case", "above 50 %"})
     EXPECT_THAT(result.output, HasSubstr(part));
 }
@@ -381,7 +381,7 @@ TEST_F(CliRun, CheckPrintsCapacitiesAndTheTopSpeedOfContacts) {
       "1e7\n";
   const ProgramResult result = run_program("check --full " + write("foil.toml", scene));
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  for (const char* part : {"composition 'free-contacts-1 implicit-euler'", "capacities used", "1 of 64",
+  for (const char* part : {"composition 'contacts-1 implicit-euler'", "capacities used", "1 of 64",
                            "top speed at which nothing passes anything: 1.5 m/s", "warning: ",
                            "foil.toml: above 1.5 m/s", "sphere of body 'ball' and obstacle 'foil'"})
     EXPECT_THAT(result.output, HasSubstr(part));

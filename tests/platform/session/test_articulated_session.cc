@@ -24,21 +24,54 @@ TEST(ArticulatedEngine, SmallestCompositionThatCoversTheSceneIsTaken) {
     const std::unique_ptr<Engine> engine = make_engine(scene, samples, why_not);
     return engine ? engine->composition().name : why_not;
   };
-  SceneConfig scene = load_shipped("chain.toml");
-  EXPECT_EQ(composition(scene), "free-joints-8 tr-bdf2");
-  scene.joints.front().kind = JointKind::hinge;
-  scene.joints.front().stops.push_back(
-      {.coordinate = "x", .lower = 0, .upper = 1, .stiffness = 1, .width = 1});
-  EXPECT_EQ(composition(scene), "free-joints-stops-8 tr-bdf2");
+  SceneConfig scene = load_shipped("rigid.toml");
+  EXPECT_EQ(composition(scene), "rigid-1 tr-bdf2");
+  scene = load_shipped("chain.toml");
+  EXPECT_EQ(composition(scene), "joints-8 tr-bdf2");
+  scene.bodies.resize(9, scene.bodies.back());
+  EXPECT_EQ(composition(scene), "joints-256 tr-bdf2");
   scene.bodies.resize(300, scene.bodies.back());
   EXPECT_THAT(composition(scene),
-              AllOf(HasSubstr("joints, stops"), HasSubstr("300 bodies"), HasSubstr("holds 8")));
-  EXPECT_EQ(composition(load_shipped("scissors-imposed.toml")), "haptic-joints-stops-imposed-8 tr-bdf2");
-  EXPECT_EQ(composition(load_shipped("reference/grasper.toml")), "pose-joints-8 tr-bdf2");
-  scene = load_shipped("scissors-imposed.toml");
-  scene.device->kind = DeviceKind::relative;
-  EXPECT_THAT(composition(scene), AllOf(HasSubstr("no compiled composition"), HasSubstr("'relative'"),
-                                        HasSubstr("imposed joints")));
+              AllOf(HasSubstr("joints"), HasSubstr("300 bodies"), HasSubstr("holds 256")));
+  EXPECT_EQ(composition(load_shipped("scissors-imposed.toml")), "joints-8 tr-bdf2");
+  EXPECT_EQ(composition(load_shipped("organ.toml")), "joints-contacts-8 tr-bdf2");
+  EXPECT_EQ(composition(load_shipped("grasp.toml")), "joints-touching-64 implicit-euler");
+  scene = load_shipped("grasp.toml");
+  scene.integrator = "tr-bdf2";
+  EXPECT_THAT(composition(scene),
+              AllOf(HasSubstr("no compiled composition"), HasSubstr("joints, contacts between bodies"),
+                    HasSubstr("there is one with integrator 'implicit-euler'")));
+}
+
+/// The device's kind is nothing that joints depend on: a mouse may lead scissors, too.
+TEST(ArticulatedEngine, FollowsDevicesOfEveryKind) {
+  const Vec3 way(0.01, 0, 0);
+  const double stiffness = 100;
+  for (const char* kind : {"non-haptic", "impedance", "relative", "admittance"}) {
+    const LoadResult loaded = parse_tool(
+        body("handle",
+             "[body.coupling]\nstiffness = 100.0\ndamping_ratio = 1.0\nrotational_stiffness = 0.1\n"
+             "rotational_damping_ratio = 1.0\n") +
+        body("blade", "position = [0.1, 0.0, 0.0]\n") +
+        joint("hinge", "hinge", "handle", "blade",
+              "parent_position = [0.05, 0.0, 0.0]\nchild_position = [-0.05, 0.0, 0.0]\n") +
+        "[device]\nname = \"arm\"\nkind = \"" + kind + "\"\n");
+    ASSERT_TRUE(loaded.scene) << loaded.errors.front();
+    std::vector<BodySample> samples(2);
+    std::string why_not;
+    const std::unique_ptr<Engine> engine = make_engine(*loaded.scene, samples, why_not);
+    ASSERT_TRUE(engine) << why_not;
+    const auto steps = [&](int count) {
+      for (int i = 0; i < count; ++i) EXPECT_EQ(engine->step(samples).fault, Fault::none);
+    };
+    steps(1000);  // engaged
+    samples[0].X_WD.p += way;
+    samples[0].F_WB.f =
+        stiffness * way;  // of an admittance device: against the spring to where it was engaged
+    steps(2000);
+    for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
+      EXPECT_NEAR((engine->view(i).X_WB.p - loaded.scene->bodies[i].X_WB.p - way).norm(), 0, 1e-6) << kind;
+  }
 }
 
 TEST(ArticulatedEngine, ParametersTheCoreDoesNotTakeAreRefused) {
@@ -205,7 +238,7 @@ TEST(ArticulatedSession, ChainOf256LinksHoldsTogetherAndReadsBack) {
   EXPECT_THAT(loaded.warnings, IsEmpty());
   const Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
-  EXPECT_EQ(made.session->engine().composition().name, "free-joints-256 tr-bdf2");
+  EXPECT_EQ(made.session->engine().composition().name, "joints-256 tr-bdf2");
   CycleRecord record = made.session->at_start();
   for (int i = 0; i < 200; ++i) made.session->cycle(record);
   EXPECT_EQ(record.fault, Fault::none);

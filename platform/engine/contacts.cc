@@ -1,0 +1,11 @@
+// Compositions: a rigid tool that touches obstacles.
+#include "platform/engine/tool.h"
+
+namespace godobject {
+
+void add_contacts(std::vector<CompositionRow>& table) {
+  table.push_back(row<Tool<ImplicitEuler, 1, TreeJoints<>, ToolContacts>>("contacts"));
+  table.push_back(row<Tool<TrBdf2, 1, TreeJoints<>, ToolContacts>>("contacts"));
+}
+
+}  // namespace godobject

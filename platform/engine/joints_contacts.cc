@@ -1,0 +1,11 @@
+// Compositions: articulated tools that touch obstacles.
+#include "platform/engine/tool.h"
+
+namespace godobject {
+
+void add_joints_contacts(std::vector<CompositionRow>& table) {
+  table.push_back(row<Tool<ImplicitEuler, 8, AllJoints, ToolContacts>>("joints-contacts"));
+  table.push_back(row<Tool<TrBdf2, 8, AllJoints, ToolContacts>>("joints-contacts"));
+}
+
+}  // namespace godobject

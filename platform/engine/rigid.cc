@@ -1,0 +1,13 @@
+// Compositions: rigid tools and bodies by themselves.
+#include "platform/engine/tool.h"
+
+namespace godobject {
+
+void add_rigid(std::vector<CompositionRow>& table) {
+  table.push_back(row<Tool<ImplicitEuler, 1>>("rigid"));
+  table.push_back(row<Tool<ImplicitEuler, 8>>("rigid"));
+  table.push_back(row<Tool<TrBdf2, 1>>("rigid"));
+  table.push_back(row<Tool<TrBdf2, 8>>("rigid"));
+}
+
+}  // namespace godobject
