@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "platform/cli/time_to_zero.h"
-#include "platform/engine/contact_params.h"
+#include "platform/scene/contact_params.h"
 #include "platform/scene/top_speed.h"
 
 namespace godobject {

@@ -8,7 +8,7 @@
 #include "platform/cli/run/options.h"
 #include "platform/cli/time_to_zero.h"
 #include "platform/cli/verbs.h"
-#include "platform/engine/contact_params.h"
+#include "platform/scene/contact_params.h"
 #include "platform/scene/scene_toml.h"
 #include "platform/scene/top_speed.h"
 

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <functional>
 
-#include "platform/engine/of.h"
+#include "platform/engine/row.h"
+#include "platform/scene/contact_params.h"
 
 namespace godobject {
 namespace {
 
-/// Adding a composition: one file, its line in of.h and one here.
+/// Adding a composition: one file, its line in row.h and one here.
 std::vector<CompositionRow> table() {
   std::vector<CompositionRow> rows;
   add_rigid(rows);

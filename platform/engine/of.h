@@ -4,8 +4,8 @@
 #include "core/contact/fixed.h"
 #include "core/godobject.h"
 #include "platform/engine/any_device.h"
-#include "platform/engine/contact_params.h"
-#include "platform/engine/engine.h"
+#include "platform/engine/row.h"
+#include "platform/scene/contact_params.h"
 #include "platform/scene/joint_params.h"
 
 namespace godobject {
@@ -238,13 +238,6 @@ class EngineOf final : public Engine {
   std::array<Target, S::max_bodies> before_;  // the sample before this one, for increments
 };
 
-/// One row of the table of compositions.
-struct CompositionRow {
-  Composition composition;
-  std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&);
-  Invalid (*check)(const SceneConfig&);  // of the core, on the scene's parameters
-};
-
 template <Scene S>
 std::vector<PartBytes> parts_of() {
   using Joints = typename S::Joints;
@@ -310,14 +303,5 @@ CompositionRow row(const std::string& name) {
               -> std::unique_ptr<Engine> { return std::make_unique<EngineOf<S>>(scene, at_start, what); },
           [](const SceneConfig& scene) { return check<S>(scene); }};
 }
-
-// One file each.
-void add_rigid(std::vector<CompositionRow>& table);
-void add_joints(std::vector<CompositionRow>& table);
-void add_chains(std::vector<CompositionRow>& table);
-void add_contacts(std::vector<CompositionRow>& table);
-void add_joints_contacts(std::vector<CompositionRow>& table);
-void add_touching(std::vector<CompositionRow>& table);
-void add_touching_joints(std::vector<CompositionRow>& table);
 
 }  // namespace godobject

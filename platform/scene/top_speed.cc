@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/contact/candidates.h"
-#include "platform/engine/contact_params.h"
+#include "platform/scene/contact_params.h"
 #include "platform/scene/contact_pairs.h"
 
 namespace godobject {

@@ -1,6 +1,6 @@
 #include "platform/session/contact_trace.h"
 
-#include "platform/engine/contact_params.h"
+#include "platform/scene/contact_params.h"
 
 namespace godobject {
 

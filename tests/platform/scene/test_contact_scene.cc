@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "platform/engine/contact_params.h"
+#include "platform/scene/contact_params.h"
 #include "platform/scene/contact_pairs.h"
 #include "platform/scene/scene_toml.h"
 

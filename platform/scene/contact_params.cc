@@ -1,4 +1,4 @@
-#include "platform/engine/contact_params.h"
+#include "platform/scene/contact_params.h"
 
 #include <algorithm>
 
