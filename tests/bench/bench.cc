@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "tests/study/study.h"
+#include "tests/study/instruction_count.h"
 
 namespace godobject::bench {
 namespace {

@@ -1,6 +1,5 @@
 #include "tests/study/instruction_count.h"
 
-#include <filesystem>
 #include <sstream>
 
 #include "tests/study/tool.h"
@@ -39,5 +38,7 @@ std::optional<double> InstructionCounter::collected(const std::string& compositi
   if (!(std::istringstream(run.output.substr(at + label.size())) >> count)) return std::nullopt;
   return count;
 }
+
+std::filesystem::path default_probe_directory() { return GODOBJECT_PROBE_DIRECTORY; }
 
 }  // namespace godobject::study

@@ -1,12 +1,16 @@
-// Instructions of one step, counted by callgrind on the probe program (sim/study/probe).
+// Instructions of one step, counted by callgrind on the probe program (tests/study/probe).
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 
 namespace godobject::study {
+
+/// Where the build puts the probe program and the archives.
+std::filesystem::path default_probe_directory();
 
 class InstructionCounter {
  public:

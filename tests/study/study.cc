@@ -135,8 +135,6 @@ StudyResults run_study(const StudyOptions& options, const Progress& progress) {
   return results;
 }
 
-fs::path default_probe_directory() { return GODOBJECT_PROBE_DIRECTORY; }
-
 fs::path default_scene_directory() { return GODOBJECT_SCENE_DIRECTORY; }
 
 std::string build_description() {

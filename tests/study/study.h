@@ -53,9 +53,6 @@ struct StudyResults {
 /// std::runtime_error when a file cannot be written.
 StudyResults run_study(const StudyOptions& options, const Progress& progress);
 
-/// Where the build puts the probe program and the archives.
-std::filesystem::path default_probe_directory();
-
 /// Where the source has the shipped scenes.
 std::filesystem::path default_scene_directory();
 
