@@ -68,6 +68,7 @@ struct HoldingDevice {
   /// (20)
   static Target held(const Pose& X_WD, const Twist& V_WD, const Pose& X_DB) noexcept {
     const Vec3 p_DB_W = to_world(X_WD.q, X_DB.p);
+    // NOLINTNEXTLINE(readability-suspicious-call-argument): frames make names look swapped.
     return {.X_WD = composed(X_WD, X_DB), .V_WD = {.w = V_WD.w, .v = V_WD.v + V_WD.w.cross(p_DB_W)}};
   }
 };

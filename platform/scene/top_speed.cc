@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/contact/candidates.h"
-#include "platform/scene/contact_params.h"
 #include "platform/scene/contact_pairs.h"
+#include "platform/scene/contact_params.h"
 
 namespace godobject {
 namespace {

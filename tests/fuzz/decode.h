@@ -53,7 +53,7 @@ inline CanFrame frame_of(Input& in) {
   const std::uint8_t kind = in.byte();
   CanFrame frame{.id = (static_cast<std::uint32_t>(in.byte()) << 8 | in.byte()) & 0x7FFu};
   frame.extended = (kind & 1) != 0;
-  if (frame.extended) frame.id |= static_cast<std::uint32_t>(in.word()) & 0x1FFF'F800u;
+  if (frame.extended) frame.id |= in.word() & 0x1FFF'F800u;
   frame.fd = (kind & 2) != 0;
   frame.remote = !frame.fd && (kind & 4) != 0;
   frame.bit_rate_switch = frame.fd && (kind & 8) != 0;

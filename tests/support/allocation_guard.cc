@@ -105,6 +105,7 @@ using namespace godobject;
 
 // glibc's allocator under its other names: looking it up with dlsym would itself allocate.
 // operator new and delete of libstdc++ end up here too.
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the library's own names are reserved.
 extern "C" {
 // NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming): glibc's
 void* __libc_malloc(std::size_t);
@@ -171,4 +172,5 @@ int clock_gettime(clockid_t clock, timespec* time) noexcept {
   return libc(clock, time);
 }
 }  // extern "C"
+   // NOLINTEND(readability-inconsistent-declaration-parameter-name)
 #endif

@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "platform/scene/contact_params.h"
 #include "platform/scene/contact_pairs.h"
+#include "platform/scene/contact_params.h"
 #include "platform/scene/scene_toml.h"
 
 namespace godobject::test_contact_scene {
