@@ -157,8 +157,8 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
     w.contacts.finder.owned[i].tree = static_cast<std::uint32_t>(i);
     w.contacts.stages[i] = {
         .A_ww = {{A_0[j], A_1[j], A_2[j]}}, .M = lane(translation.M, j), .b_w = b_w_W[j], .b_v = b_v_W[j]};
-    w.contacts.V[i] = {.w = w_0[j], .v = v_0[j]};
-    w.contacts.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
+    w.contacts.x.V[i] = {.w = w_0[j], .v = v_0[j]};
+    w.contacts.x.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
   }
 }
 
@@ -172,7 +172,7 @@ template <Scene S>
   end_contacts(par.contacts, h, contacts);
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
-    const AnchorTwist& V = contacts.V[i];
+    const SpatialVector& V = contacts.x.V[i];
     set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v.vec());
     set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>,
              contacts.finder.at[i].R_WB.transpose() * V.w.vec());

@@ -160,6 +160,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   }
   if constexpr (uses<ContactsOf<S>>) {
     if (taken && w.contacts.near.full()) out.fault |= Fault::contacts_full;
+    if (taken && w.contacts.report.num_without_room > 0) out.fault |= Fault::blocks_full;
   }
 }
 

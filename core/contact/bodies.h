@@ -1,14 +1,9 @@
 // Contacts between bodies, and of bodies with the world, where many of them touch.
 //
-// A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite: the bodies' own
-// blocks, and an impedance for each pair that touches. It is solved by a sparse factor (31), (33), a tower in one go,
-// however high and stiff. Where that has no room, by conjugate gradients from rest, preconditioned by the elimination of
-// the tree of joints and stiffest pairs (27), (30). From rest, every iterate keeps
-//
-//   (28)  V^T A V = V^T b
-//
-// the balance of energy of the exact solution. The modes of the contacts (open, stick, slip) are found by Newton
-// iterations over that (29), island by island. What they leave is the residual.
+// A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite (core/system): the
+// bodies' own blocks, and an impedance for each pair that touches. It is solved by its factor (31), (33), a tower in one
+// go, however high and stiff; where that has no room, by conjugate gradients (27), (28). The modes of the contacts
+// (open, stick, slip) are found by Newton iterations over that (29), island by island. What they leave is the residual.
 #pragma once
 
 #include "core/contact/jointed_bodies.h"
@@ -39,7 +34,7 @@ inline constexpr Real friction_left_alone = 1e-3;
 /// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
 template <std::size_t max_packs>
 bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
-            TwistBlock& A, AnchorTwist& F) noexcept {
+            SymmetricSpatialMatrix& A, SpatialVector& F) noexcept {
   ContactSums sums;
   bool touches = false;
   for (std::size_t i = first; i < end; ++i) {
@@ -52,50 +47,59 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
   return touches;
 }
 
-/// Contacts of a body with the world, and its stage.
-inline TwistBlock sum(TwistBlock A, const BodyStage& stage) noexcept {
-  A.ww += stage.A_ww;
-  A.vv += Block::identity() * stage.M;
-  return A;
-}
-
-/// A and b of the bodies and pairs of an island for the cases their contacts are in.
-/// all: of every contact, not of those alone whose case has changed.
+/// The contacts of an island for the cases they are in. all: every one, not those alone whose case has changed. True:
+/// some pair touches that is not coupled in the system.
 template <class Contacts, std::size_t N>
-void load_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   const auto has_changed = [&](std::uint32_t first, std::uint32_t end) noexcept {
     bool changed = all;
     for (std::uint32_t p = first; p < end; ++p) changed = changed || w.packs[p].changed;
     return changed;
   };
-  w.tree.each_body(island, [&](std::uint32_t i, TouchingBody& body) noexcept {
-    const BodyStage& stage = w.stages[i];
-    if (has_changed(body.first_pack, body.end_pack)) {
-      gather(w.packs, body.first_pack, body.end_pack, h, body.on_world, body.F);
-      body.A = sum(body.on_world, stage);
-    }
-    w.b[i].w = body.F.w + stage.b_w;
-    w.b[i].v = body.F.v + stage.b_v;
+  bool is_new = all;
+  w.graph.each_body(island, [&](std::uint32_t, TouchingBody& body) noexcept {
+    if (has_changed(body.first_pack, body.end_pack))
+      gather(w.packs, body.first_pack, body.end_pack, h, body.A, body.F);
   });
-  w.tree.each_pair(island, [&](TouchingPair& pair) noexcept {
+  w.graph.each_pair(island, [&](TouchingPair& pair) noexcept {
     if (has_changed(pair.first_pack, pair.end_pack))
       pair.touches = gather(w.packs, pair.first_pack, pair.end_pack, h, pair.A, pair.F);
-    if (!pair.touches) return;
-    w.b[pair.child] = w.b[pair.child] + pair.F;
-    w.b[pair.parent] = w.b[pair.parent] - moved_wrench(pair.F, pair.d);
+    is_new = is_new || (pair.touches && pair.entry == no_slot);
   });
+  return is_new;
 }
 
-/// What the iteration is preconditioned by: the tree of an island, (27), (30).
+/// The system of an island: who is in it and who acts on whom.
 template <class Contacts, std::size_t N>
-void eliminate_tree(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  w.tree.each_body(island, [&](std::uint32_t i, TouchingBody& body) noexcept {
-    body.subtree_A = sum(body.on_world * stiffness_cap(body.on_world, w.stages[i].M), w.stages[i]);
+void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  w.system.clear();
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.system.add_unknown(i); });
+  if constexpr (Contacts::jointed) hang_bodies(island, w);
+  w.graph.each_pair(island, [&](TouchingPair& pair) noexcept {
+    pair.entry = pair.touches || pair.is_deep ? w.system.couple(pair.parent, pair.child) : no_slot;
   });
-  w.tree.each_pair(island, [&](TouchingPair& pair) noexcept {
-    pair.stiffness_cap = stiffness_cap(pair.A, w.stages[pair.child].M);
+  order(w.system);
+}
+
+/// The terms of the system of an island: stages (10), (11), (34), contacts (24), stops (19).
+template <class Contacts, std::size_t N>
+void load_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& system = w.system;
+  system.reset();
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
+    const BodyStage& stage = w.stages[i];
+    system.add(i, {.ww = stage.A_ww, .wv = Block::zero(), .vv = Block::identity() * stage.M});
+    system.add_impulse(i, {.w = stage.b_w, .v = stage.b_v});
+    system.add(i, body.A);
+    system.add_impulse(i, body.F);
   });
-  eliminate(island, w.tree);
+  w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
+    if (!pair.touches) return;
+    system.add_between(pair.entry, pair.A, pair.d);
+    system.add_impulse(pair.child, pair.F);
+    system.add_impulse(pair.parent, moved_wrench(pair.F, pair.d) * Real(-1));
+  });
+  if constexpr (Contacts::jointed) add_stops(island, w);
 }
 
 /// Forces of the contacts of an island at the velocities of their points, and their cases in the next pass. True: the
@@ -120,30 +124,38 @@ bool settle_contacts(int pass, const Island& island, BodyContactScratch<Contacts
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
 template <class Contacts, std::size_t N>
 void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  if constexpr (Contacts::jointed) shift_contacts(w.tree.joints.V_p, h, island, w);
+  auto& x = w.x;
+  if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);
   ContactResidual most;
-  each_pack(w.V_0, island, w, [](ContactPack& c, const AnchorTwist& V) noexcept { foresee(c, V); });
-  w.factored = false;
+  each_pack(x.V_0, island, w, [](ContactPack& c, const SpatialVector& V) noexcept { foresee(c, V); });
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
   for (bool done = false; !done && newton_iterations < max_touching_newton_iterations<Contacts::jointed>;
        ++newton_iterations) {
-    load_contacts(h, newton_iterations == 0, island, w);
-    w.factored = factorize(island, w.factored, w.tree, w.factor);
-    if (!w.factored) eliminate_tree(island, w);
-    left = w.factored ? solve_factored(island, w)
-                      : iterate(num_iterations(newton_iterations), island, w, iterations);
+    if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
+    load_system(island, w);
+    factorize(w.system);
+    if (w.system.is_complete) {
+      solve_complete(w.system, x);
+      left = 0;
+    } else {
+      iterations +=
+          iterate(num_iterations(newton_iterations), w.system, x,
+                  [&](std::uint32_t i, const SpatialVector& V) noexcept { return speed_sq(w.stages[i], V); });
+      left = largest_left(1, w);
+    }
     if (move_contacts(island, w)) {
       if (newton_iterations > 0) {  // those predicted solve nothing that could be lost
-        if (w.factored) multiply(island, w.tree, w.V_0, w.AV_0);
+        if (w.system.is_complete) w.system.multiply(x.V_0, x.AV_0);
         search_line(h, island, w);
       }
       left = scale_velocities(h, island, w);
     }
     done = settle_contacts(newton_iterations, island, w, most) &&
            left <= normal_tolerance(newton_iterations) * h * most.F_n();
-    w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V_0[i] = w.V[i]; });
+    w.system.each([&](std::uint32_t u) noexcept { x.V_0[u] = x.V[u]; });
   }
+  w.report.num_without_room += w.system.is_complete ? 0 : 1;
   w.report.residual = std::max({w.report.residual, left / h, most.worst()});
   w.report.newton_iterations = std::max(w.report.newton_iterations, newton_iterations);
   w.report.iterations = std::max(w.report.iterations, iterations);
@@ -154,16 +166,16 @@ template <class Contacts, std::size_t N>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   find_contacts(par, before, num_bodies, w.finder, w.near);
-  find_pairs(par, num_bodies, h, w);
+  find_pairs(num_bodies, w);
   begin_contacts(par, before, num_bodies, h, w);
   w.report = {.num_near = w.near.size};
-  for (std::size_t n = 0; n < w.tree.num_islands; ++n) solve_island(h, w.tree.islands[n], w);
+  for (std::size_t n = 0; n < w.graph.num_islands; ++n) solve_island(h, w.graph.islands[n], w);
 }
 
 /// The contact forces of packs [first, end) on their body, about its centre of mass; what they say goes into the report.
 template <class Contacts, std::size_t N>
-AnchorTwist sum_forces(std::uint32_t first, std::uint32_t end, Real h,
-                       BodyContactScratch<Contacts, N>& w) noexcept {
+SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
+                         BodyContactScratch<Contacts, N>& w) noexcept {
   Vector3<Pack> tau = Vector3<Pack>::Constant(Pack(0)), f = tau;
   Pack deepest = 0;
   for (std::uint32_t p = first; p < end; ++p) {
@@ -185,30 +197,29 @@ void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScrat
   ContactMemories<Contacts::max_contacts>& next = w.memories[w.last];
   next.size = 0;
   for (Wrench& F : w.wrenches) F = {};
-  const auto on = [&](std::uint32_t body, const AnchorTwist& F) noexcept {
+  const auto on = [&](std::uint32_t body, const SpatialVector& F) noexcept {
     w.wrenches[body].tau += F.w.vec();
     w.wrenches[body].f += F.v.vec();
   };
   for (std::size_t g = 0; g < w.num_groups; ++g) {
     const NearGroup& group = w.groups[g];
-    std::uint32_t child = w.near.list[group.first].a, first_pack = w.tree.bodies[child].first_pack;
+    const std::uint32_t a = w.near.list[group.first].a;
+    std::uint32_t first_pack = w.graph.bodies[a].first_pack;
     if (group.pair == NearGroup::no_pair) {
-      on(child, sum_forces(first_pack, w.tree.bodies[child].end_pack, h, w));
+      on(a, sum_forces(first_pack, w.graph.bodies[a].end_pack, h, w));
     } else {
-      const TouchingPair& pair = w.tree.pairs[group.pair];
-      const AnchorTwist F = sum_forces(pair.first_pack, pair.end_pack, h, w);
+      const TouchingPair& pair = w.graph.pairs[group.pair];
+      const SpatialVector F = sum_forces(pair.first_pack, pair.end_pack, h, w);
       on(pair.child, F);
       on(pair.parent, moved_wrench(F, pair.d) * Real(-1));
-      child = pair.child;
       first_pack = pair.first_pack;
     }
     for (std::uint32_t i = group.first, n = 0; i < group.end; ++i, ++n) {
       const NearContact& near = w.near.list[i];
       const ContactPack& pack = w.packs[first_pack + n / 4];
-      const std::size_t j = n % 4;
-      const Real side = child == near.a ? 1 : -1;
-      const Vec3 F = side * lane(pack.F, j), v = side * lane(pack.v, j);
-      const Real depth = pack.d_0[j] - h * near.n_W.dot(v);
+      const Real side = near.a == a ? 1 : -1;
+      const Vec3 F = side * lane(pack.F, n % 4), v = side * lane(pack.v, n % 4);
+      const Real depth = pack.d_0[n % 4] - h * near.n_W.dot(v);
       if (!(near.n_W.dot(F) > 0) && !(depth > 0)) continue;
       next.list[next.size++] = carried_over(law_of(par, near), near.key, w.begun[i], h, near.n_W, depth, F);
     }

@@ -9,9 +9,9 @@
 // at the depenetration velocity.
 //
 // The room: memory.h is what a contact carries over, candidates.h those near enough to matter, stage.h contacts of a
-// stage in groups of four, fixed.h and bodies.h a step's contacts with the world and among bodies, tree.h and
-// tree_solve.h a tool's contacts along its joints, line_search.h; find/ is the search for contacts: broad phase,
-// edges, directions out.
+// stage in groups of four, fixed.h and bodies.h a step's contacts with the world and among bodies, pairs.h, islands.h
+// and jointed_bodies.h who touches whom, line_search.h, unbalanced.h; find/ is the search for contacts: broad phase,
+// edges, directions out. What they couple is solved in core/system.
 #pragma once
 
 #include <array>
@@ -69,7 +69,8 @@ struct ContactReport {
   std::size_t num_near = 0;      // listed
   Real deepest = 0;              // depth of the deepest sphere, m
   int newton_iterations = 0;     // Newton iterations over the contact modes, of the island that took most
-  int iterations = 0;            // of the solve, in all of them, likewise
+  int iterations = 0;            // of conjugate gradients, in all of them, likewise
+  int num_without_room = 0;      // islands whose blocks had no room: solved by these
   Real residual = 0;             // by how much the worst contact's force misses (22), (23), N
 };
 

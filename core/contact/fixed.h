@@ -98,15 +98,11 @@ void hang_contacts(const FixedContactScratch<Contacts, N>& w, Real h, Tree<N, Jo
     const std::size_t body = w.packs[i].body;
     ContactSums sums;
     for (; i < w.num_packs && w.packs[i].body == body; ++i) add<true>(w.packs[i], h, sums);
-    const TwistBlock A = total(sums);
-    const AnchorTwist b = total_impulse(sums);
+    const SymmetricSpatialMatrix A = total(sums);
+    const SpatialVector b = total_impulse(sums);
     ArticulatedBody& a = tree.nodes[body].body;
-    a.A_ww += A.ww;
-    a.A_wv += A.wv;
-    a.A_vw += transposed(A.wv);
-    a.A_vv += A.vv;
-    a.b_w += b.w;
-    a.b_v += b.v;
+    a.A += {.ww = A.ww, .wv = A.wv, .vw = transposed(A.wv), .vv = A.vv};
+    a.b = a.b + b;
   }
 }
 

@@ -1,7 +1,7 @@
 // Bodies on joints that touch other bodies: what their joints are in a stage, and what they bear.
 //
 // The joints ask for L V = L beta (18). V_p is what obeys that with the roots at rest and no motion along the axes, and
-// the stage is solved for V - V_p: it obeys L W = 0, and (27) to (30) hold for it as they stand. The bodies' equations
+// the stage is solved for V - V_p: it obeys L W = 0, and (33) holds for it as it stands. The bodies' equations
 // then have b - A V_p, and the contact points the velocities of V_p to begin with.
 #pragma once
 
@@ -64,6 +64,43 @@ void set_stops(const std::array<StopParams, 2>& stops, const JointMotion<turns, 
   }
 }
 
+/// The joints of an island's bodies, which are unknowns of its system already, and the stops of these as terms: the
+/// impedance D e e^T of the child against the parent, e the wrench on a coordinate.
+template <class Contacts, std::size_t N>
+void hang_bodies(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& all = w.graph.joints;
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+    JointEdge& edge = all.edges[i];
+    BlockJoint& joint = w.system.joints[i];
+    joint.is_free = edge.kind == JointKind::free;
+    if (joint.is_free) return;
+    joint.num_axes = edge.num_axes;
+    joint.parent = BlockJoint::on_world;
+    if (edge.on_body()) {
+      joint.parent = static_cast<std::uint32_t>(edge.parent);
+      joint.d = all.p[i] - all.p[edge.parent];
+      if (edge.has_stops()) edge.stop_entry = w.system.couple(joint.parent, i);
+    }
+    for (int a = 0; a < edge.num_axes; ++a)
+      joint.s[static_cast<std::size_t>(a)] = axis_twist(edge, a, all.p[i]);
+  });
+}
+template <class Contacts, std::size_t N>
+void add_stops(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  const auto& all = w.graph.joints;
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+    const JointEdge& edge = all.edges[i];
+    for (int k = 0; k < std::min(edge.num_axes, 2); ++k) {
+      const Real D = edge.stop_D[static_cast<std::size_t>(k)];
+      if (!(D > 0)) continue;
+      const SpatialVector e = axis_wrench(edge, k, all.p[i]), De = e * D;
+      const SymmetricSpatialMatrix A{.ww = outer(De.w, e.w), .wv = outer(De.w, e.v), .vv = outer(De.v, e.v)};
+      if (edge.on_body()) w.system.add_between(edge.stop_entry, A, w.system.joints[i].d);
+      else w.system.add(i, A);
+    }
+  });
+}
+
 /// f(impulse on body i, about its centre of mass) of each stop of its joint, were the coordinate at rest.
 template <std::size_t N, class F>
 void each_stop(std::size_t i, const JointEdges<N>& joints, F f) noexcept {
@@ -106,19 +143,19 @@ template <Scene S, class Contacts>
 void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
                  const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                  BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
-  auto& all = w.tree.joints;
+  auto& all = w.graph.joints;
   JointEdge& edge = all.edges[i];
   const std::size_t parent = edge.parent;
   const TreePlace P = edge.on_body() ? w.finder.at[parent] : TreePlace{};
   const JointAt now = joint_at(par.bodies[i].joint, P, anchored(w.finder.at[i], edge.a_W.vec()));
   const JointTwists twists = set_edge<typename S::Joints>(par.bodies[i].joint, tree.led, i, now, h, edge);
-  const auto hung = [&](const std::array<AnchorTwist, S::max_bodies>& V, const Twist& rel) noexcept {
-    AnchorTwist V_C{.w = Column(rel.w), .v = Column(rel.v)};
+  const auto hung = [&](const std::array<SpatialVector, S::max_bodies>& V, const Twist& rel) noexcept {
+    SpatialVector V_C{.w = Column(rel.w), .v = Column(rel.v)};
     if (edge.on_body()) V_C = V_C + shifted(V[parent], edge.a_W - all.p[parent]);
     return shifted(V_C, all.p[i] - edge.a_W);
   };
   all.V_p[i] = hung(all.V_p, twists.across);
-  w.V_0[i] = hung(w.V_0, twists.along);
+  w.x.V_0[i] = hung(w.x.V_0, twists.along);
   all.joined[i] = true;
   if (edge.on_body()) {
     all.joined[parent] = true;
@@ -126,7 +163,7 @@ void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
     BodyStage& stage = w.stages[parent];
     add_tension(edge.a_W - all.edges[parent].a_W, Column(f_C), h, Column(P.V.w), stage.A_ww, stage.b_w);
   }
-  each_stop(i, all, [&](const AnchorTwist& F) noexcept {
+  each_stop(i, all, [&](const SpatialVector& F) noexcept {
     add_impulse(F, w.stages[i]);
     if (edge.on_body()) add_impulse(moved_wrench(F, all.p[i] - all.p[parent]) * -1, w.stages[parent]);
   });
@@ -137,7 +174,7 @@ template <Scene S, class Contacts>
 void begin_joints(const Params<S>& par, const State<S>& x, Real h,
                   const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                   BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
-  auto& all = w.tree.joints;
+  auto& all = w.graph.joints;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const typename S::Joints::Params& joint = par.bodies[i].joint;
     const TreePlace& at = w.finder.at[i];
@@ -159,9 +196,9 @@ void begin_joints(const Params<S>& par, const State<S>& x, Real h,
 
 /// The contact points of an island begin with the velocities of V.
 template <class Contacts, std::size_t N>
-void shift_contacts(const std::array<AnchorTwist, N>& V, Real h, const Island& island,
+void shift_contacts(const std::array<SpatialVector, N>& V, Real h, const Island& island,
                     BodyContactScratch<Contacts, N>& w) noexcept {
-  each_pack(V, island, w, [&](ContactPack& c, const AnchorTwist& V_rel) noexcept {
+  each_pack(V, island, w, [&](ContactPack& c, const SpatialVector& V_rel) noexcept {
     move(c, V_rel);
     const Pack v_n = c.n.dot(c.v);
     c.d_0 -= h * v_n;
@@ -175,29 +212,29 @@ void shift_contacts(const std::array<AnchorTwist, N>& V, Real h, const Island& i
 template <Scene S, class Contacts>
 void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies>& w,
                 TouchingJoints<S::max_bodies, typename S::Joints>& tree) noexcept {
-  const auto& all = w.tree.joints;
-  auto& F = w.Ap;
+  const auto& all = w.graph.joints;
+  auto& F = w.x.Ap;
   tree.stiff_stop = false;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     if (!all.joined[i]) continue;
     const BodyStage& stage = w.stages[i];
     const Wrench& on_contacts = w.wrenches[i];
-    F[i] = times(stage, w.V[i]) - AnchorTwist{.w = stage.b_w + Column(on_contacts.tau) * h,
-                                              .v = stage.b_v + Column(on_contacts.f) * h};
-    w.V[i] = w.V[i] + all.V_p[i];
-    if (const JointEdge* joint = w.tree.joint_of(w.tree.bodies[i]))
-      for (std::size_t k = 0; k < 2; ++k)
-        tree.stiff_stop |= joint->stop_D[k] * all.axes[i][k].D_inverse > Real(0.2);
+    F[i] = times(stage, w.x.V[i]) - SpatialVector{.w = stage.b_w + Column(on_contacts.tau) * h,
+                                                  .v = stage.b_v + Column(on_contacts.f) * h};
+    w.x.V[i] = w.x.V[i] + all.V_p[i];
+    if (all.edges[i].kind == JointKind::free) continue;
+    for (std::size_t k = 0; k < 2; ++k)
+      tree.stiff_stop |= all.edges[i].stop_D[k] * w.system.joints[i].D_inverse[k] > Real(0.2);
   }
   for (std::size_t i = num_bodies(par); i-- > 0;) {
     const JointEdge& edge = all.edges[i];
     if (edge.kind == JointKind::free) continue;
     const Column r = all.p[i] - edge.a_W;
-    each_stop(i, all, [&](const AnchorTwist& stop) noexcept {
+    each_stop(i, all, [&](const SpatialVector& stop) noexcept {
       F[i] = F[i] + stop;
       if (edge.on_body()) F[edge.parent] = F[edge.parent] - moved_wrench(stop, all.p[i] - all.p[edge.parent]);
     });
-    const AnchorTwist F_a = moved_wrench(F[i], r) * (1 / h);
+    const SpatialVector F_a = moved_wrench(F[i], r) * (1 / h);
     tree.nodes[i].F_C = {.tau = F_a.w.vec(), .f = F_a.v.vec()};
     if (edge.on_body()) F[edge.parent] = F[edge.parent] + moved_wrench(F[i], all.p[i] - all.p[edge.parent]);
   }

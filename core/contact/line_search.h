@@ -8,29 +8,29 @@
 // were assumed.
 #pragma once
 
-#include "core/system/conjugate_gradients.h"
+#include "core/contact/unbalanced.h"
 
 namespace godobject {
 
 /// f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island.
 template <class Contacts, std::size_t N, class F>
-void each_pack(const std::array<AnchorTwist, N>& V, const Island& island, BodyContactScratch<Contacts, N>& w,
-               F f) noexcept {
-  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
+void each_pack(const std::array<SpatialVector, N>& V, const Island& island,
+               BodyContactScratch<Contacts, N>& w, F f) noexcept {
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
     for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) f(w.packs[p], V[i]);
   });
-  w.tree.each_pair(island, [&](const TouchingPair& pair) noexcept {
-    const AnchorTwist V_rel = V[pair.child] - shifted(V[pair.parent], pair.d);
+  w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
+    const SpatialVector V_rel = V[pair.child] - shifted(V[pair.parent], pair.d);
     for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) f(w.packs[p], V_rel);
   });
 }
 
 template <class Contacts, std::size_t N, class F>
 void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
-  w.tree.each_body(island, [&](std::uint32_t, const TouchingBody& body) noexcept {
+  w.graph.each_body(island, [&](std::uint32_t, const TouchingBody& body) noexcept {
     for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) f(w.packs[p]);
   });
-  w.tree.each_pair(island, [&](const TouchingPair& pair) noexcept {
+  w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
     for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) f(w.packs[p]);
   });
 }
@@ -99,7 +99,7 @@ inline bool has_left_its_case(const ContactPack& c) noexcept {
 template <class Contacts, std::size_t N>
 bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool differs = false;
-  each_pack(w.V, island, w, [&](ContactPack& c, const AnchorTwist& V) noexcept {
+  each_pack(w.x.V, island, w, [&](ContactPack& c, const SpatialVector& V) noexcept {
     c.v_n_0 = c.n.dot(c.v);
     move(c, V);
     differs = differs || has_left_its_case(c);
@@ -111,11 +111,13 @@ bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noe
 /// so it is after.
 template <class Contacts, std::size_t N>
 void search_line(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  TwistSum slope, end;
-  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
-    const AnchorTwist d = w.V[i] - w.V_0[i];
-    slope.add(d, w.AV_0[i] - w.b[i]);
-    end.add(d, w.r[i]);
+  auto& x = w.x;
+  const auto& b = w.system.b;
+  SpatialSum slope, end;
+  w.system.each([&](std::uint32_t u) noexcept {
+    const SpatialVector d = x.V[u] - x.V_0[u];
+    slope.add(d, x.AV_0[u] - b[u]);
+    end.add(d, x.r[u]);
   });
   find_leaving(
       1, island, w, [](const ContactPack& c) noexcept { return c.v_n_0; },
@@ -124,20 +126,22 @@ void search_line(Real h, const Island& island, BodyContactScratch<Contacts, N>& 
   const Real t =
       where_flat(1, line_tolerance * -slope, [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
   if (t == 1) return;
-  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
-    w.V[i] = w.V_0[i] + (w.V[i] - w.V_0[i]) * t;
-    w.r[i] = (w.b[i] - w.AV_0[i]) * (1 - t) + w.r[i] * t;
+  w.system.each([&](std::uint32_t u) noexcept {
+    x.V[u] = x.V_0[u] + (x.V[u] - x.V_0[u]) * t;
+    x.r[u] = (b[u] - x.AV_0[u]) * (1 - t) + x.r[u] * t;
   });
-  each_pack(w.V, island, w, [](ContactPack& c, const AnchorTwist& V) noexcept { move(c, V); });
+  each_pack(x.V, island, w, [](ContactPack& c, const SpatialVector& V) noexcept { move(c, V); });
 }
 
 /// The multiple of V where (29) is least. Returns the largest force that is left unbalanced, times h.
 template <class Contacts, std::size_t N>
 Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  TwistSum VAV, Vb;
-  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
-    VAV.add(w.V[i], w.b[i] - w.r[i]);
-    Vb.add(w.V[i], w.b[i]);
+  auto& x = w.x;
+  const auto& b = w.system.b;
+  SpatialSum VAV, Vb;
+  w.system.each([&](std::uint32_t u) noexcept {
+    VAV.add(x.V[u], b[u] - x.r[u]);
+    Vb.add(x.V[u], b[u]);
   });
   find_leaving(
       2, island, w, [](const ContactPack&) noexcept { return Pack(0); },
@@ -145,9 +149,9 @@ Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts,
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
   const Real s =
       where_flat(2, scale_tolerance * VAV, [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
-  w.tree.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.V[i] = w.V[i] * s; });
+  w.system.each([&](std::uint32_t u) noexcept { x.V[u] = x.V[u] * s; });
   each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
-  return largest_left(s, island, w);
+  return largest_left(s, w);
 }
 
 }  // namespace godobject

@@ -2,15 +2,18 @@
 #pragma once
 
 #include "core/contact/find/find.h"
+#include "core/contact/islands.h"
 #include "core/contact/stage.h"
-#include "core/system/factor.h"
+#include "core/system/conjugate_gradients.h"
 
 namespace godobject {
 
-/// The contacts part of a scene whose bodies touch each other. Capacities: spheres, surfaces, contacts at a time.
-template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
+/// The contacts part of a scene whose bodies touch each other. Capacities: spheres, surfaces, contacts at a time, and
+/// blocks of the factor of their system beside its diagonal (31); 0: eight for each body.
+template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_, std::size_t blocks_ = 0>
 struct BodyContacts {
   static constexpr std::size_t max_contacts = contacts_;
+  static constexpr std::size_t max_blocks = blocks_;
   static constexpr bool between_bodies = true;
   static constexpr bool jointed = false;  // OnJoints
   using Params = ContactParams<spheres_, surfaces_>;
@@ -29,10 +32,10 @@ struct BodyStage {
   Column b_w, b_v;
 };
 
-inline AnchorTwist times(const BodyStage& stage, const AnchorTwist& V) noexcept {
+inline SpatialVector times(const BodyStage& stage, const SpatialVector& V) noexcept {
   return {.w = stage.A_ww * V.w, .v = V.v * stage.M};
 }
-inline void add_impulse(const AnchorTwist& F, BodyStage& stage) noexcept {
+inline void add_impulse(const SpatialVector& F, BodyStage& stage) noexcept {
   stage.b_w += F.w;
   stage.b_v += F.v;
 }
@@ -41,7 +44,7 @@ inline void add_impulse(const AnchorTwist& F, BodyStage& stage) noexcept {
 struct NearGroup {
   static constexpr std::uint32_t no_pair = ~std::uint32_t(0);
   std::uint32_t first = 0, end = 0;
-  std::uint32_t pair = no_pair;  // in the tree
+  std::uint32_t pair = no_pair;  // in the graph
 };
 
 /// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
@@ -58,6 +61,10 @@ struct LinePacks {
 template <class Contacts, std::size_t N>
 struct BodyContactScratch {
   static constexpr std::size_t max_contacts = Contacts::max_contacts;
+  static constexpr std::size_t room = Contacts::max_blocks > 0
+                                          ? Contacts::max_blocks
+                                          : std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1));
+  using System = BlockSystem<N, 0, max_contacts + (Contacts::jointed ? N : 0), room, Contacts::jointed>;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;
   std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
@@ -65,13 +72,11 @@ struct BodyContactScratch {
   std::array<BegunContact, max_contacts> begun;  // of the near ones
   std::array<ContactPack, max_contacts> packs;   // each of one pair, or one body with the world
   LinePacks<max_contacts> line;                  // those that leave their cases on it
-  ContactTree<N, max_contacts, Contacts::jointed> tree;
-  ContactFactor<N, Contacts::jointed> factor;
-  bool factored = false;  // the island at hand
+  TouchingGraph<N, max_contacts, Contacts::jointed> graph;
+  System system;            // of the island at hand
+  SystemVectors<System> x;  // V: velocities of all bodies; V_0: those predicted, then of the iteration before
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;
-  std::array<AnchorTwist, N> V, b, r, z, p, Ap, AV_0;  // of bodies: velocities, impulses; of the iteration
-  std::array<AnchorTwist, N> V_0;                      // velocities of the pass before
   std::array<ContactMemories<max_contacts>, 2> memories;
   std::size_t last = 0;
   ContactStage stage;
@@ -84,33 +89,28 @@ inline std::uint32_t pair_of(const NearContact& near) noexcept {
   return static_cast<std::uint32_t>(near.key >> 32);
 }
 
-/// The groups and pairs of the near contacts, and the tree of the stiffest.
+/// The groups and pairs of the near contacts, and the islands they make.
 template <class Contacts, std::size_t N>
-void find_pairs(const typename Contacts::Params& par, std::size_t num_bodies, Real h,
-                BodyContactScratch<Contacts, N>& w) noexcept {
-  w.tree.num_pairs = w.num_groups = 0;
+void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noexcept {
+  w.graph.num_pairs = w.num_groups = 0;
   for (std::size_t i = 0; i < num_bodies; ++i) w.touches[i] = false;
   for (std::uint32_t i = 0; i < w.near.size;) {
     const NearContact& first = w.near.list[i];
     NearGroup& group = w.groups[w.num_groups++] = {.first = i};
-    Real stiffness = 0;
-    for (; i < w.near.size && pair_of(w.near.list[i]) == pair_of(first); ++i) {
-      const NearContact& near = w.near.list[i];
-      if (first.b >= N || !(near.d > 0)) continue;
-      const ContactLaw& law = law_of(par, near);
-      stiffness += h * law.k + law.c;
-    }
+    bool is_deep = false;
+    for (; i < w.near.size && pair_of(w.near.list[i]) == pair_of(first); ++i)
+      is_deep = is_deep || w.near.list[i].d > 0;
     group.end = i;
     w.touches[first.a] = true;
     if (first.b >= N) continue;
     w.touches[first.b] = true;
-    group.pair = static_cast<std::uint32_t>(w.tree.num_pairs);
-    TouchingPair& pair = w.tree.pairs[w.tree.num_pairs++];
+    group.pair = static_cast<std::uint32_t>(w.graph.num_pairs);
+    TouchingPair& pair = w.graph.pairs[w.graph.num_pairs++];
     pair.child = first.a;
     pair.parent = first.b;
-    pair.stiffness = stiffness;
+    pair.is_deep = is_deep;
   }
-  make_islands(w.touches, num_bodies, w.tree);
+  make_islands(w.touches, num_bodies, w.graph);
 }
 
 /// The normal force that a contact begins with: that of the stage before; of a new one, F_n at the predicted velocities.
@@ -135,16 +135,16 @@ struct GroupLaw {
   }
 };
 
-/// (24) of a group of near contacts, four to a pack, from pack `first` on. child: of the two, whose packs they are.
+/// (24) of a group of near contacts, four to a pack, from pack `first` on.
 template <class Contacts, std::size_t N>
-std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, std::uint32_t child,
-                          Real h, std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
+std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
+                          std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
                           Recall<Contacts::max_contacts>& of_stage,
                           BodyContactScratch<Contacts, N>& w) noexcept {
   const NearContact& one = w.near.list[group.first];
   const bool on_world = group.pair == NearGroup::no_pair;
-  const Real m = on_world ? w.stages[child].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
-  const Vec3& p_W = w.finder.at[child].p_W;
+  const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
+  const Vec3& p_W = w.finder.at[one.a].p_W;
   const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
   GroupLaw law(law_of(par, one), m, h);
   std::uint32_t n = 0;
@@ -162,7 +162,7 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
                   .max_stored_penetration = law.max_stored_penetration});
     ContactPack& pack = w.packs[first + n / 4];
     const std::size_t j = n % 4;
-    const Real side = child == near.a ? 1 : -1;
+    const Real side = near.a == one.a ? 1 : -1;
     const Vec3 n_W = side * near.n_W;
     set_contact(law.stage, begun.e, d_0, near.p_W - p_W, n_W, side * begun.xi_W, pack, j);
     set_lane(pack.F, j, n_W * foreseen(begun, pack.F_0[j] - pack.eta_n[j] * near.v_n));
@@ -176,22 +176,21 @@ template <class Contacts, std::size_t N>
 void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   Recall of_step(before), of_stage(w.memories[w.last]);
-  for (std::size_t i = 0; i < num_bodies; ++i) w.tree.bodies[i].first_pack = w.tree.bodies[i].end_pack = 0;
+  for (std::size_t i = 0; i < num_bodies; ++i) w.graph.bodies[i].first_pack = w.graph.bodies[i].end_pack = 0;
   std::uint32_t packs = 0;
-  const auto begin = [&](const NearGroup& group, std::uint32_t child, auto& of) noexcept {
+  const auto begin = [&](const NearGroup& group, auto& of) noexcept {
     of.first_pack = packs;
-    of.end_pack = packs = begin_group(par, group, child, h, packs, of_step, of_stage, w);
+    of.end_pack = packs = begin_group(par, group, h, packs, of_step, of_stage, w);
   };
   for (std::size_t g = 0; g < w.num_groups; ++g) {
     const NearGroup& group = w.groups[g];
     if (group.pair == NearGroup::no_pair) {
-      const std::uint32_t body = w.near.list[group.first].a;
-      begin(group, body, w.tree.bodies[body]);
+      begin(group, w.graph.bodies[w.near.list[group.first].a]);
       continue;
     }
-    TouchingPair& pair = w.tree.pairs[group.pair];
+    TouchingPair& pair = w.graph.pairs[group.pair];
     pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
-    begin(group, pair.child, pair);
+    begin(group, pair);
   }
 }
 

@@ -20,7 +20,7 @@
 #include <limits>
 
 #include "core/contact/memory.h"
-#include "core/joint/tree_solve.h"
+#include "core/math/spatial.h"
 
 namespace godobject {
 
@@ -101,7 +101,7 @@ struct ContactResidual {
 };
 
 /// The velocities of the contact points at the twist V of the body's anchor.
-inline void move(ContactPack& c, const AnchorTwist& V) noexcept {
+inline void move(ContactPack& c, const SpatialVector& V) noexcept {
   const Vector3<Pack> V_w(V.w.all<0>(), V.w.all<1>(), V.w.all<2>());
   const Vector3<Pack> V_v(V.v.all<0>(), V.v.all<1>(), V.v.all<2>());
   c.v = V_v + V_w.cross(c.r);
@@ -149,7 +149,7 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most) noex
 }
 
 /// The cases of the first pass: at the normal forces that c.F foresees and the velocities of the contact points.
-inline void foresee(ContactPack& c, const AnchorTwist& V) noexcept {
+inline void foresee(ContactPack& c, const SpatialVector& V) noexcept {
   move(c, V);
   const Pack F_n = c.n.dot(c.F);
   const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
@@ -208,12 +208,7 @@ inline Column sum(const Pack& x, const Pack& y, const Pack& z) noexcept {
   return Column(shuffled<0, 1, 4, 5>(xy, zz) + shuffled<2, 3, 6, 7>(xy, zz));
 }
 
-/// A symmetric 6 x 6 matrix of a twist, in 3 x 3 blocks; vw is the transposed wv.
-struct TwistBlock {
-  Block ww, wv, vv;
-};
-
-inline TwistBlock total(const ContactSums& s) noexcept {
+inline SymmetricSpatialMatrix total(const ContactSums& s) noexcept {
   return {.ww = {{sum(s.ww[0], s.ww[1], s.ww[3]), sum(s.ww[1], s.ww[2], s.ww[4]),
                   sum(s.ww[3], s.ww[4], s.ww[5])}},
           .wv = {{sum(s.wv[0], s.wv[1], s.wv[2]), sum(s.wv[3], s.wv[4], s.wv[5]),
@@ -222,11 +217,9 @@ inline TwistBlock total(const ContactSums& s) noexcept {
                   sum(s.vv[3], s.vv[4], s.vv[5])}}};
 }
 /// Torque and force times h.
-inline AnchorTwist total_impulse(const ContactSums& s) noexcept {
+inline SpatialVector total_impulse(const ContactSums& s) noexcept {
   return {.w = sum(s.b_w[0], s.b_w[1], s.b_w[2]), .v = sum(s.b_v[0], s.b_v[1], s.b_v[2])};
 }
-
-inline Block transposed(const Block& A) noexcept { return transposed(A.col[0], A.col[1], A.col[2]); }
 
 /// What a contact of normal n carries over, d deep in the end, F its force.
 inline ContactMemory carried_over(const ContactLaw& law, std::uint64_t key, const BegunContact& begun, Real h,

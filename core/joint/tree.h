@@ -74,9 +74,9 @@ struct TreeNode {
   TreePlace at;          // predicted end of the stage
   ArticulatedBody body;  // at the anchor of its joint
   Column d;              // from the parent's anchor to the body's
-  AnchorTwist beta;      // (5)
+  SpatialVector beta;    // (5)
   std::array<EliminatedAxis, 2> axis;
-  AnchorTwist V;  // solution
+  SpatialVector V;  // solution
   Wrench F_C;
 };
 
@@ -137,12 +137,11 @@ void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
   for (std::size_t j = 0; j < num_lanes<T> && g * num_lanes<T> + j < num_bodies(par); ++j) {
     TreeNode& node = tree.nodes[g * num_lanes<T> + j];
     node.at = lane(at, j);
-    node.body = {.A_ww = {{A_0[j], A_1[j], A_2[j]}},
-                 .A_wv = {{Mr_0[j], Mr_1[j], Mr_2[j]}},
-                 .A_vw = {{-Mr_0[j], -Mr_1[j], -Mr_2[j]}},
-                 .A_vv = Block::identity() * lane(translation.M, j),
-                 .b_w = b_0[j],
-                 .b_v = b_1[j]};
+    node.body = {.A = {.ww = {{A_0[j], A_1[j], A_2[j]}},
+                       .wv = {{Mr_0[j], Mr_1[j], Mr_2[j]}},
+                       .vw = {{-Mr_0[j], -Mr_1[j], -Mr_2[j]}},
+                       .vv = Block::identity() * lane(translation.M, j)},
+                 .b = {.w = b_0[j], .v = b_1[j]}};
     if constexpr (S::Joints::Stabilisation::uses_base)
       tree.bases[g * num_lanes<T> + j] = lane(place<T>(p_C, base), j);
   }
@@ -209,21 +208,21 @@ inline void add_tension(const Column& d, const Column& f, Real h, const Column& 
 template <class Motion>
 void solve_back(bool hangs, Real h, const TreeNode& parent, TreeNode& child) noexcept {
   const ArticulatedBody& a = child.body;
-  const AnchorTwist V_P = shifted(parent.V, child.d);
-  AnchorTwist V = V_P, F;
+  const SpatialVector V_P = shifted(parent.V, child.d);
+  SpatialVector V = V_P, F;
   if constexpr (Motion::num_turns == 3) {
-    V.w = a.b_w - a.A_wv * V_P.v;
-    F.v = a.A_vv * V_P.v - a.b_v;
+    V.w = a.b.w - a.A.wv * V_P.v;
+    F.v = a.A.vv * V_P.v - a.b.v;
   } else {
     constexpr int turns = Motion::num_turns, slides = Motion::num_slides;
     for (int c = turns + slides; c-- > 0;) {
       const EliminatedAxis& j = child.axis[static_cast<std::size_t>(c)];
       (c < turns ? V.w : V.v) += j.s * rate(j, V);
     }
-    F = {.w = -a.b_w, .v = -a.b_v};
+    F = {.w = -a.b.w, .v = -a.b.v};
     if (hangs) {
-      F.w += a.A_ww * V_P.w + a.A_wv * V_P.v;
-      F.v += a.A_vw * V_P.w + a.A_vv * V_P.v;
+      F.w += a.A.ww * V_P.w + a.A.wv * V_P.v;
+      F.v += a.A.vw * V_P.w + a.A.vv * V_P.v;
     }
   }
   child.V = {.w = V.w + child.beta.w, .v = V.v + child.beta.v};
@@ -257,7 +256,7 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Vec3& f_
       if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
         q = Kind::coordinates(joint.X);
       if (par.parent != world)
-        add_tension(child.d, Column(f_C), h, Column(parent.at.V.w), parent.body.A_ww, parent.body.b_w);
+        add_tension(child.d, Column(f_C), h, Column(parent.at.V.w), parent.body.A.ww, parent.body.b.w);
       eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop);
     };
     if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {

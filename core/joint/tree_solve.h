@@ -17,19 +17,14 @@
 #pragma once
 
 #include "core/joint/joint.h"
-#include "core/math/block.h"
+#include "core/math/spatial.h"
 
 namespace godobject {
 
-/// A body with everything that hangs on it: A V = b in 3 x 3 blocks.
+/// A body with everything that hangs on it: A V = b, V at the anchor of its joint.
 struct ArticulatedBody {
-  Block A_ww, A_wv, A_vw, A_vv;
-  Column b_w, b_v;
-};
-
-/// The twist of a body at the anchor of its joint.
-struct AnchorTwist {
-  Column w, v;
+  SpatialMatrix A;
+  SpatialVector b;
 };
 
 /// What acts along an eliminated axis itself: adds to its D and its tau.
@@ -46,38 +41,38 @@ struct EliminatedAxis {
 };
 
 /// b - A beta.
-inline void set_off(ArticulatedBody& a, const AnchorTwist& beta) noexcept {
-  a.b_w -= a.A_ww * beta.w + a.A_wv * beta.v;
-  a.b_v -= a.A_vw * beta.w + a.A_vv * beta.v;
+inline void set_off(ArticulatedBody& a, const SpatialVector& beta) noexcept {
+  a.b.w -= a.A.ww * beta.w + a.A.wv * beta.v;
+  a.b.v -= a.A.vw * beta.w + a.A.vv * beta.v;
 }
 
 /// The same for a beta without a turn.
 inline void set_off_shift(ArticulatedBody& a, const Column& beta_v) noexcept {
-  a.b_w -= a.A_wv * beta_v;
-  a.b_v -= a.A_vv * beta_v;
+  a.b.w -= a.A.wv * beta_v;
+  a.b.v -= a.A.vv * beta_v;
 }
 
 /// Takes the rest of (7) for one axis, b - U tau / D and A - U T / D; with nothing to hang on, b alone is asked for.
 inline void reduce(ArticulatedBody& a, const Column& U_w, const Column& U_v, const EliminatedAxis& j,
                    bool hangs) noexcept {
   const Column P_w = U_w * j.D_inverse, P_v = U_v * j.D_inverse;
-  a.b_w -= P_w * j.tau;
-  a.b_v -= P_v * j.tau;
+  a.b.w -= P_w * j.tau;
+  a.b.v -= P_v * j.tau;
   if (!hangs) return;
-  a.A_ww -= outer(P_w, j.T_w);
-  a.A_vw -= outer(P_v, j.T_w);
-  a.A_wv -= outer(P_w, j.T_v);
-  a.A_vv -= outer(P_v, j.T_v);
+  a.A.ww -= outer(P_w, j.T_w);
+  a.A.vw -= outer(P_v, j.T_w);
+  a.A.wv -= outer(P_w, j.T_v);
+  a.A.vv -= outer(P_v, j.T_v);
 }
 
 /// Eliminates a turn about s. along: what acts on the coordinate itself, a stop. hangs: A_a is needed.
 inline void eliminate_turn(ArticulatedBody& a, const Column& s, const AxisTerms& along, EliminatedAxis& j,
                            bool hangs) noexcept {
-  const Column U_w = a.A_ww * s, U_v = a.A_vw * s;
+  const Column U_w = a.A.ww * s, U_v = a.A.vw * s;
   j.s = s;
-  j.T_w = times_transposed(a.A_ww, s);
-  j.T_v = times_transposed(a.A_wv, s);
-  j.tau = dot(s, a.b_w) + along.tau;
+  j.T_w = times_transposed(a.A.ww, s);
+  j.T_v = times_transposed(a.A.wv, s);
+  j.tau = dot(s, a.b.w) + along.tau;
   j.D_inverse = 1 / (dot(s, U_w) + along.D);
   reduce(a, U_w, U_v, j, hangs);
 }
@@ -85,11 +80,11 @@ inline void eliminate_turn(ArticulatedBody& a, const Column& s, const AxisTerms&
 /// Eliminates a slide along s.
 inline void eliminate_slide(ArticulatedBody& a, const Column& s, const AxisTerms& along, EliminatedAxis& j,
                             bool hangs) noexcept {
-  const Column U_w = a.A_wv * s, U_v = a.A_vv * s;
+  const Column U_w = a.A.wv * s, U_v = a.A.vv * s;
   j.s = s;
-  j.T_w = times_transposed(a.A_vw, s);
-  j.T_v = times_transposed(a.A_vv, s);
-  j.tau = dot(s, a.b_v) + along.tau;
+  j.T_w = times_transposed(a.A.vw, s);
+  j.T_v = times_transposed(a.A.vv, s);
+  j.tau = dot(s, a.b.v) + along.tau;
   j.D_inverse = 1 / (dot(s, U_v) + along.D);
   reduce(a, U_w, U_v, j, hangs);
 }
@@ -97,52 +92,42 @@ inline void eliminate_slide(ArticulatedBody& a, const Column& s, const AxisTerms
 /// Eliminates all turns: w = y - Y v with v the velocity of the anchor. What is left of the body is a mass, A_vv and
 /// b_v; Y and y take the places of A_wv and b_w.
 inline void eliminate_turns(ArticulatedBody& a) noexcept {
-  const Block D_inverse = inverse(a.A_ww);
-  const Block Y = D_inverse * a.A_wv;
-  const Column y = D_inverse * a.b_w;
-  a.A_vv -= a.A_vw * Y;
-  a.b_v -= a.A_vw * y;
-  a.A_wv = Y;
-  a.b_w = y;
+  const Block D_inverse = inverse(a.A.ww);
+  const Block Y = D_inverse * a.A.wv;
+  const Column y = D_inverse * a.b.w;
+  a.A.vv -= a.A.vw * Y;
+  a.b.v -= a.A.vw * y;
+  a.A.wv = Y;
+  a.b.w = y;
 }
 
-inline Real rate(const EliminatedAxis& j, const AnchorTwist& V) noexcept {
+inline Real rate(const EliminatedAxis& j, const SpatialVector& V) noexcept {
   return (j.tau - dot(j.T_w, V.w) - dot(j.T_v, V.v)) * j.D_inverse;
 }
 
-/// A shifted to an anchor d away (from the parent's to the child's) and added to the parent: v_child = v - [d]x w.
+/// Shifted to an anchor d away (from the parent's to the child's) and added to the parent: v_child = v - [d]x w.
 inline void add_to_parent(const ArticulatedBody& a, const Column& d, ArticulatedBody& parent) noexcept {
-  const Block A_vw = a.A_vw - cross(a.A_vv, d);
-  parent.A_ww += a.A_ww - cross(a.A_wv, d) + cross(d, A_vw);
-  parent.A_wv += a.A_wv + cross(d, a.A_vv);
-  parent.A_vw += A_vw;
-  parent.A_vv += a.A_vv;
-  parent.b_w += a.b_w + cross(d, a.b_v);
-  parent.b_v += a.b_v;
+  add_to_parent(a.A, d, parent.A);
+  parent.b = parent.b + moved_wrench(a.b, d);
 }
 
 /// The same where only a mass is left.
 inline void hang_mass(const ArticulatedBody& a, const Column& d, ArticulatedBody& parent) noexcept {
-  const Block A_vw = cross(a.A_vv, d);
-  parent.A_ww -= cross(d, A_vw);
-  parent.A_wv += cross(d, a.A_vv);
-  parent.A_vw -= A_vw;
-  parent.A_vv += a.A_vv;
-  parent.b_w += cross(d, a.b_v);
-  parent.b_v += a.b_v;
-}
-
-/// The twist of the same rigid motion d away.
-inline AnchorTwist shifted(const AnchorTwist& V, const Column& d) noexcept {
-  return {.w = V.w, .v = V.v + cross(V.w, d)};
+  const Block A_vw = cross(a.A.vv, d);
+  parent.A.ww -= cross(d, A_vw);
+  parent.A.wv += cross(d, a.A.vv);
+  parent.A.vw -= A_vw;
+  parent.A.vv += a.A.vv;
+  parent.b.w += cross(d, a.b.v);
+  parent.b.v += a.b.v;
 }
 
 /// A root without a joint: A V = b itself, by its 3 x 3 blocks.
-inline AnchorTwist solved(const ArticulatedBody& root) noexcept {
-  const Block A_vv_inverse = inverse(root.A_vv);
-  const Block B = root.A_wv * A_vv_inverse;
-  const Column w = inverse(root.A_ww - B * root.A_vw) * (root.b_w - B * root.b_v);
-  return {.w = w, .v = A_vv_inverse * (root.b_v - root.A_vw * w)};
+inline SpatialVector solved(const ArticulatedBody& root) noexcept {
+  const Block A_vv_inverse = inverse(root.A.vv);
+  const Block B = root.A.wv * A_vv_inverse;
+  const Column w = inverse(root.A.ww - B * root.A.vw) * (root.b.w - B * root.b.v);
+  return {.w = w, .v = A_vv_inverse * (root.b.v - root.A.vw * w)};
 }
 
 }  // namespace godobject

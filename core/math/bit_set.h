@@ -14,6 +14,7 @@ struct BitSet {
   std::array<std::uint64_t, (n + 63) / 64> words;
 
   void insert(std::uint32_t i) noexcept { words[i / 64] |= std::uint64_t(1) << (i % 64); }
+  bool contains(std::uint32_t i) const noexcept { return (words[i / 64] >> (i % 64) & 1) != 0; }
   void erase(std::uint32_t i) noexcept { words[i / 64] &= ~(std::uint64_t(1) << (i % 64)); }
   void insert(const BitSet& other, std::uint32_t below) noexcept {
     for (std::uint32_t k = 0; 64 * k < below; ++k) words[k] |= other.words[k];

@@ -2,6 +2,8 @@
 // one operation (docs/decisions/016). The fourth number is copied about and never asked for.
 #pragma once
 
+#include <type_traits>
+
 #include "core/math/simd4.h"
 
 namespace godobject {
@@ -51,6 +53,7 @@ struct Block {
   static Block identity() noexcept {
     return {{Column(Vec3::UnitX()), Column(Vec3::UnitY()), Column(Vec3::UnitZ())}};
   }
+  static Block zero() noexcept { return {{Column(Pack(0)), Column(Pack(0)), Column(Pack(0))}}; }
 
   Block& operator+=(const Block& b) noexcept {
     for (std::size_t c = 0; c < 3; ++c) col[c] += b.col[c];
@@ -81,6 +84,8 @@ inline Block transposed(const Column& a, const Column& b, const Column& c) noexc
            Column(shuffled<2, 3, 6, 7>(ab_02, c_02))}};
 }
 
+inline Block transposed(const Block& A) noexcept { return transposed(A.col[0], A.col[1], A.col[2]); }
+
 /// a b^T.
 inline Block outer(const Column& a, const Column& b) noexcept {
   return {{a * b.all<0>(), a * b.all<1>(), a * b.all<2>()}};
@@ -90,6 +95,16 @@ inline Block outer(const Column& a, const Column& b) noexcept {
 inline Column times_transposed(const Block& A, const Column& b) noexcept {
   const Block m = transposed(Column(A.col[0].p * b.p), Column(A.col[1].p * b.p), Column(A.col[2].p * b.p));
   return m.col[0] + m.col[1] + m.col[2];
+}
+
+/// A B^T.
+inline Block times_transpose(const Block& A, const Block& B) noexcept {
+  const auto column = [&](auto c) noexcept {
+    constexpr int j = decltype(c)::value;
+    return A.col[0] * B.col[0].all<j>() + A.col[1] * B.col[1].all<j>() + A.col[2] * B.col[2].all<j>();
+  };
+  return {{column(std::integral_constant<int, 0>{}), column(std::integral_constant<int, 1>{}),
+           column(std::integral_constant<int, 2>{})}};
 }
 
 /// [d]x A.

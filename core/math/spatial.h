@@ -1,54 +1,139 @@
-// Twists and wrenches of bodies about their centres of mass, and symmetric 6 x 6 matrices between them.
+// Spatial algebra (Featherstone 2008): twists and wrenches as vectors of six, and the 6 x 6 matrices between them, in
+// 3 x 3 blocks. World axes; turns and torques (w) before shifts and forces (v).
+//
+// X is the shift of a rigid motion from one point to another, d away: X = (1, 0; -[d]x, 1), so that the twist at the
+// other point is X V and a wrench there is X^T F here.
 #pragma once
 
-#include "core/contact/stage.h"
+#include "core/math/block.h"
 
 namespace godobject {
 
-inline AnchorTwist operator*(const TwistBlock& A, const AnchorTwist& V) noexcept {
-  return {.w = A.ww * V.w + A.wv * V.v, .v = times_transposed(A.wv, V.w) + A.vv * V.v};
+/// A twist (angular velocity, velocity), or a wrench or impulse (torque, force).
+struct SpatialVector {
+  Column w, v;
+
+  static SpatialVector zero() noexcept { return {.w = Column(Pack(0)), .v = Column(Pack(0))}; }
+};
+
+inline SpatialVector operator+(const SpatialVector& a, const SpatialVector& b) noexcept {
+  return {.w = a.w + b.w, .v = a.v + b.v};
 }
-inline TwistBlock operator*(const TwistBlock& A, Real s) noexcept {
-  return {.ww = A.ww * s, .wv = A.wv * s, .vv = A.vv * s};
+inline SpatialVector operator-(const SpatialVector& a, const SpatialVector& b) noexcept {
+  return {.w = a.w - b.w, .v = a.v - b.v};
 }
-inline TwistBlock& operator+=(TwistBlock& A, const TwistBlock& B) noexcept {
+inline SpatialVector operator*(const SpatialVector& a, Real s) noexcept {
+  return {.w = a.w * s, .v = a.v * s};
+}
+inline Real dot(const SpatialVector& a, const SpatialVector& b) noexcept {
+  return dot(a.w, b.w) + dot(a.v, b.v);
+}
+
+/// A sum of scalar products.
+class SpatialSum {
+ public:
+  void add(const SpatialVector& a, const SpatialVector& b) noexcept { sum_ += a.w.p * b.w.p + a.v.p * b.v.p; }
+  operator Real() const noexcept { return (sum_[0] + sum_[1]) + sum_[2]; }
+
+ private:
+  Pack sum_ = 0;
+};
+
+/// X V: the twist of the same rigid motion d away.
+inline SpatialVector shifted(const SpatialVector& V, const Column& d) noexcept {
+  return {.w = V.w, .v = V.v + cross(V.w, d)};
+}
+/// X^T F: a wrench at d, about the origin of d.
+inline SpatialVector moved_wrench(const SpatialVector& F, const Column& d) noexcept {
+  return {.w = F.w + cross(d, F.v), .v = F.v};
+}
+
+/// Any 6 x 6 matrix.
+struct SpatialMatrix {
+  Block ww, wv, vw, vv;
+
+  static SpatialMatrix zero() noexcept {
+    return {.ww = Block::zero(), .wv = Block::zero(), .vw = Block::zero(), .vv = Block::zero()};
+  }
+};
+
+inline SpatialMatrix transposed(const SpatialMatrix& A) noexcept {
+  return {.ww = transposed(A.ww), .wv = transposed(A.vw), .vw = transposed(A.wv), .vv = transposed(A.vv)};
+}
+inline SpatialMatrix& operator+=(SpatialMatrix& A, const SpatialMatrix& B) noexcept {
+  A.ww += B.ww;
+  A.wv += B.wv;
+  A.vw += B.vw;
+  A.vv += B.vv;
+  return A;
+}
+inline SpatialVector operator*(const SpatialMatrix& A, const SpatialVector& V) noexcept {
+  return {.w = A.ww * V.w + A.wv * V.v, .v = A.vw * V.w + A.vv * V.v};
+}
+/// A^T F.
+inline SpatialVector times_transposed(const SpatialMatrix& A, const SpatialVector& F) noexcept {
+  return {.w = times_transposed(A.ww, F.w) + times_transposed(A.vw, F.v),
+          .v = times_transposed(A.wv, F.w) + times_transposed(A.vv, F.v)};
+}
+/// A X.
+inline SpatialMatrix shifted(const SpatialMatrix& A, const Column& d) noexcept {
+  return {.ww = A.ww - cross(A.wv, d), .wv = A.wv, .vw = A.vw - cross(A.vv, d), .vv = A.vv};
+}
+/// X^T A X added to the parent, d away.
+inline void add_to_parent(const SpatialMatrix& A, const Column& d, SpatialMatrix& parent) noexcept {
+  const Block vw = A.vw - cross(A.vv, d);
+  parent.ww += A.ww - cross(A.wv, d) + cross(d, vw);
+  parent.wv += A.wv + cross(d, A.vv);
+  parent.vw += vw;
+  parent.vv += A.vv;
+}
+
+/// A symmetric 6 x 6 matrix; its vw is the transposed wv.
+struct SymmetricSpatialMatrix {
+  Block ww, wv, vv;
+};
+
+inline SymmetricSpatialMatrix& operator+=(SymmetricSpatialMatrix& A,
+                                          const SymmetricSpatialMatrix& B) noexcept {
   A.ww += B.ww;
   A.wv += B.wv;
   A.vv += B.vv;
   return A;
 }
-inline AnchorTwist operator+(const AnchorTwist& a, const AnchorTwist& b) noexcept {
-  return {.w = a.w + b.w, .v = a.v + b.v};
+inline SymmetricSpatialMatrix operator*(const SymmetricSpatialMatrix& A, Real s) noexcept {
+  return {.ww = A.ww * s, .wv = A.wv * s, .vv = A.vv * s};
 }
-inline AnchorTwist operator-(const AnchorTwist& a, const AnchorTwist& b) noexcept {
-  return {.w = a.w - b.w, .v = a.v - b.v};
+inline SpatialVector operator*(const SymmetricSpatialMatrix& A, const SpatialVector& V) noexcept {
+  return {.w = A.ww * V.w + A.wv * V.v, .v = times_transposed(A.wv, V.w) + A.vv * V.v};
 }
-inline AnchorTwist operator*(const AnchorTwist& a, Real s) noexcept { return {.w = a.w * s, .v = a.v * s}; }
-inline Real dot(const AnchorTwist& a, const AnchorTwist& b) noexcept { return dot(a.w, b.w) + dot(a.v, b.v); }
-
-/// A^-1, A positive definite.
-inline TwistBlock inverse(const TwistBlock& A) noexcept {
-  const Block D = inverse(A.vv), B = A.wv * D, C = inverse(A.ww - B * transposed(A.wv));
-  const Block CB = C * B;
-  TwistBlock inverse;
-  inverse.ww = C;
-  inverse.wv = CB * Real(-1);
-  inverse.vv = D + transposed(B) * CB;
-  return inverse;
+/// A + B + B^T.
+inline void add_both(const SpatialMatrix& B, SymmetricSpatialMatrix& A) noexcept {
+  A.ww += B.ww + transposed(B.ww);
+  A.wv += B.wv + transposed(B.vw);
+  A.vv += B.vv + transposed(B.vv);
 }
-
-/// A wrench at d, about the origin of d.
-inline AnchorTwist moved_wrench(const AnchorTwist& F, const Column& d) noexcept {
-  return {.w = F.w + cross(d, F.v), .v = F.v};
-}
-
-/// A^ = X^T A X added to the parent: A taken at d from the parent's centre of mass.
-inline void add_to_parent(const TwistBlock& A, const Column& d, TwistBlock& parent) noexcept {
-  // X = (1, 0; -[d]x, 1)
+/// X^T A X added to the parent, d away.
+inline void add_to_parent(const SymmetricSpatialMatrix& A, const Column& d,
+                          SymmetricSpatialMatrix& parent) noexcept {
   const Block vw = transposed(A.wv) - cross(A.vv, d);
   parent.ww += A.ww - cross(A.wv, d) + cross(d, vw);
   parent.wv += A.wv + cross(d, A.vv);
   parent.vv += A.vv;
+}
+/// -X^T A: what couples a body to its parent, d away, by an impedance A for the twist of the one against the other.
+inline SpatialMatrix coupling(const SymmetricSpatialMatrix& A, const Column& d) noexcept {
+  const Block A_vw = transposed(A.wv);
+  return {.ww = (A.ww + cross(d, A_vw)) * Real(-1),
+          .wv = (A.wv + cross(d, A.vv)) * Real(-1),
+          .vw = A_vw * Real(-1),
+          .vv = A.vv * Real(-1)};
+}
+/// X^T A X added to the parent, where its coupling to the child is A_pc = -X^T A.
+inline void add_coupled_to_parent(const SpatialMatrix& A_pc, const Column& d,
+                                  SymmetricSpatialMatrix& parent) noexcept {
+  parent.ww -= A_pc.ww - cross(A_pc.wv, d);
+  parent.wv -= A_pc.wv;
+  parent.vv -= A_pc.vv;
 }
 
 }  // namespace godobject

@@ -21,7 +21,7 @@ struct CoreFaultText {
   FaultText text;
 };
 
-inline constexpr std::array<CoreFaultText, 4> core_fault_texts{{
+inline constexpr std::array<CoreFaultText, 5> core_fault_texts{{
     {Fault::input_not_finite,
      {"input_not_finite", "an input was not a finite number; those steps were not taken",
       "find the source of the sample: encoders and trackers mark bad samples invalid, which is no fault"}},
@@ -36,6 +36,12 @@ inline constexpr std::array<CoreFaultText, 4> core_fault_texts{{
     {Fault::contacts_full,
      {"contacts_full", "more contacts at a time than the scene has room for; the deepest were kept",
       "fewer spheres, or a composition with room for more: godobject check prints what the scene has"}},
+    {Fault::blocks_full,
+     {"blocks_full",
+      "contacts couple more pairs of bodies than the solver has blocks for; those steps were iterated, to "
+      "the residual "
+      "of the contact report",
+      "fewer bodies in one heap, or a composition with room for more"}},
 }};
 
 enum class RunFault : std::size_t {

@@ -53,12 +53,8 @@ ArticulatedBody body_of(const Matrix6& A, const Vector6& b) {
     const Mat3 m = A.block<3, 3>(row, column);
     return Block{{Column(m.col(0)), Column(m.col(1)), Column(m.col(2))}};
   };
-  return {.A_ww = block(0, 0),
-          .A_wv = block(0, 3),
-          .A_vw = block(3, 0),
-          .A_vv = block(3, 3),
-          .b_w = Column(b.head<3>()),
-          .b_v = Column(b.tail<3>())};
+  return {.A = {.ww = block(0, 0), .wv = block(0, 3), .vw = block(3, 0), .vv = block(3, 3)},
+          .b = {.w = Column(b.head<3>()), .v = Column(b.tail<3>())}};
 }
 
 class RandomTree {
@@ -144,21 +140,21 @@ class RandomTree {
       }
       if (hangs) add_to_parent(a, Column(n.d), bodies[n.parent]);
     }
-    std::array<AnchorTwist, num_bodies> V;
+    std::array<SpatialVector, num_bodies> V;
     VectorXd all(12 * num_bodies);
     for (std::size_t k = 0; k < num_bodies; ++k) {
       const Node& n = nodes_[k];
       const ArticulatedBody& a = bodies[k];
-      const AnchorTwist V_P = n.parent == world ? AnchorTwist{} : shifted(V[n.parent], Column(n.d));
-      AnchorTwist moved = V_P, F;
+      const SpatialVector V_P = n.parent == world ? SpatialVector{} : shifted(V[n.parent], Column(n.d));
+      SpatialVector moved = V_P, F;
       if (n.turns == 3) {
-        moved.w = a.b_w - a.A_wv * V_P.v;
-        F.v = a.A_vv * V_P.v - a.b_v;
+        moved.w = a.b.w - a.A.wv * V_P.v;
+        F.v = a.A.vv * V_P.v - a.b.v;
       } else {
         for (auto c = static_cast<std::size_t>(n.dof()); c-- > 0;)
           (c < static_cast<std::size_t>(n.turns) ? moved.w : moved.v) +=
               Column(n.axes[c]) * rate(n.eliminated[c], moved);
-        F = {.w = a.A_ww * V_P.w + a.A_wv * V_P.v - a.b_w, .v = a.A_vw * V_P.w + a.A_vv * V_P.v - a.b_v};
+        F = a.A * V_P - a.b;
       }
       V[k] = {.w = moved.w + Column(n.beta.w), .v = moved.v + Column(n.beta.v)};
       const auto i = static_cast<Eigen::Index>(6 * k);
@@ -195,7 +191,7 @@ TEST(TreeSolve, RootWithoutAJointIsSolvedByItself) {
     const Matrix6 M = Matrix6::NullaryExpr([&] { return uniform(engine); });
     const Matrix6 A = M * M.transpose() + Matrix6::Identity() + Real(0.5) * (M - M.transpose());
     const Vector6 b = Vector6::NullaryExpr([&] { return uniform(engine); });
-    const AnchorTwist V = solved(body_of(A, b));
+    const SpatialVector V = solved(body_of(A, b));
     EXPECT_LE((A * stacked(V.w.vec(), V.v.vec()) - b).norm(), 1e-12 * (1 + b.norm()) * A.norm());
   }
 }

@@ -73,7 +73,7 @@ TEST(TouchingList, HasItsPairsInOrder) {
       const bool is_new = i == 0 || pair_of(near.list[i - 1]) != pair_of(near.list[i]);
       pairs += is_new && near.list[i].b < num_bricks ? 1 : 0;
     }
-    ASSERT_EQ(pile->w.contacts.tree.num_pairs, pairs);
+    ASSERT_EQ(pile->w.contacts.graph.num_pairs, pairs);
   }
   EXPECT_GT(pile->x.contacts.size, few);
 }

@@ -1,0 +1,130 @@
+// Bodies that touch, in pairs, and the islands that these and joints make of them.
+#pragma once
+
+#include <array>
+#include <utility>
+
+#include "core/joint/edges.h"
+
+namespace godobject {
+
+/// Bodies that touch, and what their contacts are together: an impedance and an impulse at rest for the twist of the
+/// child against the parent, where the child's centre of mass is.
+struct TouchingPair {
+  std::uint32_t child = 0, parent = 0;
+  std::uint32_t first_pack = 0, end_pack = 0;
+  bool is_deep = false;     // somewhere, where the bodies are predicted to be
+  bool touches = false;     // some contact bears a force
+  std::uint32_t entry = 0;  // of the system, or no_slot
+  Column d;                 // from the parent's centre of mass to the child's
+  SymmetricSpatialMatrix A;
+  SpatialVector F;
+};
+
+/// A body among those that touch. Scratch: undefined between steps.
+struct TouchingBody {
+  std::uint32_t first_pack = 0, end_pack = 0;  // contacts with the world
+  SymmetricSpatialMatrix A;                    // impedance of these
+  SpatialVector F;                             // impulse of these at rest
+};
+
+/// Bodies that are near each other, and to none but these: a system of its own. Ranges of the order of TouchingGraph.
+struct Island {
+  std::uint32_t first_body = 0, end_body = 0, first_pair = 0, end_pair = 0;
+};
+
+/// Scratch: undefined between steps.
+template <std::size_t N, std::size_t max_pairs, bool jointed_ = false>
+struct TouchingGraph {
+  static constexpr bool jointed = jointed_;
+  std::array<TouchingBody, N> bodies;
+  std::array<TouchingPair, max_pairs> pairs;
+  std::size_t num_pairs = 0;
+  std::array<std::uint32_t, N> order;               // of the bodies that touch anything, island by island
+  std::array<std::uint32_t, max_pairs> pair_order;  // likewise
+  std::array<Island, N> islands;
+  std::size_t num_islands = 0;
+  std::array<std::uint32_t, N> joined_to,
+      island_of;  // a body of the same island; by that which is joined to itself
+  [[no_unique_address]] std::conditional_t<jointed, JointEdges<N>, Absent<11>> joints;
+
+  /// f(body's number, body), f(pair) of all of an island.
+  template <class F>
+  void each_body(const Island& island, F f) noexcept {
+    for (std::uint32_t k = island.first_body; k < island.end_body; ++k) f(order[k], bodies[order[k]]);
+  }
+  template <class F>
+  void each_body(const Island& island, F f) const noexcept {
+    for (std::uint32_t k = island.first_body; k < island.end_body; ++k) f(order[k], bodies[order[k]]);
+  }
+  template <class F>
+  void each_pair(const Island& island, F f) noexcept {
+    for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
+  }
+  template <class F>
+  void each_pair(const Island& island, F f) const noexcept {
+    for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
+  }
+
+  /// That body of an island which is joined to itself.
+  std::uint32_t root_of(std::uint32_t i) noexcept {
+    while (joined_to[i] != i) i = joined_to[i] = joined_to[joined_to[i]];
+    return i;
+  }
+  void join(std::uint32_t i, std::uint32_t j) noexcept { joined_to[root_of(i)] = root_of(j); }
+  Island& island_with(std::uint32_t i) noexcept { return islands[island_of[root_of(i)]]; }
+};
+
+/// Joins the bodies by their pairs and joints. Bodies on joints of the world are one tool.
+template <std::size_t N, std::size_t max_pairs, bool jointed>
+void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed>& w) noexcept {
+  for (std::uint32_t i = 0; i < num_bodies; ++i) w.joined_to[i] = i;
+  for (std::uint32_t k = 0; k < w.num_pairs; ++k) w.join(w.pairs[k].child, w.pairs[k].parent);
+  if constexpr (jointed) {
+    std::size_t on_world = world;
+    for (std::uint32_t i = 0; i < num_bodies; ++i) {
+      const JointEdge& joint = w.joints.edges[i];
+      if (joint.on_body()) w.join(i, static_cast<std::uint32_t>(joint.parent));
+      if (!joint.on_world()) continue;
+      if (on_world != world) w.join(i, static_cast<std::uint32_t>(on_world));
+      on_world = i;
+    }
+  }
+}
+
+/// The islands, each with its bodies and pairs. touches[i]: body i touches anything.
+template <std::size_t N, std::size_t max_pairs, bool jointed>
+void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
+                  TouchingGraph<N, max_pairs, jointed>& w) noexcept {
+  join_bodies(num_bodies, w);
+  const auto is_alone = [&](std::uint32_t i) noexcept {
+    if constexpr (jointed) {
+      if (w.joints.joined[i]) return false;
+    }
+    return !touches[i];
+  };
+  w.num_islands = 0;
+  for (std::uint32_t i = 0; i < num_bodies; ++i) {
+    if (is_alone(i) || w.root_of(i) != i) continue;
+    w.islands[w.num_islands] = {};
+    w.island_of[i] = static_cast<std::uint32_t>(w.num_islands++);
+  }
+  // how many of each, where they begin, and who they are
+  for (std::uint32_t i = 0; i < num_bodies; ++i)
+    if (!is_alone(i)) ++w.island_with(i).end_body;
+  for (std::uint32_t k = 0; k < w.num_pairs; ++k) ++w.island_with(w.pairs[k].child).end_pair;
+  std::uint32_t body = 0, pair = 0;
+  for (std::size_t n = 0; n < w.num_islands; ++n) {
+    Island& island = w.islands[n];
+    island.first_body = body;
+    island.first_pair = pair;
+    body += std::exchange(island.end_body, body);
+    pair += std::exchange(island.end_pair, pair);
+  }
+  for (std::uint32_t i = 0; i < num_bodies; ++i)
+    if (!is_alone(i)) w.order[w.island_with(i).end_body++] = i;
+  for (std::uint32_t k = 0; k < w.num_pairs; ++k)
+    w.pair_order[w.island_with(w.pairs[k].child).end_pair++] = k;
+}
+
+}  // namespace godobject

@@ -1,0 +1,183 @@
+// The factor of a block system: L D L^T, unknown by unknown, with i and j the neighbours of k,
+//
+//   (31)  A_kk = L D L^T,  Z_i = A_ik L^-T,  A_ij -= Z_i D^-1 Z_j^T
+//
+// by substitution, without inverses: a body keeps its mass beside contacts that are 1e10 times stiffer. Bound: `room`
+// blocks A_ik, and for each unknown a product for every two of its neighbours.
+//
+// A block E that has no room is left out, and as much added to both diagonals (Ajiz and Jennings 1984), entry by entry
+//
+//   (27)  A_ii(r) += |E_rc| sqrt(a_r / a_c),  A_jj(c) += |E_rc| sqrt(a_c / a_r),  a the diagonal of A
+//
+// so that what is factored instead, M, is A and something positive: M has no pivots that are not, however much is left
+// out, and conjugate gradients with it converge. It is exact for trees, which need no blocks beyond their own.
+#pragma once
+
+#include "core/system/block_joint.h"
+
+namespace godobject {
+
+/// (27)  Of a block E between the unknowns numbered i and j.
+template <class System>
+void leave_out(std::uint32_t i, std::uint32_t j, int rows_i, int rows_j, const SpatialMatrix& E,
+               System& w) noexcept {
+  const SpatialVector &a_i = w.root_diagonal[i], &a_j = w.root_diagonal[j];
+  const auto leave = [](const Block& e, const Column& a_r, const Column& a_c, Block& A_rr,
+                        Block& A_cc) noexcept {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Column e_c(abs(e.col[c].p));
+      const Real a = a_c.p[c];
+      for (std::size_t r = 0; r < 3; ++r) A_rr.col[r].p.set(r, A_rr.col[r].p[r] + e_c.p[r] * a_r.p[r] / a);
+      A_cc.col[c].p.set(
+          c, A_cc.col[c].p[c] + a * (e_c.p[0] / a_r.p[0] + e_c.p[1] / a_r.p[1] + e_c.p[2] / a_r.p[2]));
+    }
+  };
+  SymmetricSpatialMatrix &A_ii = w.A_kk[i], &A_jj = w.A_kk[j];
+  leave(E.vv, a_i.v, a_j.v, A_ii.vv, A_jj.vv);
+  if (rows_i == 2) leave(E.wv, a_i.w, a_j.v, A_ii.ww, A_jj.vv);
+  if (rows_j == 2) leave(E.vw, a_i.v, a_j.w, A_ii.vv, A_jj.ww);
+  if (rows_i == 2 && rows_j == 2) leave(E.ww, a_i.w, a_j.w, A_ii.ww, A_jj.ww);
+}
+
+/// The system into the factor's blocks.
+template <class System>
+void load_factor(System& w) noexcept {
+  const auto root = [](const Block& A) noexcept {
+    return Column(
+        sqrt(diagonal(A.col[0].template all<0>(), A.col[1].template all<1>(), A.col[2].template all<2>()).p));
+  };
+  for (std::uint32_t k = 0; k < w.size; ++k) {
+    w.A_kk[k] = w.A[w.unknown[k]];
+    if (!w.is_complete) w.root_diagonal[k] = {.w = root(w.A_kk[k].ww), .v = root(w.A_kk[k].vv)};
+  }
+  for (std::uint32_t b = 0; b < w.first[w.size]; ++b) w.Z[b] = SpatialMatrix::zero();
+  for (std::uint32_t e = 0; e < w.num_entries; ++e) {
+    const BlockEntry& entry = w.entries[e];
+    if (entry.is_zero) continue;
+    const std::uint32_t i = w.number_of[entry.i], j = w.number_of[entry.j];
+    if (entry.slot == no_slot)
+      leave_out(i, j, w.is_body(entry.i) ? 2 : 1, w.is_body(entry.j) ? 2 : 1, entry.A, w);
+    else w.Z[entry.slot] += i > j ? entry.A : transposed(entry.A);
+  }
+}
+
+/// Adds a block A_ij, i and j > k numbers, to its slot; without one it is left out.
+template <class System>
+void add_block(std::uint32_t i, std::uint32_t j, const SpatialMatrix& A_ij, System& w) noexcept {
+  const std::uint32_t low = std::min(i, j), high = std::max(i, j), end = w.first[low + 1];
+  const std::uint32_t b = find_row(w, high, w.first[low], end);
+  if (b == end) leave_out(i, j, w.is_body(w.unknown[i]) ? 2 : 1, 2, A_ij, w);
+  else w.Z[b] += i > j ? A_ij : transposed(A_ij);
+}
+
+/// (33)  The unknown numbered k by the coordinates of its joint.
+template <class System>
+void take_by_axes(std::uint32_t k, const BlockJoint& joint, System& w) noexcept {
+  if (joint.hangs()) {
+    const std::uint32_t p = w.number_of[joint.parent];
+    for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) {
+      const std::uint32_t i = w.row[b];
+      const SpatialMatrix A_ip = shifted(w.Z[b], joint.d);
+      if (i == p) {
+        add_both(A_ip, w.A_kk[p]);
+        w.Z[b] += coupling(w.A_kk[k] * Real(-1), joint.d);
+      } else {
+        add_block(i, p, A_ip, w);
+      }
+    }
+    add_to_parent(w.A_kk[k], joint.d, w.A_kk[p]);
+  }
+  for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) w.Z[b] = along_axes(w.Z[b], joint);
+  w.A_kk[k] = along_axes(w.A_kk[k], joint);
+}
+
+/// (31)  What the block Z_j of column k, number c, does to all blocks of later columns. columns: of k.
+template <int columns, class System>
+void eliminate_block(std::uint32_t k, std::uint32_t c, System& w) noexcept {
+  const std::uint32_t j = w.row[c], end = w.first[j + 1];
+  std::uint32_t to = w.first[j];
+  w.with_rows(w.unknown[j], [&](auto rows_j) noexcept {
+    constexpr int R_j = decltype(rows_j)::value;
+    const SpatialMatrix Y_j = scaled<R_j, columns>(w.Z[c], w.pivots[k]);
+    subtract_product<R_j, columns>(w.Z[c], Y_j, w.A_kk[j]);
+    for (std::uint32_t b = c + 1; b < w.first[k + 1]; ++b) {
+      const std::uint32_t i = w.row[b];
+      while (to < end && w.row[to] < i) ++to;
+      w.with_rows(w.unknown[i], [&](auto rows_i) noexcept {
+        constexpr int R_i = decltype(rows_i)::value;
+        if (to < end && w.row[to] == i) {
+          subtract_product<R_i, R_j, columns>(w.Z[b], Y_j, w.Z[to]);
+        } else {
+          SpatialMatrix E = SpatialMatrix::zero();
+          subtract_product<R_i, R_j, columns>(w.Z[b], Y_j, E);
+          leave_out(i, j, R_i, R_j, E, w);
+        }
+      });
+    }
+  });
+}
+
+/// (31) of a system that is ordered.
+template <class System>
+void factorize(System& w) noexcept {
+  load_factor(w);
+  for (std::uint32_t k = 0; k < w.size; ++k) {
+    const std::uint32_t u = w.unknown[k];
+    if (const BlockJoint* joint = w.joint_of(u)) take_by_axes(k, *joint, w);
+    w.with_columns(u, [&](auto columns) noexcept {
+      constexpr int C = decltype(columns)::value;
+      Pivot& pivot = w.pivots[k];
+      factor<C>(w.A_kk[k], pivot);
+      for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b)
+        w.with_rows(w.unknown[w.row[b]],
+                    [&](auto rows) noexcept { substitute<decltype(rows)::value, C>(pivot, w.Z[b]); });
+      for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) eliminate_block<C>(k, c, w);
+    });
+    if constexpr (System::jointed) {
+      for (std::size_t a = 0; a < 3; ++a) w.joints[u].D_inverse[a] = w.pivots[k].D_inverse[3 + a][0];
+    }
+  }
+}
+
+/// V = A^-1 b, or M^-1 b if blocks are left out. b is used up.
+template <class System>
+void solve(const System& w, typename System::Vector& b, typename System::Vector& V) noexcept {
+  for (std::uint32_t k = 0; k < w.size; ++k) {
+    const std::uint32_t u = w.unknown[k];
+    SpatialVector& b_k = b[u];
+    if (const BlockJoint* joint = w.joint_of(u)) {
+      if (joint->hangs()) b[joint->parent] = b[joint->parent] + moved_wrench(b_k, joint->d);
+      b_k.v = along_axes(b_k, *joint);
+    }
+    w.with_columns(u, [&](auto columns) noexcept {
+      constexpr int C = decltype(columns)::value;
+      b_k = scaled<C>(lowered<C>(w.pivots[k], b_k), w.pivots[k]);
+      for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) {
+        const std::uint32_t i = w.unknown[w.row[c]];
+        w.with_rows(
+            i, [&](auto rows) noexcept { subtract_product<decltype(rows)::value, C>(w.Z[c], b_k, b[i]); });
+      }
+    });
+  }
+  for (std::uint32_t k = w.size; k-- > 0;) {
+    const std::uint32_t u = w.unknown[k];
+    SpatialVector& V_k = V[u];
+    w.with_columns(u, [&](auto columns) noexcept {
+      constexpr int C = decltype(columns)::value;
+      SpatialVector sum = SpatialVector::zero();
+      for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) {
+        const std::uint32_t i = w.unknown[w.row[c]];
+        w.with_rows(i, [&](auto rows) noexcept {
+          add_product_transposed<decltype(rows)::value, C>(w.Z[c], V[i], sum);
+        });
+      }
+      V_k = raised<C>(w.pivots[k], b[u] - scaled<C>(sum, w.pivots[k]));
+    });
+    if (const BlockJoint* joint = w.joint_of(u)) {
+      V_k = moved_along(*joint, V_k.v);
+      if (joint->hangs()) V_k = V_k + shifted(V[joint->parent], joint->d);
+    }
+  }
+}
+
+}  // namespace godobject
