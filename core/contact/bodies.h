@@ -88,10 +88,9 @@ void load_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexc
   system.reset();
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
     const BodyStage& stage = w.stages[i];
-    system.add(i, {.ww = stage.A_ww, .wv = Block::zero(), .vv = Block::identity() * stage.M});
-    system.add_impulse(i, {.w = stage.b_w, .v = stage.b_v});
-    system.add(i, body.A);
-    system.add_impulse(i, body.F);
+    system.set(i,
+               {.ww = stage.A_ww + body.A.ww, .wv = body.A.wv, .vv = Block::identity() * stage.M + body.A.vv},
+               {.w = stage.b_w + body.F.w, .v = stage.b_v + body.F.v});
   });
   w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
     if (!pair.touches) return;
@@ -134,6 +133,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
        ++newton_iterations) {
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
     load_system(island, w);
+    if (w.system.is_complete && newton_iterations > 0) w.system.multiply(x.V_0, x.AV_0);
     factorize(w.system);
     if (w.system.is_complete) {
       solve_complete(w.system, x);
@@ -145,10 +145,8 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
       left = largest_left(1, w);
     }
     if (move_contacts(island, w)) {
-      if (newton_iterations > 0) {  // those predicted solve nothing that could be lost
-        if (w.system.is_complete) w.system.multiply(x.V_0, x.AV_0);
-        search_line(h, island, w);
-      }
+      // those predicted solve nothing that could be lost
+      if (newton_iterations > 0) search_line(h, island, w);
       left = scale_velocities(h, island, w);
     }
     done = settle_contacts(newton_iterations, island, w, most) &&

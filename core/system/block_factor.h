@@ -39,25 +39,22 @@ void leave_out(std::uint32_t i, std::uint32_t j, int rows_i, int rows_j, const S
   if (rows_i == 2 && rows_j == 2) leave(E.ww, a_i.w, a_j.w, A_ii.ww, A_jj.ww);
 }
 
-/// The system into the factor's blocks.
+/// Keeps the system as it is, and leaves out what has no slot.
 template <class System>
-void load_factor(System& w) noexcept {
+void leave_out_entries(System& w) noexcept {
   const auto root = [](const Block& A) noexcept {
     return Column(
         sqrt(diagonal(A.col[0].template all<0>(), A.col[1].template all<1>(), A.col[2].template all<2>()).p));
   };
   for (std::uint32_t k = 0; k < w.size; ++k) {
-    w.A_kk[k] = w.A[w.unknown[k]];
-    if (!w.is_complete) w.root_diagonal[k] = {.w = root(w.A_kk[k].ww), .v = root(w.A_kk[k].vv)};
+    w.A[k] = w.A_kk[k];
+    w.root_diagonal[k] = {.w = root(w.A[k].ww), .v = root(w.A[k].vv)};
   }
-  for (std::uint32_t b = 0; b < w.first[w.size]; ++b) w.Z[b] = SpatialMatrix::zero();
   for (std::uint32_t e = 0; e < w.num_entries; ++e) {
     const BlockEntry& entry = w.entries[e];
-    if (entry.is_zero) continue;
-    const std::uint32_t i = w.number_of[entry.i], j = w.number_of[entry.j];
-    if (entry.slot == no_slot)
-      leave_out(i, j, w.is_body(entry.i) ? 2 : 1, w.is_body(entry.j) ? 2 : 1, entry.A, w);
-    else w.Z[entry.slot] += i > j ? entry.A : transposed(entry.A);
+    if (entry.slot != no_slot) continue;
+    leave_out(w.number_of[entry.i], w.number_of[entry.j], w.is_body(entry.i) ? 2 : 1,
+              w.is_body(entry.j) ? 2 : 1, entry.A, w);
   }
 }
 
@@ -117,10 +114,10 @@ void eliminate_block(std::uint32_t k, std::uint32_t c, System& w) noexcept {
   });
 }
 
-/// (31) of a system that is ordered.
+/// (31) of a system that is ordered and loaded.
 template <class System>
 void factorize(System& w) noexcept {
-  load_factor(w);
+  if (!w.is_complete) leave_out_entries(w);
   for (std::uint32_t k = 0; k < w.size; ++k) {
     const std::uint32_t u = w.unknown[k];
     if (const BlockJoint* joint = w.joint_of(u)) take_by_axes(k, *joint, w);

@@ -150,6 +150,7 @@ void order(System& w) noexcept {
     std::sort(w.row.begin() + w.first[k], w.row.begin() + b);
   }
   w.first[w.size] = b;
+  for (std::uint32_t s = 0; s < b; ++s) w.is_fill[s] = true;
   for (std::uint32_t k = 0; k < w.size; ++k) w.order[k] = w.unknown[w.order[k]];
   for (std::uint32_t k = 0; k < w.size; ++k) {
     w.unknown[k] = w.order[k];
@@ -160,6 +161,7 @@ void order(System& w) noexcept {
     if (entry.slot == no_slot) continue;
     const auto [low, high] = std::minmax(w.number_of[entry.i], w.number_of[entry.j]);
     entry.slot = find_row(w, high, w.first[low], w.first[low + 1]);
+    w.is_fill[entry.slot] = false;
   }
 }
 

@@ -19,12 +19,11 @@
 
 namespace godobject {
 
-/// What two unknowns are coupled by, A_ij; A_ji is its transpose.
+/// Two unknowns that a term couples, by A_ij; A_ji is its transpose.
 struct BlockEntry {
   std::uint32_t i = 0, j = 0;  // unknowns
-  std::uint32_t slot = 0;      // of a factor, or no_slot
-  bool is_zero = true;
-  SpatialMatrix A;
+  std::uint32_t slot = 0;      // of the system's blocks, or no_slot
+  SpatialMatrix A;             // where the factor is not complete
 };
 inline constexpr std::uint32_t no_slot = ~std::uint32_t(0);
 
@@ -57,22 +56,23 @@ struct BlockSystem {
   // the unknowns that are solved for: by place, as they were added, until they are numbered in the order of elimination
   std::uint32_t size = 0;
   std::array<std::uint32_t, max_unknowns> unknown, number_of;
-  // by unknown
-  std::array<SymmetricSpatialMatrix, max_unknowns> A;
-  Vector b;
-  [[no_unique_address]] std::conditional_t<jointed, std::array<BlockJoint, max_unknowns>, Absent<14>> joints;
-  // between unknowns
   std::uint32_t num_entries = 0;
   std::array<BlockEntry, max_entries> entries;
+  // by unknown
+  Vector b;
+  [[no_unique_address]] std::conditional_t<jointed, std::array<BlockJoint, max_unknowns>, Absent<14>> joints;
 
-  // factor (31), by number: A_kk, L D L^T of it, and the blocks A_ik, then Z_i, of each column by rising rows
+  // by number, A_kk and the blocks A_ik of each column by rising rows: as terms load them, then L D L^T, (31), Z_i
   std::array<SymmetricSpatialMatrix, max_unknowns> A_kk;
   std::array<Pivot, max_unknowns> pivots;
   std::array<std::uint32_t, max_unknowns + 1> first;
   std::array<std::uint32_t, room> row;
+  std::array<bool, room> is_fill;  // zero but for elimination
   std::array<SpatialMatrix, room> Z;
-  bool is_complete = true;                                // false: blocks without room are left out of it
-  std::array<SpatialVector, max_unknowns> root_diagonal;  // of A_kk, if some are
+  // false: blocks without room are left out, and conjugate gradients ask for A and entries as they were loaded
+  bool is_complete = true;
+  std::array<SymmetricSpatialMatrix, max_unknowns> A;
+  std::array<SpatialVector, max_unknowns> root_diagonal;
 
   // of the numbering, by place
   std::array<Set, max_unknowns> neighbours;
@@ -102,29 +102,30 @@ struct BlockSystem {
     entry.j = j;
     return num_entries++;
   }
-  /// A = 0 and b = 0.
+  /// Before terms are loaded: nothing couples anything. Each unknown's own term is set(), others are added.
   void reset() noexcept {
-    for (std::uint32_t k = 0; k < size; ++k) {
-      A[unknown[k]] = {.ww = Block::zero(), .wv = Block::zero(), .vv = Block::zero()};
-      b[unknown[k]] = SpatialVector::zero();
-    }
-    for (std::uint32_t e = 0; e < num_entries; ++e) entries[e].is_zero = true;
+    for (std::uint32_t s = 0; s < first[size]; ++s) Z[s] = SpatialMatrix::zero();
+    if (is_complete) return;
+    for (std::uint32_t e = 0; e < num_entries; ++e) entries[e].A = SpatialMatrix::zero();
   }
 
-  void add(std::uint32_t i, const SymmetricSpatialMatrix& A_ii) noexcept { A[i] += A_ii; }
+  void set(std::uint32_t i, const SymmetricSpatialMatrix& A_ii, const SpatialVector& b_i) noexcept {
+    A_kk[number_of[i]] = A_ii;
+    b[i] = b_i;
+  }
+  void add(std::uint32_t i, const SymmetricSpatialMatrix& A_ii) noexcept { A_kk[number_of[i]] += A_ii; }
   void add_impulse(std::uint32_t i, const SpatialVector& b_i) noexcept { b[i] = b[i] + b_i; }
   /// A_ij of an entry.
   void add_coupling(std::uint32_t entry, const SpatialMatrix& A_ij) noexcept {
     BlockEntry& e = entries[entry];
-    if (e.is_zero) e.A = A_ij;
-    else e.A += A_ij;
-    e.is_zero = false;
+    if (e.slot != no_slot) Z[e.slot] += number_of[e.i] > number_of[e.j] ? A_ij : transposed(A_ij);
+    if (!is_complete) e.A += A_ij;
   }
   /// An impedance for the twist of body c against body p, d away, taken at c. entry: of (p, c).
   void add_between(std::uint32_t entry, const SymmetricSpatialMatrix& A_c, const Column& d) noexcept {
     const SpatialMatrix A_pc = coupling(A_c, d);
-    A[entries[entry].j] += A_c;
-    add_coupled_to_parent(A_pc, d, A[entries[entry].i]);
+    A_kk[number_of[entries[entry].j]] += A_c;
+    add_coupled_to_parent(A_pc, d, A_kk[number_of[entries[entry].i]]);
     add_coupling(entry, A_pc);
   }
 
@@ -133,14 +134,20 @@ struct BlockSystem {
   void each(F f) const noexcept {
     for (std::uint32_t k = 0; k < size; ++k) f(unknown[k]);
   }
-  /// AV = A V.
+  /// AV = A V; if the system is complete, before it is factored.
   void multiply(const Vector& V, Vector& AV) const noexcept {
-    each([&](std::uint32_t u) noexcept { AV[u] = A[u] * V[u]; });
-    for (std::uint32_t k = 0; k < num_entries; ++k) {
-      const BlockEntry& e = entries[k];
-      if (e.is_zero) continue;
-      AV[e.i] = AV[e.i] + e.A * V[e.j];
-      AV[e.j] = AV[e.j] + times_transposed(e.A, V[e.i]);
+    const auto& diagonal = is_complete ? A_kk : A;
+    for (std::uint32_t k = 0; k < size; ++k) AV[unknown[k]] = diagonal[k] * V[unknown[k]];
+    const auto add_product = [&](std::uint32_t i, std::uint32_t j, const SpatialMatrix& A_ij) noexcept {
+      AV[i] = AV[i] + A_ij * V[j];
+      AV[j] = AV[j] + times_transposed(A_ij, V[i]);
+    };
+    if (is_complete) {
+      for (std::uint32_t k = 0; k < size; ++k)
+        for (std::uint32_t s = first[k]; s < first[k + 1]; ++s)
+          if (!is_fill[s]) add_product(unknown[row[s]], unknown[k], Z[s]);
+    } else {
+      for (std::uint32_t e = 0; e < num_entries; ++e) add_product(entries[e].i, entries[e].j, entries[e].A);
     }
   }
 

@@ -147,9 +147,10 @@ SpatialMatrix scaled(const SpatialMatrix& A, const Pivot& f) noexcept {
   return scaled;
 }
 
-/// A B^T of two rows of blocks, (w, v) or v alone.
+/// A B^T of two rows of blocks, (w, v) or v alone. Inlined: a call passes blocks through memory.
 template <int columns>
-Block times_transpose(const Block& A_w, const Block& A_v, const Block& B_w, const Block& B_v) noexcept {
+[[gnu::always_inline]] inline Block times_transpose(const Block& A_w, const Block& A_v, const Block& B_w,
+                                                    const Block& B_v) noexcept {
   if constexpr (columns == 1) return times_transpose(A_v, B_v);
   else return times_transpose(A_w, B_w) + times_transpose(A_v, B_v);
 }

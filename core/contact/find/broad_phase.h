@@ -12,7 +12,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/contact/body_spheres.h"
+#include "core/contact/find/sphere_pack.h"
 #include "core/math/merge_sort.h"
 
 namespace godobject {
@@ -34,10 +34,6 @@ struct BodyPairs {
     if (b < a) std::swap(a, b);
     rows[a][b / 64] |= std::uint64_t(1) << (b % 64);
   }
-  bool contains(std::uint32_t a, std::uint32_t b) const noexcept {
-    if (b < a) std::swap(a, b);
-    return (rows[a][b / 64] >> (b % 64) & 1) != 0;
-  }
   /// f(b) for every pair (a, b), a < b, in the order of b.
   template <class F>
   void for_each_of(std::uint32_t a, F f) const noexcept {
@@ -46,11 +42,6 @@ struct BodyPairs {
         f(64 * word + static_cast<std::uint32_t>(std::countr_zero(left)));
     }
   }
-  /// f(a, b) for every pair, a < b, in the order of a, then b.
-  template <class F>
-  void for_each(F f) const noexcept {
-    for (std::uint32_t a = 0; a < num_bodies; ++a) for_each_of(a, [&](std::uint32_t b) { f(a, b); });
-  }
 };
 
 /// Aabb round the spheres of a body, along the axes of the world.
@@ -58,9 +49,6 @@ struct Aabb {
   Vec3 lo = Vec3::Zero();
   Vec3 hi = Vec3::Zero();
 };
-inline Aabb grown(const Aabb& box, Real by) noexcept {
-  return {.lo = box.lo - Vec3::Constant(by), .hi = box.hi + Vec3::Constant(by)};
-}
 
 struct AabbPack {
   Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(0));
@@ -81,32 +69,12 @@ struct BroadPhaseScratch {
   std::size_t num_entries = 0;  // bodies with spheres, all of them finite
 };
 
-/// Aabb of one body, `margin` wider on all sides. False: a centre or radius is not finite.
-template <class Spheres>
-[[nodiscard]] bool find_box(const Spheres& spheres, const typename Spheres::Body& body, Real margin,
-                            Aabb& box) noexcept {
-  const SpherePack& first = spheres.packs[body.first_pack];
-  Vector3<Pack> lo, hi;
-  Pack zero = 0;
-  for (int c = 0; c < 3; ++c) {
-    lo[c] = first.p_W[c] - first.r;
-    hi[c] = first.p_W[c] + first.r;
-    zero += lo[c] * 0 + hi[c] * 0;
-  }
-  for (std::uint32_t k = body.first_pack + 1; k < body.end_pack(); ++k) {
-    const SpherePack& pack = spheres.packs[k];
-    for (int c = 0; c < 3; ++c) {
-      const Pack a = pack.p_W[c] - pack.r, b = pack.p_W[c] + pack.r;
-      lo[c] = min(a, lo[c]);
-      hi[c] = -min(-b, -hi[c]);  // the larger
-      zero += a * 0 + b * 0;
-    }
-  }
-  for (int c = 0; c < 3; ++c) {
-    box.lo[c] = std::min({lo[c][0], lo[c][1], lo[c][2], lo[c][3]}) - margin;
-    box.hi[c] = std::max({hi[c][0], hi[c][1], hi[c][2], hi[c][3]}) + margin;
-  }
-  return bits(zero <= 0) == 15;
+/// Bit j: sphere j of the pack reaches into the box.
+inline std::uint32_t reaching(const SpherePack& pack, const Aabb& box) noexcept {
+  const auto along = [&](int c) {
+    return (pack.p_W[c] - pack.r <= Pack(box.hi[c])) & (Pack(box.lo[c]) <= pack.p_W[c] + pack.r);
+  };
+  return bits(along(0) & along(1) & along(2));
 }
 
 /// The axis along which the boxes are spread most: it only decides how long the sweep takes.
@@ -178,25 +146,6 @@ void find_overlaps(std::size_t num_bodies, BroadPhaseScratch<max_bodies>& w, May
     const std::uint32_t a = w.entries[k].body, b = w.entries[l].body;
     if (may_touch(a, b)) w.pairs.insert(a, b);
   });
-}
-
-/// Finds in w.pairs the bodies, not of one group, that may have spheres with a gap below `margin` (m, >= 0).
-/// Returns how many bodies were left out because a number of them is not finite.
-template <std::size_t max_bodies, std::size_t max_spheres>
-std::size_t find_body_pairs(const BodySpheres<max_bodies, max_spheres>& spheres, Real margin,
-                            BroadPhaseScratch<max_bodies>& w) noexcept {
-  std::size_t num_left_out = 0;
-  w.num_entries = 0;
-  for (std::uint32_t b = 0; b < spheres.num_bodies; ++b) {
-    if (spheres.bodies[b].num_spheres == 0) continue;
-    if (find_box(spheres, spheres.bodies[b], margin / 2, w.boxes[b])) w.entries[w.num_entries++].body = b;
-    else ++num_left_out;
-  }
-  find_overlaps(spheres.num_bodies, w, [&](std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t group = spheres.bodies[a].group;
-    return group == 0 || group != spheres.bodies[b].group;
-  });
-  return num_left_out;
 }
 
 }  // namespace godobject

@@ -7,7 +7,6 @@
 
 #include "core/contact/find/edges.h"
 #include "core/contact/find/exit_direction.h"
-#include "core/contact/find/sphere_pairs.h"
 
 namespace godobject {
 

@@ -157,12 +157,19 @@ struct Bodies {
   }
   void load() {
     system->reset();
-    system->each([&](std::uint32_t u) { system->add(u, bodies[u]); });
+    system->each([&](std::uint32_t u) { system->set(u, bodies[u], SpatialVector::zero()); });
     for (const Between& b : between)
       if (b.acts && b.entry != no_slot) system->add_between(b.entry, b.A, Column(b.d));
   }
   void factor() {
     begin();
+    load();
+    factorize(*system);
+  }
+  /// The same for conjugate gradients, which keep the system as it was loaded, room or not.
+  void factor_to_iterate() {
+    begin();
+    system->is_complete = false;
     load();
     factorize(*system);
   }

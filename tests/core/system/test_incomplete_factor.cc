@@ -110,7 +110,7 @@ void expect_balance(const char* name) {
     const std::uint32_t size = 4 + number_below(most - 3, random);
     Bodies<System> s = random_bodies<System>(random_graph(size, 3 * size, random), 1, random);
     if (System::jointed) add_random_joints(random, s);
-    s.factor();
+    s.factor_to_iterate();
     s.system->b = random_impulses<System>(size, random);
     auto x = std::make_unique<SystemVectors<System>>();
     x->V_0 = random_impulses<System>(size, random);
@@ -156,8 +156,7 @@ TEST(ConjugateGradients, TakeOneIterationWhereTheFactorIsComplete) {
   for (int n = 0; n < 50; ++n) {
     const std::uint32_t size = 2 + number_below(most - 1, random);
     Bodies<Some> s = random_bodies<Some>(random_tree(size, random), 1, random);
-    s.factor();
-    ASSERT_TRUE(s.system->is_complete);
+    s.factor_to_iterate();
     s.system->b = random_impulses<Some>(size, random);
     auto x = std::make_unique<SystemVectors<Some>>();
     x->V_0 = random_impulses<Some>(size, random);
