@@ -21,8 +21,8 @@ struct SystemVectors {
 ///   (28)  V^T A V = V^T b
 ///
 /// the balance of energy of the exact solution, as it does from rest; what rounding takes of it is given back in the
-/// end. Every step is the best one along its direction. The system is not complete: it is kept as it was loaded. speed_sq(u, V): of unknown u at V, squared. Returns the number
-/// of iterations.
+/// end. Every step is the best one along its direction. The system keeps what was loaded: is_complete is false.
+/// speed_sq(u, V): of unknown u at V, squared. Returns the number of iterations.
 template <class System, class Speed>
 int iterate(int most_iterations, const System& system, SystemVectors<System>& x, Speed speed_sq) noexcept {
   constexpr Real tiny = std::numeric_limits<Real>::min();
