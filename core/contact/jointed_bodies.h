@@ -1,7 +1,7 @@
 // Bodies on joints that touch other bodies: what their joints are in a stage, and what they bear.
 //
 // The joints ask for L V = L beta (18). V_p is what obeys that with the roots at rest and no motion along the axes, and
-// the stage is solved for V - V_p: it obeys L W = 0, and (33) holds for it as it stands. The bodies' equations
+// the stage is solved (30) for W = V - V_p: it obeys L W = 0, and (33) holds for it as it stands. The bodies' equations
 // then have b - A V_p, and the contact points the velocities of V_p to begin with.
 #pragma once
 

@@ -1,5 +1,6 @@
-// One symmetric system A V = b of everything that a stage of an integrator couples: bodies, nodes, joints, contacts,
-// springs.
+// One symmetric system of everything that a stage of an integrator couples: bodies, nodes, joints, contacts, springs.
+//
+//   (26)  A V = b
 //
 // Unknowns are twists of bodies, about their centres of mass, and velocities of nodes. What acts between them is a term,
 // and add() is the way in for all of them: an impedance A (times h) and an impulse b. A term says first between whom it
