@@ -13,7 +13,8 @@ enum class Fault : std::uint32_t {
   input_not_unit = 1u << 1,
   state_not_finite = 1u << 2,  // the step's result was not finite: it was not committed
   contacts_full = 1u << 3,  // more contacts than max_contacts: the deepest were kept, and the step was taken
-  blocks_full = 1u << 4,  // contacts couple more pairs of bodies than there are blocks: iterated, the step was taken
+  // contacts couple more pairs of bodies than there are blocks: solved by iteration, and the step was taken
+  blocks_full = 1u << 4,
 };
 
 /// Bits: which bound is active in this step.
