@@ -85,7 +85,7 @@ void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noex
 template <class Contacts, std::size_t N>
 void load_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& system = w.system;
-  system.reset();
+  system.begin_loading();
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
     const BodyStage& stage = w.stages[i];
     system.set(i,

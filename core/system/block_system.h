@@ -104,7 +104,7 @@ struct BlockSystem {
     return num_entries++;
   }
   /// Before terms are loaded: nothing couples anything. Each unknown's own term is set(), others are added.
-  void reset() noexcept {
+  void begin_loading() noexcept {
     for (std::uint32_t s = 0; s < first[size]; ++s) Z[s] = SpatialMatrix::zero();
     if (is_complete) return;
     for (std::uint32_t e = 0; e < num_entries; ++e) entries[e].A = SpatialMatrix::zero();

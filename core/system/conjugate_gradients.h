@@ -16,6 +16,22 @@ struct SystemVectors {
   typename System::Vector V, V_0, r, AV_0, z, p, Ap;
 };
 
+/// (28) of V, A V = b - r, but for rounding: by the multiple of V that has it.
+template <class System>
+void keep_balance(const System& system, SystemVectors<System>& x) noexcept {
+  const auto& b = system.b;
+  SpatialSum V_b, V_r;
+  system.each([&](std::uint32_t u) noexcept {
+    V_b.add(x.V[u], b[u]);
+    V_r.add(x.V[u], x.r[u]);
+  });
+  const Real V_A_V = V_b - V_r, balance = V_A_V > std::numeric_limits<Real>::min() ? V_b / V_A_V : 1;
+  system.each([&](std::uint32_t u) noexcept {
+    x.V[u] = x.V[u] * balance;
+    x.r[u] = b[u] * (1 - balance) + x.r[u] * balance;
+  });
+}
+
 /// From the best multiple of V_0 and with all directions conjugate to it. Every iterate keeps
 ///
 ///   (28)  V^T A V = V^T b
@@ -73,17 +89,7 @@ int iterate(int most_iterations, const System& system, SystemVectors<System>& x,
     system.multiply(x.V, x.Ap);
     system.each([&](std::uint32_t u) noexcept { x.r[u] = b[u] - x.Ap[u]; });
   }
-  // A V = b - r
-  SpatialSum V_b, V_r;
-  system.each([&](std::uint32_t u) noexcept {
-    V_b.add(x.V[u], b[u]);
-    V_r.add(x.V[u], x.r[u]);
-  });
-  const Real V_A_V = V_b - V_r, balance = V_A_V > tiny ? V_b / V_A_V : 1;
-  system.each([&](std::uint32_t u) noexcept {
-    x.V[u] = x.V[u] * balance;
-    x.r[u] = b[u] * (1 - balance) + x.r[u] * balance;
-  });
+  keep_balance(system, x);
   return iterations;
 }
 

@@ -156,7 +156,7 @@ struct Bodies {
       joint.s[static_cast<std::size_t>(a)] = axis_twist(edge, a, Column(p[i]));
   }
   void load() {
-    system->reset();
+    system->begin_loading();
     system->each([&](std::uint32_t u) { system->set(u, bodies[u], SpatialVector::zero()); });
     for (const Between& b : between)
       if (b.acts && b.entry != no_slot) system->add_between(b.entry, b.A, Column(b.d));

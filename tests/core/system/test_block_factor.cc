@@ -11,7 +11,7 @@ using namespace block_graphs;
 
 constexpr std::size_t max_bodies = 64;
 using Free = BlockSystem<max_bodies, 0, max_bodies*(max_bodies - 1) / 2, 8 * max_bodies, false>;
-constexpr std::uint32_t most_jointed = 24;
+constexpr std::size_t most_jointed = 24;
 using Jointed =
     BlockSystem<most_jointed, 0, most_jointed * most_jointed, most_jointed*(most_jointed - 1) / 2, true>;
 
@@ -211,7 +211,7 @@ TEST(BlockFactor, SolvesOneSystemAfterTheOther) {
 TEST(BlockFactor, MultipliesLikeTheMatrix) {
   Random random(7);
   for (int n = 0; n < 50; ++n) {
-    const std::uint32_t size = 2 + number_below(most_jointed - 1, random);
+    const std::uint32_t size = 2 + number_below(std::uint32_t{most_jointed} - 1, random);
     Bodies<Free> s = random_bodies<Free>(random_graph(size, 20, random), 1e3, random);
     s.begin();
     s.load();

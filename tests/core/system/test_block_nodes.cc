@@ -53,7 +53,7 @@ struct Tissue {
     for (Between& b : bodies.between) b.entry = system.couple(b.parent, b.child);
     for (Spring& s : springs) s.entry = system.couple(s.on, s.of);
     order(system);
-    system.reset();
+    system.begin_loading();
     for (std::uint32_t i = 0; i < bodies.size(); ++i) system.set(i, bodies.bodies[i], SpatialVector::zero());
     for (std::uint32_t j = 0; j < num_nodes; ++j) {
       SymmetricSpatialMatrix A{.ww = Block::zero(), .wv = Block::zero(), .vv = Block::identity() * m[j]};
