@@ -3,7 +3,6 @@
 
 #include "core/body/implicit_stage.h"
 #include "core/contact/bodies.h"
-#include "core/contact/fixed.h"
 #include "core/device/device.h"
 #include "core/joint/tree.h"
 #include "core/math/flatten.h"
@@ -48,7 +47,7 @@ struct Next {
 template <class S>
 inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
 
-/// The contacts between the bodies of a scene, with its joints if it has any.
+/// The contacts of a scene, with its joints if it has any.
 template <class S>
 using TouchingOf = std::conditional_t<uses<typename S::Joints>, OnJoints<ContactsOf<S>>, ContactsOf<S>>;
 
@@ -58,15 +57,8 @@ struct ContactScratchType {
 };
 template <class S>
 requires(uses<ContactsOf<S>>) struct ContactScratchType<S> {
-  using type =
-      std::conditional_t<ContactsOf<S>::between_bodies, BodyContactScratch<TouchingOf<S>, S::max_bodies>,
-                         FixedContactScratch<ContactsOf<S>, S::max_bodies>>;
+  using type = BodyContactScratch<TouchingOf<S>, S::max_bodies>;
 };
-template <class S>
-inline constexpr bool bodies_touch = false;
-template <class S>
-requires(uses<ContactsOf<S>>) inline constexpr bool bodies_touch<S> = ContactsOf<S>::between_bodies;
-
 template <class S>
 using ContactScratchOf = typename ContactScratchType<S>::type;
 
@@ -76,7 +68,7 @@ struct JointScratchType {
 };
 template <class S>
 requires(uses<typename S::Joints>) struct JointScratchType<S> {
-  using type = std::conditional_t<bodies_touch<S>, TouchingJoints<S::max_bodies, typename S::Joints>,
+  using type = std::conditional_t<uses<ContactsOf<S>>, TouchingJoints<S::max_bodies, typename S::Joints>,
                                   Tree<S::max_bodies, typename S::Joints>>;
 };
 
@@ -108,30 +100,6 @@ void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) 
     set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v_W);
     set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>, V.w_B);
   }
-}
-
-/// The same with contacts of the world (24). A function of its own: compiled once for all stages of a step.
-template <Scene S>
-GODOBJECT_FLATTEN [[gnu::noinline]] void solve_with_contacts(const Params<S>& par, const State<S>& x, Real h,
-                                                             Scratch<S>& w) noexcept {
-  auto& contacts = w.contacts;
-  find_contacts<ContactsOf<S>>(par.contacts, w.tree, contacts.near);
-  begin_contacts(par.contacts, x.contacts, par.h, h, w.tree, contacts);
-  for (std::size_t i = 0; i < num_bodies(par); ++i) {
-    contacts.loaded[i] = w.tree.nodes[i].body;
-    w.tree.nodes[i].V = {.w = Column(w.tree.nodes[i].at.V.w), .v = Column(w.tree.nodes[i].at.V.v)};
-  }
-  static_cast<void>(
-      update_contacts(w.tree, contact_pass(0), contacts));  // cases at the velocities of the base
-  w.contacts.report.newton_iterations = 1;
-  for (int pass = 0; pass < max_newton_iterations; ++pass) {
-    for (std::size_t i = 0; pass > 0 && i < num_bodies(par); ++i) w.tree.nodes[i].body = contacts.loaded[i];
-    hang_contacts(contacts, h, w.tree);
-    solve_tree(par, x, h, w);
-    if (update_contacts(w.tree, contact_pass(pass + 1), contacts)) break;
-    ++w.contacts.report.newton_iterations;
-  }
-  end_contacts(par.contacts, h, w.tree, contacts);
 }
 
 /// The bodies of a group by themselves: where they are predicted to be, their stages, and their velocities without
@@ -229,7 +197,7 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOf
     const TranslationSystemOf<T> translation =
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
-    if constexpr (bodies_touch<S>) {
+    if constexpr (uses<ContactsOf<S>>) {
       load_bodies(par, g, base, translation, rotation, h, w);
     } else if constexpr (uses<typename S::Joints>) {
       load(par, g, base, translation, rotation, h, w.tree);
@@ -238,8 +206,7 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOf
                          .w_B = solve3<T>(rotation.A_B, rotation.b_B)};
     }
   }
-  if constexpr (bodies_touch<S>) solve_touching(par, x, h, w);
-  else if constexpr (uses<ContactsOf<S>>) solve_with_contacts(par, x, h, w);
+  if constexpr (uses<ContactsOf<S>>) solve_touching(par, x, h, w);
   else if constexpr (uses<typename S::Joints>) solve_tree(par, x, h, w);
 }
 

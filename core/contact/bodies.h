@@ -13,26 +13,51 @@ namespace godobject {
 /// With eight, 9 of 16000 cases of the stability sweep gain energy; with sixteen none. On joints with sixteen one of 8000,
 /// with twice as many none: what the joints take back (18) presses stiff contacts together.
 template <bool jointed>
-inline constexpr int max_touching_newton_iterations = jointed ? 32 : 16;
-/// The first ones seek friction.
-inline constexpr int num_seeking_passes = 5;
-constexpr Pass touching_pass(int pass) noexcept {
-  return pass < num_seeking_passes ? Pass::by_secant : Pass::as_it_was;
-}
-/// Of a pass: few while friction is still sought.
-constexpr int num_iterations(int pass) noexcept { return touching_pass(pass) == Pass::by_secant ? 3 : 8; }
-/// The iterations end when no force misses its law by more than this part of the largest normal force. What lasts is
-/// found in two iterations; where many bodies hit each other the next ones find more of it, and are content with less:
-/// of the friction in the end with what there is, of normal forces with as much as the sweep of tests/contacts allows.
-constexpr Real friction_tolerance(int pass) noexcept {
-  return 3e-3 * static_cast<Real>(1 << std::max(pass - 1, 0));
-}
-constexpr Real normal_tolerance(int pass) noexcept { return std::min(friction_tolerance(pass), Real(12e-3)); }
-/// Friction nearer to its law than this part of the largest normal force stays as it is in the next pass.
+inline constexpr int max_newton_iterations = jointed ? 32 : 16;
+/// Friction nearer to its law than this part of the largest normal force stays as it is in the next iteration.
 inline constexpr Real friction_left_alone = 1e-3;
 
+/// How far friction is sought. The first iterations seek it, the rest leave it as it is, which cannot drive. They end when no
+/// force misses its law by more than a part of the largest normal force.
+template <bool between_bodies>
+struct Seeking;
+
+/// Against the world, to its end: by its tangents, then by its secants.
+template <>
+struct Seeking<false> {
+  static constexpr bool tangents = true;
+  static constexpr int by_tangent = 4, by_secant = 2;
+  static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
+  static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
+};
+
+/// Between bodies: what lasts is found in two iterations; where many bodies hit each other the next ones find more of it,
+/// and are content with less: of the friction in the end with what there is, of normal forces with as much as the sweep
+/// of tests/contacts allows.
+template <>
+struct Seeking<true> {
+  static constexpr bool tangents = false;
+  static constexpr int by_tangent = 0, by_secant = 5;
+  static constexpr Real friction_tolerance(int iteration) noexcept {
+    return 3e-3 * static_cast<Real>(1 << std::max(iteration - 1, 0));
+  }
+  static constexpr Real normal_tolerance(int iteration) noexcept {
+    return std::min(friction_tolerance(iteration), Real(12e-3));
+  }
+};
+template <class Contacts>
+using SeekingOf = Seeking<Contacts::between_bodies>;
+
+template <class Seeking>
+constexpr Pass pass_of(int iteration) noexcept {
+  if (iteration < Seeking::by_tangent) return Pass::by_tangent;
+  return iteration < Seeking::by_tangent + Seeking::by_secant ? Pass::by_secant : Pass::as_it_was;
+}
+/// Of conjugate gradients: few while friction is still sought.
+constexpr int num_iterations(Pass pass) noexcept { return pass == Pass::as_it_was ? 8 : 3; }
+
 /// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
-template <std::size_t max_packs>
+template <bool tangents, std::size_t max_packs>
 bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
             SymmetricSpatialMatrix& A, SpatialVector& F) noexcept {
   ContactSums sums;
@@ -40,7 +65,7 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
   for (std::size_t i = first; i < end; ++i) {
     if (!any(packs[i].touching > 0)) continue;
     touches = true;
-    add<false>(packs[i], h, sums);
+    add<tangents>(packs[i], h, sums);
   }
   A = total(sums);
   F = total_impulse(sums);
@@ -51,19 +76,20 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
 /// some pair touches that is not coupled in the system.
 template <class Contacts, std::size_t N>
 bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  constexpr bool tangents = SeekingOf<Contacts>::tangents;
   const auto has_changed = [&](std::uint32_t first, std::uint32_t end) noexcept {
-    bool changed = all;
+    bool changed = all || tangents;
     for (std::uint32_t p = first; p < end; ++p) changed = changed || w.packs[p].changed;
     return changed;
   };
   bool is_new = all;
   w.graph.each_body(island, [&](std::uint32_t, TouchingBody& body) noexcept {
     if (has_changed(body.first_pack, body.end_pack))
-      gather(w.packs, body.first_pack, body.end_pack, h, body.A, body.F);
+      gather<tangents>(w.packs, body.first_pack, body.end_pack, h, body.A, body.F);
   });
   w.graph.each_pair(island, [&](TouchingPair& pair) noexcept {
     if (has_changed(pair.first_pack, pair.end_pack))
-      pair.touches = gather(w.packs, pair.first_pack, pair.end_pack, h, pair.A, pair.F);
+      pair.touches = gather<tangents>(w.packs, pair.first_pack, pair.end_pack, h, pair.A, pair.F);
     is_new = is_new || (pair.touches && pair.entry == no_slot);
   });
   return is_new;
@@ -104,32 +130,34 @@ void load_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexc
 /// Forces of the contacts of an island at the velocities of their points, and their cases in the next pass. True: the
 /// forces obey the law.
 template <class Contacts, std::size_t N>
-bool settle_contacts(int pass, const Island& island, BodyContactScratch<Contacts, N>& w,
+bool settle_contacts(int iteration, const Island& island, BodyContactScratch<Contacts, N>& w,
                      ContactResidual& most) noexcept {
+  using Seeking = SeekingOf<Contacts>;
   const Real F_small = friction_left_alone * most.F_n();
   most = {};
-  const Pass next = touching_pass(pass + 1);
+  const Pass next = pass_of<Seeking>(iteration + 1);
   bool changed = false;
   each_pack(island, w, [&](ContactPack& c) noexcept {
-    settle<false>(c, next, F_small, most);
+    settle<Seeking::tangents>(c, next, F_small, most);
     changed = changed || c.changed;
   });
   const Real F_n = most.F_n();
-  const bool normal = most.normal() <= normal_tolerance(pass) * F_n;
+  const bool normal = most.normal() <= Seeking::normal_tolerance(iteration) * F_n;
   if (next == Pass::as_it_was) return normal || !changed;
-  return normal && most.friction() <= friction_tolerance(pass) * F_n;
+  return normal && most.friction() <= Seeking::friction_tolerance(iteration) * F_n;
 }
 
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
 template <class Contacts, std::size_t N>
 void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
+  using Seeking = SeekingOf<Contacts>;
   if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);
   ContactResidual most;
-  each_pack(x.V_0, island, w, [](ContactPack& c, const SpatialVector& V) noexcept { foresee(c, V); });
+  each_pack(x.V_0, island, w, [](ContactPack& c, const SpatialVector& V) noexcept { foresee<Seeking::tangents>(c, V); });
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
-  for (bool done = false; !done && newton_iterations < max_touching_newton_iterations<Contacts::jointed>;
+  for (bool done = false; !done && newton_iterations < max_newton_iterations<Contacts::jointed>;
        ++newton_iterations) {
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
     load_system(island, w);
@@ -140,7 +168,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
       left = 0;
     } else {
       iterations +=
-          iterate(num_iterations(newton_iterations), w.system, x,
+          iterate(num_iterations(pass_of<Seeking>(newton_iterations)), w.system, x,
                   [&](std::uint32_t i, const SpatialVector& V) noexcept { return speed_sq(w.stages[i], V); });
       left = largest_left(1, w);
     }
@@ -150,7 +178,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
       left = scale_velocities(h, island, w);
     }
     done = settle_contacts(newton_iterations, island, w, most) &&
-           left <= normal_tolerance(newton_iterations) * h * most.F_n();
+           left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
     w.system.each([&](std::uint32_t u) noexcept { x.V_0[u] = x.V[u]; });
   }
   w.report.num_without_room += w.system.is_complete ? 0 : 1;
@@ -203,14 +231,15 @@ void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScrat
     const NearGroup& group = w.groups[g];
     const std::uint32_t a = w.near.list[group.first].a;
     std::uint32_t first_pack = w.graph.bodies[a].first_pack;
-    if (group.pair == NearGroup::no_pair) {
-      on(a, sum_forces(first_pack, w.graph.bodies[a].end_pack, h, w));
-    } else {
-      const TouchingPair& pair = w.graph.pairs[group.pair];
-      const SpatialVector F = sum_forces(pair.first_pack, pair.end_pack, h, w);
-      on(pair.child, F);
-      on(pair.parent, moved_wrench(F, pair.d) * Real(-1));
-      first_pack = pair.first_pack;
+    if (group.pair == NearGroup::no_pair) on(a, sum_forces(first_pack, w.graph.bodies[a].end_pack, h, w));
+    if constexpr (Contacts::between_bodies) {
+      if (group.pair != NearGroup::no_pair) {
+        const TouchingPair& pair = w.graph.pairs[group.pair];
+        const SpatialVector F = sum_forces(pair.first_pack, pair.end_pack, h, w);
+        on(pair.child, F);
+        on(pair.parent, moved_wrench(F, pair.d) * Real(-1));
+        first_pack = pair.first_pack;
+      }
     }
     for (std::uint32_t i = group.first, n = 0; i < group.end; ++i, ++n) {
       const NearContact& near = w.near.list[i];

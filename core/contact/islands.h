@@ -59,11 +59,13 @@ struct TouchingGraph {
   }
   template <class F>
   void each_pair(const Island& island, F f) noexcept {
-    for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
+    if constexpr (max_pairs > 0)
+      for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
   }
   template <class F>
   void each_pair(const Island& island, F f) const noexcept {
-    for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
+    if constexpr (max_pairs > 0)
+      for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
   }
 
   /// That body of an island which is joined to itself.
@@ -79,7 +81,8 @@ struct TouchingGraph {
 template <std::size_t N, std::size_t max_pairs, bool jointed>
 void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed>& w) noexcept {
   for (std::uint32_t i = 0; i < num_bodies; ++i) w.joined_to[i] = i;
-  for (std::uint32_t k = 0; k < w.num_pairs; ++k) w.join(w.pairs[k].child, w.pairs[k].parent);
+  if constexpr (max_pairs > 0)
+    for (std::uint32_t k = 0; k < w.num_pairs; ++k) w.join(w.pairs[k].child, w.pairs[k].parent);
   if constexpr (jointed) {
     std::size_t on_world = world;
     for (std::uint32_t i = 0; i < num_bodies; ++i) {
@@ -112,7 +115,8 @@ void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
   // how many of each, where they begin, and who they are
   for (std::uint32_t i = 0; i < num_bodies; ++i)
     if (!is_alone(i)) ++w.island_with(i).end_body;
-  for (std::uint32_t k = 0; k < w.num_pairs; ++k) ++w.island_with(w.pairs[k].child).end_pair;
+  if constexpr (max_pairs > 0)
+    for (std::uint32_t k = 0; k < w.num_pairs; ++k) ++w.island_with(w.pairs[k].child).end_pair;
   std::uint32_t body = 0, pair = 0;
   for (std::size_t n = 0; n < w.num_islands; ++n) {
     Island& island = w.islands[n];
@@ -123,8 +127,9 @@ void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
   }
   for (std::uint32_t i = 0; i < num_bodies; ++i)
     if (!is_alone(i)) w.order[w.island_with(i).end_body++] = i;
-  for (std::uint32_t k = 0; k < w.num_pairs; ++k)
-    w.pair_order[w.island_with(w.pairs[k].child).end_pair++] = k;
+  if constexpr (max_pairs > 0)
+    for (std::uint32_t k = 0; k < w.num_pairs; ++k)
+      w.pair_order[w.island_with(w.pairs[k].child).end_pair++] = k;
 }
 
 }  // namespace godobject

@@ -19,10 +19,6 @@ struct ContactMemory {
   Vec3 n_W = Vec3::Zero();       // normal
 };
 
-inline std::uint64_t contact_key(std::size_t sphere, std::size_t touched) noexcept {
-  return (std::uint64_t(sphere) << 32) | touched;
-}
-
 /// In the order of the keys.
 template <std::size_t max_contacts>
 struct ContactMemories {
@@ -101,11 +97,6 @@ struct ContactStart {
   Real max_stored_penetration =
       std::numeric_limits<Real>::infinity();  // by which it may be deeper than it was left, m
 };
-
-/// The part of a depth d_0 that its speed v_n of opening does not explain in two steps h.
-inline Real initial_offset(Real d_0, Real v_n, Real h) noexcept {
-  return d_0 - 2 * h * std::max(-v_n, Real(0));
-}
 
 /// What a stage knows of a contact where it begins.
 struct BegunContact {

@@ -8,18 +8,24 @@
 
 namespace godobject {
 
-/// The contacts part of a scene whose bodies touch each other. Capacities: spheres, surfaces, contacts at a time, and
-/// blocks of the factor of their system beside its diagonal (31); 0: eight for each body.
-template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_, std::size_t blocks_ = 0>
-struct BodyContacts {
-  static constexpr std::size_t max_contacts = contacts_;
-  static constexpr std::size_t max_blocks = blocks_;
-  static constexpr bool between_bodies = true;
+/// The contacts part of a scene whose bodies touch the world alone. Capacities: spheres, surfaces, contacts at a time.
+template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
+struct FixedContacts {
+  static constexpr std::size_t max_contacts = contacts_, max_pairs = 0, max_blocks = 0;
+  static constexpr bool between_bodies = false;
   static constexpr bool jointed = false;  // OnJoints
   using Params = ContactParams<spheres_, surfaces_>;
   using State = ContactMemories<contacts_>;
   using Output = ContactReport;
   using BodyOutput = ContactWrench;
+};
+
+/// The same whose bodies touch each other as well. blocks: of the factor of their system beside its diagonal (31); 0:
+/// eight for each body.
+template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_, std::size_t blocks_ = 0>
+struct BodyContacts : FixedContacts<spheres_, surfaces_, contacts_> {
+  static constexpr std::size_t max_pairs = contacts_, max_blocks = blocks_;
+  static constexpr bool between_bodies = true;
 };
 
 /// A body's stage, about its centre of mass, world axes. Its A has a skew part (11), which a solve by A = A^T cannot
@@ -60,19 +66,22 @@ struct LinePacks {
 /// Scratch: undefined between steps.
 template <class Contacts, std::size_t N>
 struct BodyContactScratch {
-  static constexpr std::size_t max_contacts = Contacts::max_contacts;
-  static constexpr std::size_t room = Contacts::max_blocks > 0
-                                          ? Contacts::max_blocks
-                                          : std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1));
-  using System = BlockSystem<N, 0, max_contacts + (Contacts::jointed ? N : 0), room, Contacts::jointed>;
+  static constexpr std::size_t max_contacts = Contacts::max_contacts, max_pairs = Contacts::max_pairs;
+  // four contacts of a pair, or of a body with the world
+  static constexpr std::size_t max_packs = max_pairs > 0 ? max_contacts : max_contacts / 4 + N;
+  static constexpr std::size_t room = Contacts::max_blocks > 0 ? Contacts::max_blocks
+                                      : max_pairs > 0 ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
+                                                      : N;
+  static constexpr std::size_t max_entries = std::max<std::size_t>(max_pairs + (Contacts::jointed ? N : 0), 1);
+  using System = BlockSystem<N, 0, max_entries, room, Contacts::jointed>;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;
   std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
   std::size_t num_groups = 0;
   std::array<BegunContact, max_contacts> begun;  // of the near ones
-  std::array<ContactPack, max_contacts> packs;   // each of one pair, or one body with the world
-  LinePacks<max_contacts> line;                  // those that leave their cases on it
-  TouchingGraph<N, max_contacts, Contacts::jointed> graph;
+  std::array<ContactPack, max_packs> packs;      // each of one pair, or one body with the world
+  LinePacks<max_packs> line;                     // those that leave their cases on it
+  TouchingGraph<N, max_pairs, Contacts::jointed> graph;
   System system;            // of the island at hand
   SystemVectors<System> x;  // V: velocities of all bodies; V_0: those predicted, then of the iteration before
   std::array<BodyStage, N> stages;
@@ -102,13 +111,15 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
       is_deep = is_deep || w.near.list[i].d > 0;
     group.end = i;
     w.touches[first.a] = true;
-    if (first.b >= N) continue;
-    w.touches[first.b] = true;
-    group.pair = static_cast<std::uint32_t>(w.graph.num_pairs);
-    TouchingPair& pair = w.graph.pairs[w.graph.num_pairs++];
-    pair.child = first.a;
-    pair.parent = first.b;
-    pair.is_deep = is_deep;
+    if constexpr (Contacts::between_bodies) {
+      if (first.b >= N) continue;
+      w.touches[first.b] = true;
+      group.pair = static_cast<std::uint32_t>(w.graph.num_pairs);
+      TouchingPair& pair = w.graph.pairs[w.graph.num_pairs++];
+      pair.child = first.a;
+      pair.parent = first.b;
+      pair.is_deep = is_deep;
+    }
   }
   make_islands(w.touches, num_bodies, w.graph);
 }
@@ -142,9 +153,10 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
                           Recall<Contacts::max_contacts>& of_stage,
                           BodyContactScratch<Contacts, N>& w) noexcept {
   const NearContact& one = w.near.list[group.first];
-  const bool on_world = group.pair == NearGroup::no_pair;
+  const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
   const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
   const Vec3& p_W = w.finder.at[one.a].p_W;
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
   GroupLaw law(law_of(par, one), m, h);
   std::uint32_t n = 0;
@@ -157,8 +169,8 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
                  w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
                  {.d_0 = d_0,
                   .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
-                  .max_relaxed = law.max_relaxed,
-                  .most = on_world ? std::numeric_limits<Real>::infinity() : law.most(w.stage),
+                  .max_relaxed = Contacts::between_bodies ? law.max_relaxed : infinity,
+                  .most = on_world ? infinity : law.most(w.stage),
                   .max_stored_penetration = law.max_stored_penetration});
     ContactPack& pack = w.packs[first + n / 4];
     const std::size_t j = n % 4;
@@ -184,13 +196,13 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
   };
   for (std::size_t g = 0; g < w.num_groups; ++g) {
     const NearGroup& group = w.groups[g];
-    if (group.pair == NearGroup::no_pair) {
-      begin(group, w.graph.bodies[w.near.list[group.first].a]);
-      continue;
+    if (group.pair == NearGroup::no_pair) begin(group, w.graph.bodies[w.near.list[group.first].a]);
+    if constexpr (Contacts::between_bodies) {
+      if (group.pair == NearGroup::no_pair) continue;
+      TouchingPair& pair = w.graph.pairs[group.pair];
+      pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
+      begin(group, pair);
     }
-    TouchingPair& pair = w.graph.pairs[group.pair];
-    pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
-    begin(group, pair);
   }
 }
 

@@ -24,21 +24,11 @@
 
 namespace godobject {
 
-inline constexpr int max_newton_iterations = 8;
-inline constexpr int num_tangent_passes = 4;
-inline constexpr int num_secant_passes = 2;
-/// How a pass takes the friction.
+/// How an iteration takes the friction.
 enum class Pass { by_tangent, by_secant, as_it_was };
-constexpr Pass contact_pass(int pass) noexcept {
-  if (pass < num_tangent_passes) return Pass::by_tangent;
-  return pass < num_tangent_passes + num_secant_passes ? Pass::by_secant : Pass::as_it_was;
-}
-/// The iterations end when no force misses its law by more than this part of the largest normal force.
-inline constexpr Real contact_tolerance = 1e-6;
 
 /// Four contacts of a body with the world, or with one other body.
 struct ContactPack {
-  std::size_t body = 0;  // the one they are of
   bool changed = true;   // the case of one of them, in the last update
   Vector3<Pack> r, n;    // from where the body's twist is taken to the contact point; off the surface
   Pack d_0, F_0, eta_n;
@@ -116,6 +106,13 @@ inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) n
   return min(c.mu * F_n / speed, c.max_eta_t);
 }
 
+/// Those that slip are taken by their tangents, s their slip and F_n the normal forces.
+inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& speed, const Pack& F_n) noexcept {
+  const Pack slips = select(c.eta_t < c.max_eta_t, Pack(1), Pack(0));
+  c.u = s * (slips / speed);
+  c.f_slip = slips * c.mu * F_n;
+}
+
 /// The forces of a pass, and the cases of the next, at the velocities of the contact points. tangents: as in add();
 /// otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
 template <bool tangents>
@@ -142,19 +139,25 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most) noex
   c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
   c.changed = c.changed || differ(c.eta_t, eta_before);
   if constexpr (tangents) {
-    const Pack tangent = next == Pass::by_tangent ? select(c.eta_t < c.max_eta_t, Pack(1), Pack(0)) : Pack(0);
-    c.u = s * (tangent / speed);
-    c.f_slip = tangent * c.mu * law_n;
+    if (next == Pass::by_tangent) {
+      set_tangents(c, s, speed, law_n);
+    } else {
+      c.u.setConstant(Pack(0));
+      c.f_slip = 0;
+    }
   }
 }
 
 /// The cases of the first pass: at the normal forces that c.F foresees and the velocities of the contact points.
-inline void foresee(ContactPack& c, const SpatialVector& V) noexcept {
+template <bool tangents>
+void foresee(ContactPack& c, const SpatialVector& V) noexcept {
   move(c, V);
   const Pack F_n = c.n.dot(c.F);
   const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
+  const Pack speed = speed_of(s);
   c.touching = case_of(F_n);
-  c.eta_t = friction(c, speed_of(s), F_n);
+  c.eta_t = friction(c, speed, F_n);
+  if constexpr (tangents) set_tangents(c, s, speed, F_n);
 }
 
 /// Sums over the contacts of a body, or a pair, of what they add to its A and b.

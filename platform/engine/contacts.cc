@@ -4,8 +4,8 @@
 namespace godobject {
 
 void add_contacts(std::vector<CompositionRow>& table) {
-  table.push_back(row<Tool<ImplicitEuler, 1, TreeJoints<>, ToolContacts>>("contacts"));
-  table.push_back(row<Tool<TrBdf2, 1, TreeJoints<>, ToolContacts>>("contacts"));
+  table.push_back(row<Tool<ImplicitEuler, 1, None, ToolContacts>>("contacts"));
+  table.push_back(row<Tool<TrBdf2, 1, None, ToolContacts>>("contacts"));
 }
 
 }  // namespace godobject

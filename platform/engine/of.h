@@ -1,7 +1,6 @@
 // Engine for one scene type. Included only by the files that instantiate compositions.
 #pragma once
 
-#include "core/contact/fixed.h"
 #include "core/godobject.h"
 #include "platform/engine/any_device.h"
 #include "platform/engine/row.h"

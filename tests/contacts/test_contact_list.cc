@@ -50,7 +50,7 @@ TYPED_TEST(ContactList, KeepsTheDeepestWhenFullAndSaysSo) {
   EXPECT_EQ(run->out.contacts.num_near, std::size_t{max_contacts});
   ASSERT_EQ(run->x.contacts.size, std::size_t{max_contacts});
   for (std::size_t i = 0; i < max_contacts; ++i)
-    EXPECT_EQ(run->x.contacts.list[i].key, contact_key(num_spheres - max_contacts + i, 0));
+    EXPECT_EQ(sphere_of(run->x.contacts.list[i].key), num_spheres - max_contacts + i);
   run->device().X_WD.p.z() = 0.1;
   run->step(200);
   EXPECT_EQ(run->out.fault, Fault::none);

@@ -142,8 +142,10 @@ void set_up(Params<S>& par, State<S>& x) {
   par.h = h;
   par.num_bodies = S::max_bodies;
   par.gravity_W = Vec3(0, 0, -9.81);
-  if constexpr (bodies_touch<S>) add_touching(par);
-  else if constexpr (uses<ContactsOf<S>>) add_contacts(par);
+  if constexpr (uses<ContactsOf<S>>) {
+    if constexpr (ContactsOf<S>::between_bodies) add_touching(par);
+    else add_contacts(par);
+  }
   Mat3 I_B;
   I_B << 5e-3, 1e-3, -5e-4, 1e-3, 3e-3, 4e-4, -5e-4, 4e-4, 6e-3;
   for (std::size_t i = 0; i < S::max_bodies; ++i) {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "core/contact/bodies.h"
-#include "core/contact/fixed.h"
 #include "core/godobject.h"
 
 namespace godobject::study {
@@ -76,13 +75,13 @@ struct ToolHeldBy : FollowerOnJoints<I, N, TreeJoints<None, None, Stabilisation>
 
 /// A tool of ten spheres over a plane, S2.
 template <class I, std::size_t N>
-struct PressedTool : Tool<I, N> {
+struct PressedTool : Follower<I, N> {
   using Contacts = FixedContacts<10 * N, 1, 10 * N>;
 };
 
 /// A ball over a plane.
 template <class I, std::size_t N>
-struct Ball : FreeJoints<I, N> {
+struct Ball : Free<I, N> {
   using Contacts = FixedContacts<N, 1, N>;
 };
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/contact/bodies.h"
-#include "core/contact/fixed.h"
 #include "tests/study/case_run.h"
 #include "tests/study/compositions.h"
 #include "tests/study/contact_scene.h"

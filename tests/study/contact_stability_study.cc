@@ -62,7 +62,7 @@ bench::ContactScene dragged_rod(const ContactCell& cell) {
 }
 
 template <class I>
-struct Rod : Tool<I, 1> {
+struct Rod : Follower<I, 1> {
   using Contacts = FixedContacts<5, 1, 5>;
 };
 

@@ -117,8 +117,11 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
   for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
     const SpherePack& pack = w.packs[k];
     const std::uint32_t there = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
-    const std::uint32_t sought = b < N ? there & reaching(pack, w.broad.boxes[b]) : there;
-    if (sought == 0) continue;
+    std::uint32_t sought = there;
+    if constexpr (Contacts::between_bodies) {
+      if (b < N) sought &= reaching(pack, w.broad.boxes[b]);
+      if (sought == 0) continue;
+    }
     for (std::uint32_t o = first; o < end; ++o) {
       const ShapeParams& shape = w.posed[o];
       const Mat3& R_WS = w.R_WS[o];
@@ -147,7 +150,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         found_all(hits, d, n_W);
         continue;
       }
-      if (on_a.has_surfaces() && shape.kind == ShapeKind::box) {
+      if (Contacts::between_bodies && on_a.has_surfaces() && shape.kind == ShapeKind::box) {
         std::uint32_t hits = 0;
         if (leaving_W != nullptr) {
           hits = sought & behind_face(shape, R_WS, pack, face_along(R_WS, *leaving_W), d, n_W);
@@ -257,21 +260,23 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
                    NearContacts<Contacts::max_contacts>& near) noexcept {
   near.clear();
   place_bodies(par, num_bodies, w);
-  find_overlaps(num_bodies, w.broad,
-                [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
+  if constexpr (Contacts::between_bodies)
+    find_overlaps(num_bodies, w.broad,
+                  [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
   RecallDeepPairs<Contacts> were_deep(par, before);
+  const auto num_fixed = static_cast<std::uint32_t>(w.num_fixed);
   for (std::uint32_t a = 0; a < num_bodies; ++a) {
-    w.broad.pairs.for_each_of(a, [&](std::uint32_t b) noexcept {
-      const std::uint64_t pair = pair_key(a, b);
-      if (w.owned[a].has_surfaces() || w.owned[b].has_surfaces())
-        find_on_bodies(w, a, b, pair, were_deep.find(pair), near);
-      else find_on_spheres(w, a, b, pair, near);
-    });
-    if (w.num_fixed > 0)
-      find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0,
-                       static_cast<std::uint32_t>(w.num_fixed), nullptr, near);
-    find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, static_cast<std::uint32_t>(w.num_fixed),
-                  near);
+    if constexpr (Contacts::between_bodies)
+      w.broad.pairs.for_each_of(a, [&](std::uint32_t b) noexcept {
+        const std::uint64_t pair = pair_key(a, b);
+        if (w.owned[a].has_surfaces() || w.owned[b].has_surfaces())
+          find_on_bodies(w, a, b, pair, were_deep.find(pair), near);
+        else find_on_spheres(w, a, b, pair, near);
+      });
+    if (num_fixed > 0)
+      find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, nullptr, near);
+    if constexpr (Contacts::between_bodies)
+      find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, near);
   }
   near.put_in_order();
 }

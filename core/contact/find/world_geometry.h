@@ -36,16 +36,13 @@ struct ContactFinder {
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
   std::array<ShapeParams, max_surfaces> posed;              // surfaces in the world
   std::array<Mat3, max_surfaces> R_WS;                      // and their attitudes
-  BroadPhaseScratch<N> broad;
+  [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
 
-/// The spheres [s, end) of a body in the world, four to a pack from `packs` on, and the box round what they reach.
-/// Returns the number of packs.
+/// The spheres [s, end) of a body in the world, four to a pack from `packs` on. Returns the number of packs.
 template <std::size_t max_spheres, std::size_t max_surfaces>
 std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par, std::uint32_t s,
-                            std::uint32_t end, const TreePlace& at, SpherePack* packs, Aabb& box) noexcept {
-  constexpr Real infinity = std::numeric_limits<Real>::infinity();
-  Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(infinity)), hi = Vector3<Pack>::Constant(Pack(-infinity));
+                            std::uint32_t end, const TreePlace& at, SpherePack* packs) noexcept {
   std::uint32_t num_packs = 0;
   for (; s < end; s += 4, ++num_packs) {
     const std::array<const BodySphere*, 4> spheres{&par.spheres[s], &par.spheres[std::min(s + 1, end - 1)],
@@ -59,19 +56,29 @@ std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par,
     const Pack x = of([](const BodySphere&sphere) noexcept { return sphere.p_B.x(); }),
                y = of([](const BodySphere&sphere) noexcept { return sphere.p_B.y(); }),
                z = of([](const BodySphere&sphere) noexcept { return sphere.p_B.z(); });
-    const Pack reach = pack.r * (1 + contact_reach);
+    for (int k = 0; k < 3; ++k)
+      pack.p_W[k] = at.p_W[k] + (at.R_WB(k, 0) * x + at.R_WB(k, 1) * y + at.R_WB(k, 2) * z);
+  }
+  return num_packs;
+}
+
+/// The box round what these spheres reach.
+inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs) noexcept {
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(infinity)), hi = Vector3<Pack>::Constant(Pack(-infinity));
+  for (std::uint32_t p = 0; p < num_packs; ++p) {
+    const Pack reach = packs[p].r * (1 + contact_reach);
     for (int k = 0; k < 3; ++k) {
-      const Pack c = at.p_W[k] + (at.R_WB(k, 0) * x + at.R_WB(k, 1) * y + at.R_WB(k, 2) * z);
-      pack.p_W[k] = c;
-      lo[k] = min(lo[k], c - reach);
-      hi[k] = max(hi[k], c + reach);
+      lo[k] = min(lo[k], packs[p].p_W[k] - reach);
+      hi[k] = max(hi[k], packs[p].p_W[k] + reach);
     }
   }
+  Aabb box;
   for (int k = 0; k < 3; ++k) {
     box.lo[k] = std::min({lo[k][0], lo[k][1], lo[k][2], lo[k][3]});
     box.hi[k] = std::max({hi[k][0], hi[k][1], hi[k][2], hi[k][3]});
   }
-  return num_packs;
+  return box;
 }
 
 /// A shape of a body in the world. Of a box, whose attitude is R_WS, no more than find_on_surfaces() asks for.
@@ -89,6 +96,25 @@ inline void place_shape(const ShapeParams& shape, const TreePlace& at, ShapePara
   posed.X_WS.p = p;
 }
 
+/// The surfaces of a body in the world, from number o on, and the box round all that it touches with: the broad phase's
+/// entry of the body. Returns the number after them.
+template <class Contacts, std::size_t N>
+std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t i, std::uint32_t o,
+                             ContactFinder<Contacts, N>& w) noexcept {
+  auto& owned = w.owned[i];
+  Aabb& box = w.broad.boxes[i] = box_round(&w.packs[owned.first_pack], owned.num_packs());
+  owned.first_surface = o;
+  for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
+    place_shape(par.surfaces[o].shape, w.at[i], w.posed[o], w.R_WS[o]);
+    const Vec3 half = w.R_WS[o].cwiseAbs() * half_extents(par.surfaces[o].shape);
+    box.lo = box.lo.cwiseMin(w.posed[o].X_WS.p - half);
+    box.hi = box.hi.cwiseMax(w.posed[o].X_WS.p + half);
+  }
+  owned.end_surface = o;
+  if (!owned.empty() && box.lo.sum() - box.hi.sum() <= 0) w.broad.entries[w.broad.num_entries++].body = i;
+  return o;
+}
+
 /// Who owns what, and where it all is.
 template <class Contacts, std::size_t N>
 void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
@@ -99,26 +125,15 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     w.R_WS[o] = w.posed[o].X_WS.q.toRotationMatrix();
   }
   w.num_fixed = o;
-  w.broad.num_entries = 0;
+  if constexpr (Contacts::between_bodies) w.broad.num_entries = 0;
   for (std::uint32_t i = 0; i < num_bodies; ++i) {
-    const TreePlace& at = w.at[i];
     auto& owned = w.owned[i];
-    Aabb& box = w.broad.boxes[i];
     owned.first_sphere = s;
     while (s < par.num_spheres && par.spheres[s].body == i) ++s;
     owned.end_sphere = s;
     owned.first_pack = num_packs;
-    num_packs += place_spheres(par, owned.first_sphere, s, at, &w.packs[num_packs], box);
-    owned.first_surface = o;
-    for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
-      place_shape(par.surfaces[o].shape, at, w.posed[o], w.R_WS[o]);
-      const Vec3 half = w.R_WS[o].cwiseAbs() * half_extents(par.surfaces[o].shape);
-      box.lo = box.lo.cwiseMin(w.posed[o].X_WS.p - half);
-      box.hi = box.hi.cwiseMax(w.posed[o].X_WS.p + half);
-    }
-    owned.end_surface = o;
-    if (owned.empty() || !(box.lo.sum() - box.hi.sum() <= 0)) continue;
-    w.broad.entries[w.broad.num_entries++].body = i;
+    num_packs += place_spheres(par, owned.first_sphere, s, w.at[i], &w.packs[num_packs]);
+    if constexpr (Contacts::between_bodies) o = place_surfaces(par, i, o, w);
   }
 }
 
