@@ -130,10 +130,9 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
   }
 }
 
-/// The same, with what they touch (28).
+/// The same, with what they touch.
 template <Scene S>
-[[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, Real h,
-                                      Scratch<S>& w) noexcept {
+void solve_touching(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, h, w.tree, contacts);
   solve_contacts(par.contacts, x.contacts, num_bodies(par), h, contacts);
@@ -145,6 +144,17 @@ template <Scene S>
     set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>,
              contacts.finder.at[i].R_WB.transpose() * V.w.vec());
   }
+}
+/// Compiled once for all stages of a step; that of a few contacts with the world as one function.
+template <Scene S>
+[[gnu::noinline]] void solve_among_bodies(const Params<S>& par, const State<S>& x, Real h,
+                                          Scratch<S>& w) noexcept {
+  solve_touching(par, x, h, w);
+}
+template <Scene S>
+GODOBJECT_FLATTEN [[gnu::noinline]] void solve_on_world(const Params<S>& par, const State<S>& x, Real h,
+                                                        Scratch<S>& w) noexcept {
+  solve_touching(par, x, h, w);
 }
 
 /// What a stage starts from: contacts dragged on for t_0 at the rate of the step, t_1 at that of the stage before.
@@ -206,8 +216,12 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOf
                          .w_B = solve3<T>(rotation.A_B, rotation.b_B)};
     }
   }
-  if constexpr (uses<ContactsOf<S>>) solve_touching(par, x, h, w);
-  else if constexpr (uses<typename S::Joints>) solve_tree(par, x, h, w);
+  if constexpr (uses<ContactsOf<S>>) {
+    if constexpr (ContactsOf<S>::between_bodies) solve_among_bodies(par, x, h, w);
+    else solve_on_world(par, x, h, w);
+  } else if constexpr (uses<typename S::Joints>) {
+    solve_tree(par, x, h, w);
+  }
 }
 
 /// Imposed joints at the fraction s of the step: where the coming stage is to lead them.

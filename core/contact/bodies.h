@@ -147,6 +147,16 @@ bool settle_contacts(int iteration, const Island& island, BodyContactScratch<Con
   return normal && most.friction() <= Seeking::friction_tolerance(iteration) * F_n;
 }
 
+/// V = A^-1 b of the system that is loaded; nothing is left of r.
+template <class Contacts, std::size_t N>
+void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
+  w.system.each([&](std::uint32_t u) noexcept {
+    w.x.Ap[u] = w.system.b[u];
+    w.x.r[u] = SpatialVector::zero();
+  });
+  factorize_and_solve(w.system, w.x.Ap, w.x.V);
+}
+
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
 template <class Contacts, std::size_t N>
 void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -154,7 +164,8 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
   using Seeking = SeekingOf<Contacts>;
   if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);
   ContactResidual most;
-  each_pack(x.V_0, island, w, [](ContactPack& c, const SpatialVector& V) noexcept { foresee<Seeking::tangents>(c, V); });
+  each_pack(x.V_0, island, w,
+            [](ContactPack& c, const SpatialVector& V) noexcept { foresee<Seeking::tangents>(c, V); });
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
   for (bool done = false; !done && newton_iterations < max_newton_iterations<Contacts::jointed>;
@@ -162,11 +173,11 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
     load_system(island, w);
     if (w.system.is_complete && newton_iterations > 0) w.system.multiply(x.V_0, x.AV_0);
-    factorize(w.system);
     if (w.system.is_complete) {
-      solve_complete(w.system, x);
+      solve_complete(w);
       left = 0;
     } else {
+      factorize(w.system);
       iterations +=
           iterate(num_iterations(pass_of<Seeking>(newton_iterations)), w.system, x,
                   [&](std::uint32_t i, const SpatialVector& V) noexcept { return speed_sq(w.stages[i], V); });

@@ -72,7 +72,8 @@ struct BodyContactScratch {
   static constexpr std::size_t room = Contacts::max_blocks > 0 ? Contacts::max_blocks
                                       : max_pairs > 0 ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
                                                       : N;
-  static constexpr std::size_t max_entries = std::max<std::size_t>(max_pairs + (Contacts::jointed ? N : 0), 1);
+  static constexpr std::size_t max_entries =
+      std::max<std::size_t>(max_pairs + (Contacts::jointed ? N : 0), 1);
   using System = BlockSystem<N, 0, max_entries, room, Contacts::jointed>;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;

@@ -29,8 +29,8 @@ enum class Pass { by_tangent, by_secant, as_it_was };
 
 /// Four contacts of a body with the world, or with one other body.
 struct ContactPack {
-  bool changed = true;   // the case of one of them, in the last update
-  Vector3<Pack> r, n;    // from where the body's twist is taken to the contact point; off the surface
+  bool changed = true;  // the case of one of them, in the last update
+  Vector3<Pack> r, n;   // from where the body's twist is taken to the contact point; off the surface
   Pack d_0, F_0, eta_n;
   Vector3<Pack> v_xi;
   Pack max_eta_t, mu;
@@ -107,7 +107,8 @@ inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) n
 }
 
 /// Those that slip are taken by their tangents, s their slip and F_n the normal forces.
-inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& speed, const Pack& F_n) noexcept {
+inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& speed,
+                         const Pack& F_n) noexcept {
   const Pack slips = select(c.eta_t < c.max_eta_t, Pack(1), Pack(0));
   c.u = s * (slips / speed);
   c.f_slip = slips * c.mu * F_n;

@@ -273,7 +273,7 @@ template <class Joints, std::size_t N>
 StageVelocity solve_back(const typename Joints::Params& par, std::size_t i, Real h,
                          Tree<N, Joints>& tree) noexcept {
   TreeNode& node = tree.nodes[i];
-  if (par.kind == JointKind::free) node.V = solved(node.body);
+  if (par.kind == JointKind::free) node.V = solved(node.body.A, node.body.b);
   with_joint(par.kind, [&](auto kind) {
     using Motion = decltype(kind.motion(JointFrames{}));
     const bool hangs = par.parent != world;

@@ -122,12 +122,4 @@ inline void hang_mass(const ArticulatedBody& a, const Column& d, ArticulatedBody
   parent.b.v += a.b.v;
 }
 
-/// A root without a joint: A V = b itself, by its 3 x 3 blocks.
-inline SpatialVector solved(const ArticulatedBody& root) noexcept {
-  const Block A_vv_inverse = inverse(root.A.vv);
-  const Block B = root.A.wv * A_vv_inverse;
-  const Column w = inverse(root.A.ww - B * root.A.vw) * (root.b.w - B * root.b.v);
-  return {.w = w, .v = A_vv_inverse * (root.b.v - root.A.vw * w)};
-}
-
 }  // namespace godobject

@@ -88,6 +88,14 @@ inline void add_to_parent(const SpatialMatrix& A, const Column& d, SpatialMatrix
   parent.vv += A.vv;
 }
 
+/// A^-1 F, by 3 x 3 blocks.
+inline SpatialVector solved(const SpatialMatrix& A, const SpatialVector& F) noexcept {
+  const Block A_vv_inverse = inverse(A.vv);
+  const Block B = A.wv * A_vv_inverse;
+  const Column w = inverse(A.ww - B * A.vw) * (F.w - B * F.v);
+  return {.w = w, .v = A_vv_inverse * (F.v - A.vw * w)};
+}
+
 /// A symmetric 6 x 6 matrix; its vw is the transposed wv.
 struct SymmetricSpatialMatrix {
   Block ww, wv, vv;

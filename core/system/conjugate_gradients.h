@@ -93,12 +93,4 @@ int iterate(int most_iterations, const System& system, SystemVectors<System>& x,
   return iterations;
 }
 
-/// V = A^-1 b; nothing is left of r.
-template <class System>
-void solve_complete(const System& system, SystemVectors<System>& x) noexcept {
-  system.each([&](std::uint32_t u) noexcept { x.Ap[u] = system.b[u]; });
-  solve(system, x.Ap, x.V);
-  system.each([&](std::uint32_t u) noexcept { x.r[u] = SpatialVector::zero(); });
-}
-
 }  // namespace godobject

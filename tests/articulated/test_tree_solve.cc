@@ -191,7 +191,7 @@ TEST(TreeSolve, RootWithoutAJointIsSolvedByItself) {
     const Matrix6 M = Matrix6::NullaryExpr([&] { return uniform(engine); });
     const Matrix6 A = M * M.transpose() + Matrix6::Identity() + Real(0.5) * (M - M.transpose());
     const Vector6 b = Vector6::NullaryExpr([&] { return uniform(engine); });
-    const SpatialVector V = solved(body_of(A, b));
+    const SpatialVector V = solved(body_of(A, b).A, body_of(A, b).b);
     EXPECT_LE((A * stacked(V.w.vec(), V.v.vec()) - b).norm(), 1e-12 * (1 + b.norm()) * A.norm());
   }
 }
