@@ -202,7 +202,7 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
 template <class Contacts, std::size_t N>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  find_contacts(par, before, num_bodies, w.finder, w.near);
+  find_contacts(par, before, num_bodies, h, w.finder, w.near);
   find_pairs(num_bodies, w);
   begin_contacts(par, before, num_bodies, h, w);
   w.report = {.num_near = w.near.size};

@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// What is near a surface, or another sphere or edge, where a stage is predicted to end.
+/// What is near a surface, or another sphere or edge, where a stage is predicted to end or where it starts.
 struct NearContact {
   std::uint64_t key = 0;
   std::uint32_t of = 0, on = 0;  // numbers of what is near what: surfaces, then spheres

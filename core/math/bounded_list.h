@@ -7,7 +7,8 @@
 
 namespace godobject {
 
-/// is_deeper(a, b): a is kept rather than b. comes_before: the order of the list, in which items are added. Both total.
+/// is_deeper(a, b): a is kept rather than b. comes_before: the order of the list, in which items are added but for a few.
+/// Both total.
 template <class Item, std::size_t max_items, bool (*is_deeper)(const Item&, const Item&) noexcept,
           bool (*comes_before)(const Item&, const Item&) noexcept>
 struct BoundedList {
@@ -27,7 +28,7 @@ struct BoundedList {
     if (!full()) size = num_found = mark;
   }
   /// The full list is a heap with the shallowest on top, until put_in_order().
-  void put_in_place_of_shallowest(const Item& item) noexcept {
+  [[gnu::noinline]] void put_in_place_of_shallowest(Item item) noexcept {
     if (num_found == max_items + 1) std::make_heap(list.begin(), list.end(), is_deeper);
     if (!is_deeper(item, list.front())) return;
     std::pop_heap(list.begin(), list.end(), is_deeper);
@@ -36,6 +37,19 @@ struct BoundedList {
   }
   void put_in_order() noexcept {
     if (full()) std::sort(list.begin(), list.end(), comes_before);
+    else put_few_in_order();
+  }
+
+ private:
+  /// By insertion.
+  void put_few_in_order() noexcept {
+    for (std::size_t i = 1; i < size; ++i) {
+      if (!comes_before(list[i], list[i - 1])) continue;
+      const Item item = list[i];
+      std::size_t to = i;
+      for (; to > 0 && comes_before(item, list[to - 1]); --to) list[to] = list[to - 1];
+      list[to] = item;
+    }
   }
 };
 

@@ -52,7 +52,7 @@ Real contact_energy(const Params<S>& par, const State<S>& x) {
   for (std::size_t i = 0; i < x.contacts.size; ++i) {
     const ContactMemory& m = x.contacts.list[i];
     const BodySphere& sphere = par.contacts.spheres[sphere_of(m.key)];
-    const Surface& surface = par.contacts.surfaces[m.key & 0x7fff];
+    const Surface& surface = par.contacts.surfaces[touched_of(m.key)];
     const ContactLaw& law = par.contacts.law(sphere.material, surface.material);
     const Pose& X = x.bodies[sphere.body].x.X_WB;
     const Real depth = sphere.radius - nearest(surface.shape, X.p + X.q * sphere.p_B, sphere.radius).distance;

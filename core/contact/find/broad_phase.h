@@ -69,10 +69,11 @@ struct BroadPhaseScratch {
   std::size_t num_entries = 0;  // bodies with spheres, all of them finite
 };
 
-/// Bit j: sphere j of the pack reaches into the box.
-inline std::uint32_t reaching(const SpherePack& pack, const Aabb& box) noexcept {
+/// Bit j: sphere j of the pack, larger by so much, reaches into the box.
+inline std::uint32_t reaching(const SpherePack& pack, Real more, const Aabb& box) noexcept {
+  const Pack r = pack.r + more;
   const auto along = [&](int c) {
-    return (pack.p_W[c] - pack.r <= Pack(box.hi[c])) & (Pack(box.lo[c]) <= pack.p_W[c] + pack.r);
+    return (pack.p_W[c] - r <= Pack(box.hi[c])) & (Pack(box.lo[c]) <= pack.p_W[c] + r);
   };
   return bits(along(0) & along(1) & along(2));
 }

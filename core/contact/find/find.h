@@ -10,9 +10,10 @@
 
 namespace godobject {
 
-/// Adds a contact of bodies, or of a body and the world: with the speed at which it opens.
+/// Adds a contact of bodies, or of a body and the world, with the speed at which it opens: if it is within reach where the
+/// stage is predicted to end, or where it starts. What presses a body down again may not let it come off as predicted.
 template <class Contacts, std::size_t N>
-void add_near(const ContactFinder<Contacts, N>& w, NearContact at,
+void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
               NearContacts<Contacts::max_contacts>& near) noexcept {
   const auto velocity = [&](std::uint32_t body, const Vec3& p) noexcept -> Vec3 {
     if (body >= N) return Vec3::Zero();
@@ -20,12 +21,12 @@ void add_near(const ContactFinder<Contacts, N>& w, NearContact at,
     return place.V.v + place.V.w.cross(p - place.a_W);
   };
   at.v_n = at.n_W.dot(velocity(at.a, at.p_W) - velocity(at.b, at.p_W));
-  near.add(at);
+  if (std::max(at.d, at.d + w.h * at.v_n) > -reach) near.add(at);
 }
 
 /// Four spheres and a box: bit j of the result, sphere j is near. Where its centre is inside, its depth is its radius,
 /// and it has no normal; with a way out, it is that from there.
-inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
+inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack, Real travel,
                               const Vec3* way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
   const Vector3<Pack> p_S = in_frame(box.X_WS.p, R_WS, pack.p_W);
   Vector3<Pack> n_S;
@@ -34,13 +35,13 @@ inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const Sp
   else BoxShape::nearest(box.half_extents, p_S, *way_out_S, distance, n_S);
   for (int k = 0; k < 3; ++k) n_W[k] = R_WS(k, 0) * n_S[0] + R_WS(k, 1) * n_S[1] + R_WS(k, 2) * n_S[2];
   d = pack.r - distance;
-  return bits(-contact_reach * pack.r < d);
+  return bits(-contact_reach * pack.r - travel < d);
 }
 
 /// Four spheres and a box that their body leaves through one face: the same, of those that touch it, behind that face.
 inline std::uint32_t behind_face(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
                                  const Vec3& way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
-  const std::uint32_t hits = near_box(box, R_WS, pack, nullptr, d, n_W) & bits(Pack(0) < d);
+  const std::uint32_t hits = near_box(box, R_WS, pack, 0, nullptr, d, n_W) & bits(Pack(0) < d);
   const Vec3 n = R_WS * way_out_S;
   Pack distance = -box.half_extents.dot(way_out_S.cwiseAbs());
   for (int k = 0; k < 3; ++k) {
@@ -52,27 +53,30 @@ inline std::uint32_t behind_face(const ShapeParams& box, const Mat3& R_WS, const
 }
 
 /// Four spheres and a half-space: the same.
-inline std::uint32_t near_plane(const ShapeParams& plane, const Mat3& R_WS, const SpherePack& pack, Pack& d,
-                                Vector3<Pack>& n_W) noexcept {
+inline std::uint32_t near_plane(const ShapeParams& plane, const Mat3& R_WS, const SpherePack& pack,
+                                Real travel, Pack& d, Vector3<Pack>& n_W) noexcept {
   Pack distance = 0;
   for (int k = 0; k < 3; ++k) {
     n_W[k] = R_WS(k, 2);
     distance += (pack.p_W[k] - plane.X_WS.p[k]) * R_WS(k, 2);
   }
   d = pack.r - distance;
-  return ~bits(d <= -contact_reach * pack.r);
+  return ~bits(d <= -contact_reach * pack.r - travel);
 }
 
-/// Of a contact between bodies, or of a body and the world: the pair, the sphere, and what it touches. Those of a pair
-/// are in a row.
+/// Of a contact between bodies, or of a body and the world: the pair, what is touched, and the sphere that touches it.
+/// Those of a pair are in a row.
 inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
   return std::uint64_t(a) << 48 | std::uint64_t(b) << 32;
 }
 inline std::uint64_t touch_key(std::uint32_t sphere, std::uint32_t touched) noexcept {
-  return std::uint64_t(sphere) << 15 | touched;
+  return std::uint64_t(touched) << 15 | sphere;
 }
 inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
-  return static_cast<std::uint32_t>(key >> 15) & 0xffff;
+  return static_cast<std::uint32_t>(key) & 0x7fff;
+}
+inline std::uint32_t touched_of(std::uint64_t key) noexcept {
+  return static_cast<std::uint32_t>(key >> 15) & 0x7fff;
 }
 
 /// Of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
@@ -114,15 +118,16 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
                       NearContacts<Contacts::max_contacts>& near) noexcept {
   constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
   const auto& on_a = w.owned[a];
-  for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
-    const SpherePack& pack = w.packs[k];
-    const std::uint32_t there = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
-    std::uint32_t sought = there;
-    if constexpr (Contacts::between_bodies) {
-      if (b < N) sought &= reaching(pack, w.broad.boxes[b]);
-      if (sought == 0) continue;
-    }
-    for (std::uint32_t o = first; o < end; ++o) {
+  Real travel = on_a.travel;
+  if (b < N) travel += w.owned[b].travel;
+  for (std::uint32_t o = first; o < end; ++o) {
+    for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
+      const SpherePack& pack = w.packs[k];
+      std::uint32_t sought = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
+      if constexpr (Contacts::between_bodies) {
+        if (b < N) sought &= reaching(pack, on_a.travel, w.broad.boxes[b]);
+        if (sought == 0) continue;
+      }
       const ShapeParams& shape = w.posed[o];
       const Mat3& R_WS = w.R_WS[o];
       const auto found = [&](std::uint32_t j, Real d, const Vec3& n_W) noexcept {
@@ -135,7 +140,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
                   .d = d,
                   .p_W = lane(pack.p_W, j) - pack.r[j] * n_W,
                   .n_W = n_W},
-                 near);
+                 contact_reach * pack.r[j], near);
       };
       const auto found_all = [&](std::uint32_t hits, const Pack& d, const Vector3<Pack>& n_W) noexcept {
         for (; hits != 0; hits &= hits - 1) {
@@ -146,7 +151,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       Pack d;
       Vector3<Pack> n_W;
       if (shape.kind == ShapeKind::plane) {
-        const std::uint32_t hits = sought & near_plane(shape, R_WS, pack, d, n_W);
+        const std::uint32_t hits = sought & near_plane(shape, R_WS, pack, travel, d, n_W);
         found_all(hits, d, n_W);
         continue;
       }
@@ -155,11 +160,11 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         if (leaving_W != nullptr) {
           hits = sought & behind_face(shape, R_WS, pack, face_along(R_WS, *leaving_W), d, n_W);
         } else {
-          hits = sought & near_box(shape, R_WS, pack, nullptr, d, n_W);
+          hits = sought & near_box(shape, R_WS, pack, travel, nullptr, d, n_W);
           if ((hits & bits(pack.r <= d)) != 0) {
             if (b < N) return true;
             const Vec3 face = face_along(R_WS, way_out(w, o, o + 1, a).n_W);
-            hits = sought & near_box(shape, R_WS, pack, &face, d, n_W);
+            hits = sought & near_box(shape, R_WS, pack, travel, &face, d, n_W);
           }
         }
         found_all(hits, d, n_W);
@@ -167,7 +172,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       }
       for (std::uint32_t hits = sought; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
-        const Real radius = pack.r[j], reach = contact_reach * radius;
+        const Real radius = pack.r[j], reach = contact_reach * radius + travel;
         const SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
         const Real depth = radius - surface.distance;
         if (depth <= -reach || (leaving_W != nullptr && leaving_W->dot(surface.n) < 0)) continue;
@@ -183,6 +188,7 @@ template <class Contacts, std::size_t N>
 void find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                    std::uint32_t first, std::uint32_t end,
                    NearContacts<Contacts::max_contacts>& near) noexcept {
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const auto& on_a = w.owned[a];
   for (std::uint32_t o = on_a.first_surface; o < on_a.end_surface; ++o) {
     for (std::uint32_t q = first; q < end; ++q) {
@@ -197,7 +203,7 @@ void find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::ui
                   .d = crossing.d,
                   .p_W = crossing.p_W,
                   .n_W = crossing.n_W},
-                 near);
+                 infinity, near);
       });
     }
   }
@@ -232,7 +238,8 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
     const Sphere sphere_a = sphere(&w.packs[on_a.first_pack], s - on_a.first_sphere);
     for (std::uint32_t t = on_b.first_sphere; t < on_b.end_sphere; ++t) {
       const Sphere sphere_b = sphere(&w.packs[on_b.first_pack], t - on_b.first_sphere);
-      const Real both = sphere_a.r + sphere_b.r, reach = contact_reach * std::min(sphere_a.r, sphere_b.r);
+      const Real both = sphere_a.r + sphere_b.r, least = contact_reach * std::min(sphere_a.r, sphere_b.r);
+      const Real reach = least + on_a.travel + on_b.travel;
       const Vec3 apart = sphere_a.p_W - sphere_b.p_W;
       const Real distance_sq = apart.squaredNorm();
       if (distance_sq >= (both + reach) * (both + reach)) continue;
@@ -240,7 +247,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
       const Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
       constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
       add_near(w,
-               {.key = pair | touch_key(s, t),
+               {.key = pair | touch_key(t, s),  // in the order of the loops
                 .of = spheres + s,
                 .on = spheres + t,
                 .a = a,
@@ -248,17 +255,19 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
                 .d = both - distance,
                 .p_W = sphere_a.p_W - sphere_a.r * n,
                 .n_W = n},
-               near);
+               least, near);
     }
   }
 }
 
-/// The near contacts of all bodies, where w.at has them. before: what contacts carried over.
+/// The near contacts of all bodies in a stage of length h that is predicted to end where w.at has them. before: what
+/// contacts carried over.
 template <class Contacts, std::size_t N>
 void find_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                   std::size_t num_bodies, ContactFinder<Contacts, N>& w,
+                   std::size_t num_bodies, Real h, ContactFinder<Contacts, N>& w,
                    NearContacts<Contacts::max_contacts>& near) noexcept {
   near.clear();
+  w.h = h;
   place_bodies(par, num_bodies, w);
   if constexpr (Contacts::between_bodies)
     find_overlaps(num_bodies, w.broad,

@@ -25,12 +25,14 @@ struct ContactFinder {
   struct Owned {
     std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
     std::uint32_t tree = 0;  // of the bodies on joints that do not touch each other
+    Real travel = 0;         // bound of how far its spheres move in the stage, m
 
     std::uint32_t num_packs() const noexcept { return (end_sphere - first_sphere + 3) / 4; }
     bool has_surfaces() const noexcept { return end_surface > first_surface; }
     bool empty() const noexcept { return first_sphere == end_sphere && !has_surfaces(); }
   };
   std::array<Owned, N> owned;
+  Real h = 0;                 // of the stage, s
   std::size_t num_fixed = 0;  // surfaces of the world
   std::array<TreePlace, N> at;
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
@@ -39,11 +41,14 @@ struct ContactFinder {
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
 
-/// The spheres [s, end) of a body in the world, four to a pack from `packs` on. Returns the number of packs.
+/// The spheres [s, end) of a body in the world, four to a pack from `packs` on, and how far at most they are from its centre
+/// of mass. Returns the number of packs.
 template <std::size_t max_spheres, std::size_t max_surfaces>
 std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par, std::uint32_t s,
-                            std::uint32_t end, const TreePlace& at, SpherePack* packs) noexcept {
+                            std::uint32_t end, const TreePlace& at, SpherePack* packs,
+                            Real& farthest) noexcept {
   std::uint32_t num_packs = 0;
+  Pack far = 0;
   for (; s < end; s += 4, ++num_packs) {
     const std::array<const BodySphere*, 4> spheres{&par.spheres[s], &par.spheres[std::min(s + 1, end - 1)],
                                                    &par.spheres[std::min(s + 2, end - 1)],
@@ -58,16 +63,18 @@ std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par,
                z = of([](const BodySphere&sphere) noexcept { return sphere.p_B.z(); });
     for (int k = 0; k < 3; ++k)
       pack.p_W[k] = at.p_W[k] + (at.R_WB(k, 0) * x + at.R_WB(k, 1) * y + at.R_WB(k, 2) * z);
+    far = max(far, abs(x) + abs(y) + abs(z));
   }
+  farthest = largest(far);
   return num_packs;
 }
 
-/// The box round what these spheres reach.
-inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs) noexcept {
+/// The box round what these spheres reach, and where they come from.
+inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real travel) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(infinity)), hi = Vector3<Pack>::Constant(Pack(-infinity));
   for (std::uint32_t p = 0; p < num_packs; ++p) {
-    const Pack reach = packs[p].r * (1 + contact_reach);
+    const Pack reach = packs[p].r * (1 + contact_reach) + travel;
     for (int k = 0; k < 3; ++k) {
       lo[k] = min(lo[k], packs[p].p_W[k] - reach);
       hi[k] = max(hi[k], packs[p].p_W[k] + reach);
@@ -102,7 +109,7 @@ template <class Contacts, std::size_t N>
 std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t i, std::uint32_t o,
                              ContactFinder<Contacts, N>& w) noexcept {
   auto& owned = w.owned[i];
-  Aabb& box = w.broad.boxes[i] = box_round(&w.packs[owned.first_pack], owned.num_packs());
+  Aabb& box = w.broad.boxes[i] = box_round(&w.packs[owned.first_pack], owned.num_packs(), owned.travel);
   owned.first_surface = o;
   for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
     place_shape(par.surfaces[o].shape, w.at[i], w.posed[o], w.R_WS[o]);
@@ -132,7 +139,10 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     while (s < par.num_spheres && par.spheres[s].body == i) ++s;
     owned.end_sphere = s;
     owned.first_pack = num_packs;
-    num_packs += place_spheres(par, owned.first_sphere, s, w.at[i], &w.packs[num_packs]);
+    Real farthest = 0;
+    num_packs += place_spheres(par, owned.first_sphere, s, w.at[i], &w.packs[num_packs], farthest);
+    const Twist& V = w.at[i].V;
+    owned.travel = w.h * (V.v.cwiseAbs().sum() + V.w.cwiseAbs().sum() * farthest);
     if constexpr (Contacts::between_bodies) o = place_surfaces(par, i, o, w);
   }
 }
