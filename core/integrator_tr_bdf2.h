@@ -47,6 +47,7 @@ struct TrBdf2 {
       const GroupIn<S> group(g, num_bodies(par));
       const Start<S> y(group, x);
       w.bases[g] = extrapolated<T>(y.x, y.x.v_W, y.x.w_B, y.a_W, y.alpha_B, dh);
+      if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + y.alpha_B * h_1;
       recall_errors<S>(group, x, w.next[g]);
       if constexpr (uses<typename S::Device>)
         w.inside[g] = interpolated<T>(
@@ -54,6 +55,7 @@ struct TrBdf2 {
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
     }
     lead_joints(par, c, w);
+    if constexpr (expects_turns<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     solve_stage(par, x, h_1, inside, w);
@@ -63,6 +65,7 @@ struct TrBdf2 {
     if constexpr (uses<ContactsOf<S>>)
       still_smooth = still_smooth && touch_alike(x.contacts, w.contacts.memories[w.contacts.last]);
     const Real h_2 = still_smooth ? d * h : (1 - c) * h;
+    if constexpr (expects_turns<S>) w.turns.known = still_smooth;
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       const StageVelocityOf<T>& V_1 = w.velocities[g];
       if (still_smooth) {
@@ -71,6 +74,7 @@ struct TrBdf2 {
         const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
         w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
                                      y.alpha_B + alpha_1, b * h);
+        if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
       } else {
         w.bases[g] = moved(w.bases[g], V_1, h_1);
       }

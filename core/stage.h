@@ -72,6 +72,15 @@ requires(uses<typename S::Joints>) struct JointScratchType<S> {
                                   Tree<S::max_bodies, typename S::Joints>>;
 };
 
+/// (34)  How fast the bodies are expected to turn at the end of a stage, rad/s, body axes: where nothing jumps.
+template <class S>
+struct ExpectedTurns {
+  bool known = false;
+  std::array<Vector3<Lanes<S>>, max_groups<S>> w_B;
+};
+template <class S>
+inline constexpr bool expects_turns = uses<ContactsOf<S>>&& S::Integrator::order > 1;
+
 /// Scratch: undefined between steps.
 template <class S>
 struct Scratch {
@@ -86,6 +95,7 @@ struct Scratch {
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
       wanted;  // to be shown on the links of the device, before limits
   [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
+  [[no_unique_address]] std::conditional_t<expects_turns<S>, ExpectedTurns<S>, Absent<17>> turns;
   [[no_unique_address]] ContactScratchOf<S> contacts;
 };
 
@@ -114,10 +124,13 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
   const Vector3<T> b_w = R * rotation.b_B;
   const Vector3<T> w_W = solve3<T>(A_W, b_w), v_W = translation.b_W * T(1 / translation.M);
   const Matrix3<T> A_s = Real(0.5) * (A_W + A_W.transpose());
+  Vector3<T> b_s = A_s * w_W;
+  if constexpr (expects_turns<S>) {
+    if (w.turns.known) b_s -= (A_W - A_s) * (R * w.turns.w_B[g] - w_W);
+  }
   const auto A_0 = columns(A_s.col(0).eval()), A_1 = columns(A_s.col(1).eval()),
              A_2 = columns(A_s.col(2).eval());
-  const auto b_w_W = columns(Vector3<T>(A_s * w_W)), b_v_W = columns(translation.b_W), w_0 = columns(w_W),
-             v_0 = columns(v_W);
+  const auto b_w_W = columns(b_s), b_v_W = columns(translation.b_W), w_0 = columns(w_W), v_0 = columns(v_W);
   for (std::size_t j = 0; j < num_lanes<T> && g * num_lanes<T> + j < num_bodies(par); ++j) {
     const std::size_t i = g * num_lanes<T> + j;
     TreePlace& place = w.contacts.finder.at[i];

@@ -1,4 +1,4 @@
-// Contacts between bodies, and of bodies with the world, where many of them touch.
+// Contacts of bodies with the world and among each other.
 //
 // A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite (core/system): the
 // bodies' own blocks, and an impedance for each pair that touches. It is solved by its factor (31), (33), a tower in one
@@ -7,54 +7,18 @@
 #pragma once
 
 #include "core/contact/jointed_bodies.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
-/// With eight, 9 of 16000 cases of the stability sweep gain energy; with sixteen none. On joints with sixteen one of 8000,
-/// with twice as many none: what the joints take back (18) presses stiff contacts together.
-template <bool jointed>
-inline constexpr int max_newton_iterations = jointed ? 32 : 16;
-/// Friction nearer to its law than this part of the largest normal force stays as it is in the next iteration.
-inline constexpr Real friction_left_alone = 1e-3;
-
-/// How far friction is sought. The first iterations seek it, the rest leave it as it is, which cannot drive. They end when no
-/// force misses its law by more than a part of the largest normal force.
-template <bool between_bodies>
-struct Seeking;
-
-/// Against the world, to its end: by its tangents, then by its secants.
-template <>
-struct Seeking<false> {
-  static constexpr bool tangents = true;
-  static constexpr int by_tangent = 4, by_secant = 2;
-  static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
-  static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
-};
-
-/// Between bodies: what lasts is found in two iterations; where many bodies hit each other the next ones find more of it,
-/// and are content with less: of the friction in the end with what there is, of normal forces with as much as the sweep
-/// of tests/contacts allows.
-template <>
-struct Seeking<true> {
-  static constexpr bool tangents = false;
-  static constexpr int by_tangent = 0, by_secant = 5;
-  static constexpr Real friction_tolerance(int iteration) noexcept {
-    return 3e-3 * static_cast<Real>(1 << std::max(iteration - 1, 0));
-  }
-  static constexpr Real normal_tolerance(int iteration) noexcept {
-    return std::min(friction_tolerance(iteration), Real(12e-3));
-  }
-};
 template <class Contacts>
-using SeekingOf = Seeking<Contacts::between_bodies>;
+using SeekingOf = std::conditional_t<Contacts::between_bodies, AmongBodies, AgainstTheWorld>;
 
 template <class Seeking>
 constexpr Pass pass_of(int iteration) noexcept {
   if (iteration < Seeking::by_tangent) return Pass::by_tangent;
   return iteration < Seeking::by_tangent + Seeking::by_secant ? Pass::by_secant : Pass::as_it_was;
 }
-/// Of conjugate gradients: few while friction is still sought.
-constexpr int num_iterations(Pass pass) noexcept { return pass == Pass::as_it_was ? 8 : 3; }
 
 /// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
 template <bool tangents, std::size_t max_packs>
@@ -133,7 +97,7 @@ template <class Contacts, std::size_t N>
 bool settle_contacts(int iteration, const Island& island, BodyContactScratch<Contacts, N>& w,
                      ContactResidual& most) noexcept {
   using Seeking = SeekingOf<Contacts>;
-  const Real F_small = friction_left_alone * most.F_n();
+  const Real F_small = Seeking::friction_left_alone * most.F_n();
   most = {};
   const Pass next = pass_of<Seeking>(iteration + 1);
   bool changed = false;
@@ -166,10 +130,10 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
   ContactResidual most;
   each_pack(x.V_0, island, w,
             [](ContactPack& c, const SpatialVector& V) noexcept { foresee<Seeking::tangents>(c, V); });
+  constexpr int most_iterations = Contacts::jointed ? max_newton_iterations_on_joints : max_newton_iterations;
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
-  for (bool done = false; !done && newton_iterations < max_newton_iterations<Contacts::jointed>;
-       ++newton_iterations) {
+  for (bool done = false; !done && newton_iterations < most_iterations; ++newton_iterations) {
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
     load_system(island, w);
     if (w.system.is_complete && newton_iterations > 0) w.system.multiply(x.V_0, x.AV_0);
@@ -177,9 +141,10 @@ void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>&
       solve_complete(w);
       left = 0;
     } else {
+      const bool seeks = pass_of<Seeking>(newton_iterations) != Pass::as_it_was;
       factorize(w.system);
       iterations +=
-          iterate(num_iterations(pass_of<Seeking>(newton_iterations)), w.system, x,
+          iterate(seeks ? max_iterations_seeking : max_iterations, w.system, x,
                   [&](std::uint32_t i, const SpatialVector& V) noexcept { return speed_sq(w.stages[i], V); });
       left = largest_left(1, w);
     }

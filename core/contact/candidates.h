@@ -1,9 +1,10 @@
-// Which spheres are near which surfaces. Bound: a query for each sphere and surface of the world.
+// What is near what: the contacts that a stage may have.
 #pragma once
 
 #include "core/contact/contact.h"
 #include "core/contact/memory.h"
 #include "core/math/bounded_list.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -44,8 +45,5 @@ const ContactLaw& law_of(const ContactParams<max_spheres, max_surfaces>& par,
   };
   return par.law(material(near.of), material(near.on));
 }
-
-/// A sphere nearer to a surface than this many of its radii may come to bear a force within the stage.
-inline constexpr Real contact_reach = 0.25;
 
 }  // namespace godobject

@@ -9,9 +9,9 @@
 // at the depenetration velocity.
 //
 // The room: memory.h is what a contact carries over, candidates.h those near enough to matter, stage.h contacts of a
-// stage in groups of four, fixed.h and bodies.h a step's contacts with the world and among bodies, pairs.h, islands.h
-// and jointed_bodies.h who touches whom, line_search.h, unbalanced.h; find/ is the search for contacts: broad phase,
-// edges, directions out. What they couple is solved in core/system.
+// stage in groups of four, bodies.h a step's contacts with the world and among bodies, pairs.h, islands.h and
+// jointed_bodies.h who touches whom, line_search.h, unbalanced.h; find/ is the search for contacts: broad phase, edges,
+// directions out. What they couple is solved in core/system.
 #pragma once
 
 #include <array>

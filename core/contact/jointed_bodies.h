@@ -7,6 +7,7 @@
 
 #include "core/contact/line_search.h"
 #include "core/joint/tree.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -224,7 +225,7 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     w.x.V[i] = w.x.V[i] + all.V_p[i];
     if (all.edges[i].kind == JointKind::free) continue;
     for (std::size_t k = 0; k < 2; ++k)
-      tree.stiff_stop |= all.edges[i].stop_D[k] * w.system.joints[i].D_inverse[k] > Real(0.2);
+      tree.stiff_stop |= all.edges[i].stop_D[k] * w.system.joints[i].D_inverse[k] > stiff_stop_share;
   }
   for (std::size_t i = num_bodies(par); i-- > 0;) {
     const JointEdge& edge = all.edges[i];

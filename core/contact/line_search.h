@@ -9,6 +9,7 @@
 #pragma once
 
 #include "core/contact/unbalanced.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -66,9 +67,6 @@ void find_leaving(Real most, const Island& island, BodyContactScratch<Contacts, 
   });
 }
 
-/// Parts of the slope at the beginning that may be left.
-inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;
-inline constexpr int max_line_steps = 16;
 /// Where the slope, which never falls, comes to -enough, or nearer to zero, but not above: between 0, where it is below,
 /// and `most` >= 1. By Newton's method from 1, which ends where no contact changes its case any more, within what is
 /// known to hold the zero.

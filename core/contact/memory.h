@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/contact/contact.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -77,11 +78,6 @@ struct ContactStage {
 inline Real max_stored_penetration(const ContactLaw& law, Real m) noexcept {
   return law.push_out * std::sqrt(m / law.k);
 }
-/// What is relaxed in a stage presses together by at most this many times as much: bodies that are locked into each other
-/// do not move with it, and solves that stop early may not give all of it back.
-inline constexpr Real max_relaxation = 30;
-/// Between bodies by no more than in this many steps: nothing winds up. The world lets out whatever presses on it.
-inline constexpr Real max_pushed_steps = 3;
 
 /// e a while later, in which it would fall by `by` if the depth d followed; most: by which d may be behind.
 inline Real relax_offset(Real e, Real d, Real by, Real most) noexcept {
@@ -110,7 +106,9 @@ struct BegunContact {
 inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, const ContactMemory* of_step,
                              const ContactMemory* of_stage, const Vec3& n_W,
                              const ContactStart& start) noexcept {
-  const auto is_other = [&](const ContactMemory& before) noexcept { return before.n_W.dot(n_W) < Real(0.5); };
+  const auto is_other = [&](const ContactMemory& before) noexcept {
+    return before.n_W.dot(n_W) < same_contact;
+  };
   if (!stage.goes_on || (of_stage != nullptr && is_other(*of_stage))) of_stage = nullptr;
   if (of_step != nullptr && is_other(*of_step)) of_step = nullptr;
   BegunContact c;

@@ -8,8 +8,7 @@
 //
 // So a contact is an impedance h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and goes into its body's A and b as a
 // mass would. Which mode holds, touching or not and eta_t, is found by Newton iterations on the active set, each with
-// the modes that the one before ended in, at most max_newton_iterations. The first iterations take a slipping contact
-// by its tangent,
+// the modes that the one before ended in. Against the world the first iterations take a slipping contact by its tangent,
 //
 //   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
 //

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/joint/joint.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -30,20 +31,18 @@ inline Vec3 left(const Vec3& g, Real most) noexcept {
 /// A joint that is far apart comes together over some stages, since a stage that turns a body far is linear in vain.
 struct AtPrediction {
   static constexpr bool uses_base = false;
-  static constexpr Real most_rad = 0.15;    // taken back in one stage
-  static constexpr Real most_levers = 0.2;  // likewise, by the distance of the anchor from the centre of mass
 
   /// lever_sq: zero for an anchor in the centre of mass, which turns nothing.
   template <class M>
   static Twist beta(const M& predicted, const Twist& V_hat, Real lever_sq, Real h) noexcept {
     Twist e = {.w = predicted.e_w, .v = predicted.e_v};
-    const bool far_turned = M::num_turns < 3 && e.w.squaredNorm() > most_rad * most_rad;
-    const bool far_apart = lever_sq > 0 && e.v.squaredNorm() > most_levers * most_levers * lever_sq;
+    const bool far_turned = M::num_turns < 3 && e.w.squaredNorm() > max_turned_back * max_turned_back;
+    const bool far_apart = lever_sq > 0 && e.v.squaredNorm() > max_moved_back * max_moved_back * lever_sq;
     if (far_turned || far_apart) {
       // the violation where the stage starts is e - h V
       const Twist V = across(predicted, V_hat);
-      if (far_turned) e.w -= left(e.w - h * V.w, most_rad);
-      if (far_apart) e.v -= left(e.v - h * V.v, most_levers * std::sqrt(lever_sq));
+      if (far_turned) e.w -= left(e.w - h * V.w, max_turned_back);
+      if (far_apart) e.v -= left(e.v - h * V.v, max_moved_back * std::sqrt(lever_sq));
     }
     return {.w = V_hat.w - e.w * (1 / h), .v = V_hat.v - e.v * (1 / h)};
   }

@@ -19,6 +19,7 @@
 #include "core/joint/tree_solve.h"
 #include "core/math/lanes.h"
 #include "core/scene.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -94,9 +95,6 @@ struct Tree {
     return par.parent == world ? ground : nodes[par.parent];  // cppcheck-suppress returnTempReference
   }
 };
-
-/// A stage turns a body by at most half a radian for its pose to be predicted.
-inline constexpr Real max_predicted_turn = 0.5;
 
 /// Where the velocities of the base lead to in a time h.
 template <class T>
@@ -176,7 +174,7 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
     };
     const auto watch = [&]([[maybe_unused]] const AxisTerms& t) noexcept {
       if constexpr (uses<typename Joints::Stops>)
-        stiff_stop |= t.D * child.axis[static_cast<std::size_t>(c)].D_inverse > Real(0.2);
+        stiff_stop |= t.D * child.axis[static_cast<std::size_t>(c)].D_inverse > stiff_stop_share;
       ++c;
     };
     for (const Vec3& s : m.turn) {

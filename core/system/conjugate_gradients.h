@@ -4,11 +4,9 @@
 #include <limits>
 
 #include "core/system/block_factor.h"
+#include "core/tuning.h"
 
 namespace godobject {
-
-/// The iterations, one at least, end when all velocities are known to this, m/s.
-inline constexpr Real velocity_tolerance = 1e-3;
 
 /// Scratch: undefined between steps. V: the solution, r = b - A V; V_0: where the iteration begins, and A V_0.
 template <class System>

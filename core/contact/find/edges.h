@@ -14,21 +14,9 @@
 #include <bit>
 
 #include "core/contact/find/world_geometry.h"
+#include "core/tuning.h"
 
 namespace godobject {
-
-/// Edges nearer to each other than this part of the thinnest half extent may come to bear a force within the stage.
-inline constexpr Real edge_reach = 0.02;
-/// Edges that cross nearer to an end than this part of their half length are left to the sphere there.
-inline constexpr Real edge_end = 0.01;
-/// Edges may be deeper than the faces by these parts, of the faces' depth and of the reach: where boxes lie on each other
-/// both axes are nearly one.
-inline constexpr Real deeper_than_faces = 0.1, deeper_than_reach = 0.1;
-/// The cosine between normals from which on they are one: boxes that lie on each other touch at all corners of the area
-/// that they have in common, however they are tilted.
-inline constexpr Real same_normal = 0.995;
-/// Edges with a smaller sine between them are parallel.
-inline constexpr Real min_edge_sine = 0.01;
 
 /// Edges of two boxes that cross, in the world.
 struct EdgeCrossing {

@@ -1,0 +1,99 @@
+// Every number of the solver that physics does not give: what it means, its unit, and what chose it.
+//
+// A scene's own numbers (stiffness, push_out, limits, capacities) are its parameters and not here. To change one of
+// these, change it here and run the tests named beside it; all of them draw their cases at random.
+#pragma once
+
+#include "core/math/types.h"
+
+namespace godobject {
+
+// Joints where a stage is predicted to end (core/joint).
+
+/// rad: a stage that turns a body farther has its joints and contacts where it starts. tests/articulated, spins to
+/// 10 000 rad/s.
+inline constexpr Real max_predicted_turn = 0.5;
+/// rad: the turn that a joint takes back in one stage. tests/articulated, joints pulled apart.
+inline constexpr Real max_turned_back = 0.15;
+/// Of the distance from the centre of mass to the anchor: how far a joint moves back in one stage. The same tests.
+inline constexpr Real max_moved_back = 0.2;
+/// Of a coordinate's pivot: a stop stiffer than that turns it round within the stage, and TR-BDF2 forgets its
+/// acceleration. tests/articulated, stops.
+inline constexpr Real stiff_stop_share = 0.2;
+
+// What may touch (core/contact/find).
+
+/// Of a sphere's radius: nearer than that it may come to bear a force in the stage. tests/contacts/test_pressed_rest.cc.
+inline constexpr Real contact_reach = 0.25;
+/// The cosine between normals below which the contact is another one: the normal has turned round a corner.
+/// tests/contacts/test_sample_gaps.cc, test_touching_ridges.cc.
+inline constexpr Real same_contact = 0.5;
+/// Of the thinnest half extent: edges nearer than that may come to bear a force. This and the next five:
+/// tests/contacts/test_touching_edges.cc, test_touching_overlap.cc.
+inline constexpr Real edge_reach = 0.02;
+/// Of the half length of an edge: edges that cross nearer to an end are left to the sphere there.
+inline constexpr Real edge_end = 0.01;
+/// Of the faces' depth and of the reach: by so much edges may be deeper than the faces. Where boxes lie on each other both
+/// axes are nearly one.
+inline constexpr Real deeper_than_faces = 0.1, deeper_than_reach = 0.1;
+/// The cosine between normals from which on they are one: boxes that lie on each other touch at all corners of the area
+/// that they have in common, however they are tilted.
+inline constexpr Real same_normal = 0.995;
+/// The sine between edges below which they are parallel.
+inline constexpr Real min_edge_sine = 0.01;
+
+// Rest penetration (35).
+
+/// Of the largest stored penetration: by so much a body's is relaxed in a stage at most. Bodies that are locked into each
+/// other do not move with it, and solves that stop early may not give all of it back. test_few_blocks.cc,
+/// test_touching_stability.cc: without a bound, cases gain energy.
+inline constexpr Real max_relaxation = 30;
+/// Stages: between bodies it is ahead of their depth by no more than in so many; nothing winds up. The world lets out
+/// whatever presses on it. test_touching_overlap.cc.
+inline constexpr Real max_pushed_steps = 3;
+
+// Newton's method over the modes of contacts (29). With eight iterations 9 of 16 000 cases of test_touching_stability.cc
+// gain energy, with sixteen none; on joints with sixteen one of 8000 of test_touching_joint_stability.cc, with twice as
+// many none: what joints take back (18) presses stiff contacts together.
+
+inline constexpr int max_newton_iterations = 16, max_newton_iterations_on_joints = 32;
+/// Of the slope at the beginning: what a line search (29) may leave; the same of the search for the multiple of V.
+/// test_touching_stability.cc.
+inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;
+/// Steps of either search: each halves the interval at worst.
+inline constexpr int max_line_steps = 16;
+
+/// How far friction is sought: iterations by tangents (25), then by secants (24); the rest leave it as it is, which cannot
+/// drive. The tolerances are parts of the largest normal force.
+struct AgainstTheWorld {
+  static constexpr bool tangents = true;
+  static constexpr int by_tangent = 4, by_secant = 2;
+  static constexpr Real friction_left_alone = 0;
+  // to its end: position errors of the reference `press` grow above this (tests/contacts/test_contact_reference.cc)
+  static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
+  static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
+};
+struct AmongBodies {
+  static constexpr bool tangents = false;
+  static constexpr int by_tangent = 0, by_secant = 5;
+  // friction that would change by less stays as it is in the next iteration: there is less to factor again
+  static constexpr Real friction_left_alone = 1e-3;
+  // What lasts is found in two iterations; where many bodies hit each other the next ones find more of it and are content
+  // with less: of friction in the end with what there is, of normal forces with as much as test_touching_stability.cc
+  // allows.
+  static constexpr Real friction_tolerance(int iteration) noexcept {
+    return 3e-3 * static_cast<Real>(1 << (iteration > 1 ? iteration - 1 : 0));
+  }
+  static constexpr Real normal_tolerance(int iteration) noexcept {
+    return friction_tolerance(iteration) < 12e-3 ? friction_tolerance(iteration) : 12e-3;
+  }
+};
+
+// Conjugate gradients (28), where blocks have no room. test_few_blocks.cc.
+
+/// m/s: the iterations end when all velocities are known to this.
+inline constexpr Real velocity_tolerance = 1e-3;
+/// Of conjugate gradients in a Newton iteration: few while friction is still sought.
+inline constexpr int max_iterations_seeking = 3, max_iterations = 8;
+
+}  // namespace godobject
