@@ -36,34 +36,29 @@ struct TrBdf2 {
   /// One step of all bodies from x to w.next through the targets of w.pulls.
   template <Scene S>
   static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+    const bool smooth = start_is_smooth(par, x, w);
+    if (!solve_stages(smooth, par, x, w)) solve_stages(false, par, x, w);
+  }
+
+ private:
+  /// Both stages, implicit Euler steps where it is not smooth. False: among bodies something has come or gone meanwhile, of
+  /// which K_0 knew nothing, and which may gain energy.
+  template <Scene S>
+  static bool solve_stages(bool smooth, const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     using T = Lanes<S>;
     const Real h = par.h;
 
     // (12)
-    const bool smooth = start_is_smooth(par, x, w);
-    const Real h_1 = smooth ? d * h : c * h;
-    const Real dh = smooth ? d * h : 0;
-    for (std::size_t g = 0; g < num_groups(par); ++g) {
-      const GroupIn<S> group(g, num_bodies(par));
-      const Start<S> y(group, x);
-      w.bases[g] = extrapolated<T>(y.x, y.x.v_W, y.x.w_B, y.a_W, y.alpha_B, dh);
-      if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + y.alpha_B * h_1;
-      recall_errors<S>(group, x, w.next[g]);
-      if constexpr (uses<typename S::Device>)
-        w.inside[g] = interpolated<T>(
-            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
-            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
-    }
-    lead_joints(par, c, w);
-    if constexpr (expects_turns<S>) w.turns.known = smooth;
-    begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
-    const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
-    solve_stage(par, x, h_1, inside, w);
+    solve_first_stage(smooth, par, x, w);
+    const Real h_1 = smooth ? d * h : c * h, dh = smooth ? d * h : 0;
 
     // (13)
     bool still_smooth = smooth && turns_are_small(par, w);
-    if constexpr (uses<ContactsOf<S>>)
-      still_smooth = still_smooth && touch_alike(x.contacts, w.contacts.memories[w.contacts.last]);
+    if constexpr (uses<ContactsOf<S>>) {
+      const bool alike = touch_alike(x.contacts, w.contacts.memories[w.contacts.last]);
+      if (ContactsOf<S>::between_bodies && smooth && !alike) return false;
+      still_smooth = still_smooth && alike;
+    }
     const Real h_2 = still_smooth ? d * h : (1 - c) * h;
     if constexpr (expects_turns<S>) w.turns.known = still_smooth;
     for (std::size_t g = 0; g < num_groups(par); ++g) {
@@ -96,9 +91,39 @@ struct TrBdf2 {
                      .known = is_calm(w)};
       next.x = moved(w.bases[g], V_2, h_2);
     }
+    if constexpr (uses<ContactsOf<S>>) {
+      const auto& memories = w.contacts.memories;
+      if (ContactsOf<S>::between_bodies && smooth) return touch_alike(memories[0], memories[1]);
+    }
+    return true;
   }
 
- private:
+  /// (12), or where K_0 is not to be used an implicit Euler step of c h.
+  template <Scene S>
+  static void solve_first_stage(bool smooth, const Params<S>& par, const State<S>& x,
+                                Scratch<S>& w) noexcept {
+    using T = Lanes<S>;
+    const Real h = par.h;
+    const Real h_1 = smooth ? d * h : c * h;
+    const Real dh = smooth ? d * h : 0;
+    for (std::size_t g = 0; g < num_groups(par); ++g) {
+      const GroupIn<S> group(g, num_bodies(par));
+      const Start<S> y(group, x);
+      w.bases[g] = extrapolated<T>(y.x, y.x.v_W, y.x.w_B, y.a_W, y.alpha_B, dh);
+      if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + y.alpha_B * h_1;
+      recall_errors<S>(group, x, w.next[g]);
+      if constexpr (uses<typename S::Device>)
+        w.inside[g] = interpolated<T>(
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
+    }
+    lead_joints(par, c, w);
+    if constexpr (expects_turns<S>) w.turns.known = smooth;
+    begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
+    const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
+    solve_stage(par, x, h_1, inside, w);
+  }
+
   /// y_n and K_0 of a group.
   template <class S>
   struct Start {

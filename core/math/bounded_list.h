@@ -17,9 +17,14 @@ struct BoundedList {
   std::size_t num_found = 0;  // more than size: the list was full, and the deepest were kept
 
   bool full() const noexcept { return num_found > size; }
-  void clear() noexcept { size = num_found = 0; }
+  bool in_order = true;
+  void clear() noexcept {
+    size = num_found = 0;
+    in_order = true;
+  }
   void add(const Item& item) noexcept {
     ++num_found;
+    if (size > 0) in_order = in_order && !comes_before(item, list[size - 1]);
     if (size < max_items) list[size++] = item;
     else put_in_place_of_shallowest(item);
   }
@@ -37,7 +42,7 @@ struct BoundedList {
   }
   void put_in_order() noexcept {
     if (full()) std::sort(list.begin(), list.end(), comes_before);
-    else put_few_in_order();
+    else if (!in_order) put_few_in_order();
   }
 
  private:

@@ -38,7 +38,9 @@ TEST(ArticulatedEngine, SmallestCompositionThatCoversTheSceneIsTaken) {
   EXPECT_EQ(composition(load_shipped("grasp.toml")), "joints-touching-64 implicit-euler");
   scene = load_shipped("grasp.toml");
   scene.integrator = "tr-bdf2";
-  EXPECT_EQ(composition(scene), "joints-touching-64 tr-bdf2");
+  EXPECT_THAT(composition(scene),
+              AllOf(HasSubstr("no compiled composition"), HasSubstr("joints, contacts between bodies"),
+                    HasSubstr("there is one with integrator 'implicit-euler'")));
 }
 
 /// The device's kind is nothing that joints depend on: a mouse may lead scissors, too.
