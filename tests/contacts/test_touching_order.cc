@@ -73,8 +73,8 @@ Real order(const std::vector<Vec3>& exact) {
   std::vector<Real> errors;
   for (const Real h : {1e-3, 5e-4, 2.5e-4}) errors.push_back(difference(swayed<S<I>, jointed>(h), exact));
   const Real order = std::log2(errors[1] / errors[2]);
-  std::printf("%s%s: %.1e, %.1e, %.1e m, order %.2f\n", I::name, jointed ? " on a joint" : "", errors[0], errors[1],
-              errors[2], order);
+  std::printf("%s%s: %.1e, %.1e, %.1e m, order %.2f\n", I::name, jointed ? " on a joint" : "", errors[0],
+              errors[1], errors[2], order);
   return order;
 }
 
