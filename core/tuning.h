@@ -65,7 +65,7 @@ inline constexpr int max_line_steps = 16;
 
 /// How far friction is sought: iterations by tangents (25), then by secants (24); the rest leave it as it is, which cannot
 /// drive. The tolerances are parts of the largest normal force.
-struct AgainstTheWorld {
+struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
   static constexpr Real friction_left_alone = 0;
@@ -73,7 +73,7 @@ struct AgainstTheWorld {
   static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
   static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
 };
-struct AmongBodies {
+struct FrictionAmongBodies {
   static constexpr bool tangents = false;
   static constexpr int by_tangent = 0, by_secant = 5;
   // friction that would change by less stays as it is in the next iteration: there is less to factor again

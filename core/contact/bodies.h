@@ -12,7 +12,7 @@
 namespace godobject {
 
 template <class Contacts>
-using SeekingOf = std::conditional_t<Contacts::between_bodies, AmongBodies, AgainstTheWorld>;
+using SeekingOf = std::conditional_t<Contacts::between_bodies, FrictionAmongBodies, FrictionAgainstTheWorld>;
 
 template <class Seeking>
 constexpr Pass pass_of(int iteration) noexcept {

@@ -127,8 +127,10 @@ JointTwists set_edge(const typename Joints::Params& par, const Led& led, std::si
     const auto with_motion = [&](const auto& m) noexcept {
       const Twist beta = Stabilisation::beta(m, now.V, par.C.p.squaredNorm(), h), V_across = across(m, now.V);
       set_axes(m, edge);
-      if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(now.X); })
-        set_stops(par.stop.stops, m, Kind::coordinates(now.X), beta, h, edge);
+      if constexpr (uses<typename Joints::Stops>) {
+        if constexpr (requires { Kind::coordinates(now.X); })
+          set_stops(par.stop.stops, m, Kind::coordinates(now.X), beta, h, edge);
+      }
       twists = {.across = across(m, beta), .along = {.w = now.V.w - V_across.w, .v = now.V.v - V_across.v}};
     };
     if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(now.X, led[i]); }) {
