@@ -16,8 +16,9 @@ struct BoundedList {
   std::size_t size = 0;
   std::size_t num_found = 0;  // more than size: the list was full, and the deepest were kept
 
+  bool in_order = true;  // so far
+
   bool full() const noexcept { return num_found > size; }
-  bool in_order = true;
   void clear() noexcept {
     size = num_found = 0;
     in_order = true;
@@ -32,7 +33,9 @@ struct BoundedList {
   void forget_from(std::size_t mark) noexcept {
     if (!full()) size = num_found = mark;
   }
-  /// The full list is a heap with the shallowest on top, until put_in_order().
+  /// The full list is a heap with the shallowest on top, until put_in_order(). A function of its own, and by value: where
+  /// there is room the item goes into the list without having been in memory before.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param)
   [[gnu::noinline]] void put_in_place_of_shallowest(Item item) noexcept {
     if (num_found == max_items + 1) std::make_heap(list.begin(), list.end(), is_deeper);
     if (!is_deeper(item, list.front())) return;
