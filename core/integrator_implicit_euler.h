@@ -22,8 +22,8 @@ struct ImplicitEuler {
     }
     lead_joints(par, 1, w);
     begin_stage<S>({.relaxing = par.h}, w);
-    solve_stage(par, x, par.h, targets_at_the_end(par, w), w);
-    for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(w.bases[g], w.velocities[g], par.h);
+    const StageEnd end = solve_stage(par, x, par.h, true, targets_at_the_end(par, w), w);
+    for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(w.bases[g], w.velocities[g], end.h);
   }
 };
 

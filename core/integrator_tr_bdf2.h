@@ -42,15 +42,16 @@ struct TrBdf2 {
 
  private:
   /// Both stages, implicit Euler steps where it is not smooth. False: among bodies something has come or gone meanwhile, of
-  /// which K_0 knew nothing, and which may gain energy.
+  /// which K_0 knew nothing, and which may gain energy; or joints do not hold (36).
   template <Scene S>
   static bool solve_stages(bool smooth, const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     using T = Lanes<S>;
     const Real h = par.h;
 
     // (12)
-    solve_first_stage(smooth, par, x, w);
-    const Real h_1 = smooth ? d * h : c * h, dh = smooth ? d * h : 0;
+    const StageEnd first = solve_first_stage(smooth, par, x, w);
+    if (!first.solved) return false;
+    const Real h_1 = first.h, dh = smooth ? d * h : 0;
 
     // (13)
     bool still_smooth = smooth && turns_are_small(par, w);
@@ -81,15 +82,16 @@ struct TrBdf2 {
                     .relaxing = (1 - c) * h,
                     .goes_on = true},
                    w);
-    solve_stage(par, x, h_2, targets_at_the_end(par, w), w);
+    const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
+    if (!last.solved) return false;
 
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       Next<S>& next = w.next[g];
       const StageVelocityOf<T>& V_2 = w.velocities[g];
       next.memory = {.a_W = (V_2.v_W - w.bases[g].v_W) * (1 / h_2),
                      .alpha_B = (V_2.w_B - w.bases[g].w_B) * (1 / h_2),
-                     .known = is_calm(w)};
-      next.x = moved(w.bases[g], V_2, h_2);
+                     .known = is_calm(w) && last.h == h_2};
+      next.x = moved(w.bases[g], V_2, last.h);
     }
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
@@ -100,8 +102,8 @@ struct TrBdf2 {
 
   /// (12), or where K_0 is not to be used an implicit Euler step of c h.
   template <Scene S>
-  static void solve_first_stage(bool smooth, const Params<S>& par, const State<S>& x,
-                                Scratch<S>& w) noexcept {
+  static StageEnd solve_first_stage(bool smooth, const Params<S>& par, const State<S>& x,
+                                    Scratch<S>& w) noexcept {
     using T = Lanes<S>;
     const Real h = par.h;
     const Real h_1 = smooth ? d * h : c * h;
@@ -121,7 +123,7 @@ struct TrBdf2 {
     if constexpr (expects_turns<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
-    solve_stage(par, x, h_1, inside, w);
+    return solve_stage(par, x, h_1, !smooth, inside, w);
   }
 
   /// y_n and K_0 of a group.

@@ -81,6 +81,16 @@ struct ExpectedTurns {
 template <class S>
 inline constexpr bool expects_turns = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 
+/// (36)  Stages of bodies on joints, without contacts, are iterated.
+template <class S>
+inline constexpr bool iterates_joints =
+    uses<typename S::Joints> && !uses<ContactsOf<S>> && !S::Joints::Stabilisation::uses_base;
+template <class S>
+struct Iteration {
+  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;     // bases of the stage
+  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;  // where the joints were taken
+};
+
 /// Scratch: undefined between steps.
 template <class S>
 struct Scratch {
@@ -96,15 +106,22 @@ struct Scratch {
       wanted;  // to be shown on the links of the device, before limits
   [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
   [[no_unique_address]] std::conditional_t<expects_turns<S>, ExpectedTurns<S>, Absent<17>> turns;
+  [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<18>> iteration;
   [[no_unique_address]] ContactScratchOf<S> contacts;
 };
 
+/// Which solve of a stage: the forces of joints (21) are those of the solve before, or of the step before in its first;
+/// joints are taken where the base's velocities lead to, or (36) those of the solve before.
+enum class Solve : std::uint8_t { first, first_of_part, again };
+
 /// (7): the velocities of all bodies, from their systems in the tree.
 template <Scene S>
-void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
+void solve_tree(const Params<S>& par, const State<S>& x, Solve which, Real h, Scratch<S>& w) noexcept {
   w.tree.stiff_stop = false;
-  for (std::size_t i = num_bodies(par); i-- > 0;)
-    eliminate(par.bodies[i].joint, i, x.bodies[i].joint.f_C, h, w.tree);
+  for (std::size_t i = num_bodies(par); i-- > 0;) {
+    const Vec3 f_C = which == Solve::first ? x.bodies[i].joint.f_C : w.tree.nodes[i].F_C.f;
+    eliminate(par.bodies[i].joint, i, f_C, h, w.tree);
+  }
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const StageVelocity V = solve_back(par.bodies[i].joint, i, h, w.tree);
     set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v_W);
@@ -184,11 +201,11 @@ void recall_errors(const GroupIn<S>& group, const State<S>& x, Next<S>& next) no
         gathered(group, [&](std::size_t i) -> const Vec3& { return x.bodies[i].coupling.phi_B; });
 }
 
-/// Solves (10) and (11) for every body over a time h from w.bases; target_of(g) are the targets of group g at the
-/// end of the stage. w.next holds the attitude error of the stage before, then of this one.
+/// Solves (10) and (11), linearised once, for every body over a time h from w.bases; target_of(g) are the targets of
+/// group g at the end of the stage. w.next holds the attitude error of the stage before, then of this one.
 template <Scene S, class TargetOfGroup>
-void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
-                 Scratch<S>& w) noexcept {
+void solve_once(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which, Real h,
+                const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
   using T = Lanes<S>;
   for (std::size_t g = 0; g < num_groups(par); ++g) {
     const GroupIn<S> group(g, num_bodies(par));
@@ -223,7 +240,12 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOf
     if constexpr (uses<ContactsOf<S>>) {
       load_bodies(par, g, base, translation, rotation, h, w);
     } else if constexpr (uses<typename S::Joints>) {
-      load(par, g, base, translation, rotation, h, w.tree);
+      if (which == Solve::again) {
+        const RigidBodyStateOf<T> led = {base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
+        load(par, g, led, translation, rotation, h, w.tree, max_iterated_turn);
+      } else {
+        load(par, g, base, translation, rotation, h, w.tree);
+      }
     } else {
       w.velocities[g] = {.v_W = translation.b_W * T(1 / translation.M),
                          .w_B = solve3<T>(rotation.A_B, rotation.b_B)};
@@ -233,8 +255,85 @@ void solve_stage(const Params<S>& par, const State<S>& x, Real h, const TargetOf
     if constexpr (ContactsOf<S>::between_bodies) solve_among_bodies(par, x, h, w);
     else solve_on_world(par, x, h, w);
   } else if constexpr (uses<typename S::Joints>) {
-    solve_tree(par, x, h, w);
+    solve_tree(par, x, which, h, w);
   }
+}
+
+/// (36)  Whether the joints hold where the bodies are moved to: h |dw| sqrt(h^2 |dw|^2 + h^2 |w+|^2) is what turns leave of
+/// a lever, dw the change against the velocities for which the joints were taken; those are from(g).
+template <Scene S, class VelocityOfGroup>
+bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, const Scratch<S>& w) noexcept {
+  using T = Lanes<S>;
+  T most = 0;
+  for (std::size_t g = 0; g < num_groups(par); ++g) {
+    const Vector3<T>& w_B = w.velocities[g].w_B;
+    const T change_sq = (w_B - from(g)).squaredNorm();
+    most += change_sq * (change_sq + w_B.squaredNorm());
+  }
+  Real sum = 0;
+  for (std::size_t j = 0; j < num_lanes<T>; ++j) sum += lane(most, j);
+  return (h * h) * (h * h) * sum <= max_bend * max_bend;
+}
+
+/// (36)  Solves over h until the joints hold. False: they do not after max_joint_iterations.
+template <Scene S, class TargetOfGroup>
+bool iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+                    Scratch<S>& w) noexcept {
+  for (int k = 0; k < max_joint_iterations; ++k) {
+    w.iteration.linearised = w.velocities;
+    solve_once(par, x, Solve::again, h, target_of, w);
+    const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
+    if (joints_hold(par, h, from, w)) return true;
+  }
+  return false;
+}
+
+/// The bodies at the end of a stage.
+template <class T>
+RigidBodyStateOf<T> moved(const RigidBodyStateOf<T>& base, const StageVelocityOf<T>& V, Real h) noexcept {
+  return {.X_WB = moved<T>(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
+}
+
+/// (36)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
+/// w.velocities are those of the last.
+template <Scene S, class TargetOfGroup>
+Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+                    Scratch<S>& w) noexcept {
+  const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
+  w.iteration.starts = w.bases;
+  for (int parts = part_ratio;; parts *= part_ratio) {
+    const Real t = h / parts;
+    const bool last_try = parts == max_parts;
+    bool hold = true;
+    for (int k = 0; k < parts && (hold || last_try); ++k) {
+      if (k > 0)
+        for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], t);
+      solve_once(par, x, k == 0 ? Solve::first : Solve::first_of_part, t, target_of, w);
+      hold = joints_hold(par, t, base, w) || iterate_joints(par, x, t, target_of, w);
+    }
+    if (hold || last_try) return t;
+    w.bases = w.iteration.starts;
+  }
+}
+
+/// What became of a stage.
+struct StageEnd {
+  bool solved;  // false: its joints do not hold, and it was not to be parted
+  Real h;       // from w.bases to the end: shorter than the stage where it was parted (36)
+};
+
+/// Solves the stage over h from w.bases. may_part: it is an implicit Euler step.
+template <Scene S, class TargetOfGroup>
+StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_unused]] bool may_part,
+                     const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
+  solve_once(par, x, Solve::first, h, target_of, w);
+  if constexpr (iterates_joints<S>) {
+    const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
+    if (joints_hold(par, h, base, w) || iterate_joints(par, x, h, target_of, w)) return {true, h};
+    if (!may_part) return {false, h};
+    return {true, solve_in_parts(par, x, h, target_of, w)};
+  }
+  return {true, h};
 }
 
 /// Imposed joints at the fraction s of the step: where the coming stage is to lead them.
@@ -252,12 +351,6 @@ auto targets_at_the_end(const Params<S>& par, const Scratch<S>& w) noexcept {
     return gathered(GroupIn<S>(g, num_bodies(par)),
                     [&w](std::size_t i) -> const Target& { return w.pulls[i].to; });
   };
-}
-
-/// The bodies at the end of a stage.
-template <class T>
-RigidBodyStateOf<T> moved(const RigidBodyStateOf<T>& base, const StageVelocityOf<T>& V, Real h) noexcept {
-  return {.X_WB = moved<T>(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
 }
 
 }  // namespace godobject

@@ -98,9 +98,10 @@ struct Tree {
 
 /// Where the velocities of the base lead to in a time h.
 template <class T>
-RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h) noexcept {
+RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h,
+                              Real max_turn = max_predicted_turn) noexcept {
   const T turn_sq = h * h * base.w_B.squaredNorm();
-  const T move = select(turn_sq <= max_predicted_turn * max_predicted_turn, T(1), T(0));
+  const T move = select(turn_sq <= max_turn * max_turn, T(1), T(0));
   return {.X_WB = moved<T>(base.X_WB, base.v_W, base.w_B, move * h),
           .v_W = move * base.v_W,
           .w_B = move * base.w_B};
@@ -111,11 +112,11 @@ RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h) noexcept 
 template <Scene S, class T>
 void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
           const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation, Real h,
-          Tree<S::max_bodies, typename S::Joints>& tree) noexcept {
+          Tree<S::max_bodies, typename S::Joints>& tree, Real max_turn = max_predicted_turn) noexcept {
   const Group<T> group(g, num_bodies(par));
   const Vector3<T>& p_C =
       gathered(group, [&](std::size_t i) -> const Vec3& { return par.bodies[i].joint.C.p; });
-  const TreePlaceOf<T> at = place<T>(p_C, predicted(base, h));
+  const TreePlaceOf<T> at = place<T>(p_C, predicted(base, h, max_turn));
   const Matrix3<T>& R = at.R_WB;
 
   // about the anchor, of which the centre of mass is r away and moves with v + w x r
