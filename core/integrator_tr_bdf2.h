@@ -90,7 +90,7 @@ struct TrBdf2 {
       const StageVelocityOf<T>& V_2 = w.velocities[g];
       next.memory = {.a_W = (V_2.v_W - w.bases[g].v_W) * (1 / h_2),
                      .alpha_B = (V_2.w_B - w.bases[g].w_B) * (1 / h_2),
-                     .known = is_calm(w) && last.h == h_2};
+                     .known = is_calm(w) && last.calm};
       next.x = moved(w.bases[g], V_2, last.h);
     }
     if constexpr (uses<ContactsOf<S>>) {

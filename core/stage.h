@@ -275,17 +275,17 @@ bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, cons
   return (h * h) * (h * h) * sum <= max_bend * max_bend;
 }
 
-/// (36)  Solves over h until the joints hold. False: they do not after max_joint_iterations.
+/// (36)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
 template <Scene S, class TargetOfGroup>
-bool iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
-                    Scratch<S>& w) noexcept {
-  for (int k = 0; k < max_joint_iterations; ++k) {
+int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+                   Scratch<S>& w) noexcept {
+  for (int k = 1; k <= max_joint_iterations; ++k) {
     w.iteration.linearised = w.velocities;
     solve_once(par, x, Solve::again, h, target_of, w);
     const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
-    if (joints_hold(par, h, from, w)) return true;
+    if (joints_hold(par, h, from, w)) return k;
   }
-  return false;
+  return max_joint_iterations + 1;
 }
 
 /// The bodies at the end of a stage.
@@ -309,7 +309,7 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
       if (k > 0)
         for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], t);
       solve_once(par, x, k == 0 ? Solve::first : Solve::first_of_part, t, target_of, w);
-      hold = joints_hold(par, t, base, w) || iterate_joints(par, x, t, target_of, w);
+      hold = joints_hold(par, t, base, w) || iterate_joints(par, x, t, target_of, w) <= max_joint_iterations;
     }
     if (hold || last_try) return t;
     w.bases = w.iteration.starts;
@@ -318,8 +318,10 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
 
 /// What became of a stage.
 struct StageEnd {
-  bool solved;  // false: its joints do not hold, and it was not to be parted
-  Real h;       // from w.bases to the end: shorter than the stage where it was parted (36)
+  bool solved = true;  // false: its joints do not hold, and it was not to be parted
+  bool calm =
+      true;  // false: forces of joints changed so much in it that its accelerations say nothing of the next
+  Real h;    // from w.bases to the end: shorter than the stage where it was parted (36)
 };
 
 /// Solves the stage over h from w.bases. may_part: it is an implicit Euler step.
@@ -329,11 +331,13 @@ StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_un
   solve_once(par, x, Solve::first, h, target_of, w);
   if constexpr (iterates_joints<S>) {
     const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
-    if (joints_hold(par, h, base, w) || iterate_joints(par, x, h, target_of, w)) return {true, h};
-    if (!may_part) return {false, h};
-    return {true, solve_in_parts(par, x, h, target_of, w)};
+    if (joints_hold(par, h, base, w)) return {.h = h};
+    const int iterations = iterate_joints(par, x, h, target_of, w);
+    if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
+    if (!may_part) return {.solved = false, .calm = false, .h = h};
+    return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
   }
-  return {true, h};
+  return {.h = h};
 }
 
 /// Imposed joints at the fraction s of the step: where the coming stage is to lead them.
