@@ -42,7 +42,7 @@ struct TrBdf2 {
 
  private:
   /// Both stages, implicit Euler steps where it is not smooth. False: among bodies something has come or gone meanwhile, of
-  /// which K_0 knew nothing, and which may gain energy; or joints do not hold (36).
+  /// which K_0 knew nothing, and which may gain energy; or joints do not hold (39).
   template <Scene S>
   static bool solve_stages(bool smooth, const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     using T = Lanes<S>;

@@ -81,7 +81,7 @@ struct ExpectedTurns {
 template <class S>
 inline constexpr bool expects_turns = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 
-/// (36)  Stages of bodies on joints, without contacts, are iterated.
+/// (39)  Stages of bodies on joints, without contacts, are iterated.
 template <class S>
 inline constexpr bool iterates_joints =
     uses<typename S::Joints> && !uses<ContactsOf<S>> && !S::Joints::Stabilisation::uses_base;
@@ -106,12 +106,12 @@ struct Scratch {
       wanted;  // to be shown on the links of the device, before limits
   [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
   [[no_unique_address]] std::conditional_t<expects_turns<S>, ExpectedTurns<S>, Absent<17>> turns;
-  [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<18>> iteration;
+  [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
   [[no_unique_address]] ContactScratchOf<S> contacts;
 };
 
 /// Which solve of a stage: the forces of joints (21) are those of the solve before, or of the step before in its first;
-/// joints are taken where the base's velocities lead to, or (36) those of the solve before.
+/// joints are taken where the base's velocities lead to, or (39) those of the solve before.
 enum class Solve : std::uint8_t { first, first_of_part, again };
 
 /// (7): the velocities of all bodies, from their systems in the tree.
@@ -259,7 +259,7 @@ void solve_once(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve 
   }
 }
 
-/// (36)  Whether the joints hold where the bodies are moved to: h |dw| sqrt(h^2 |dw|^2 + h^2 |w+|^2) is what turns leave of
+/// (39)  Whether the joints hold where the bodies are moved to: h |dw| sqrt(h^2 |dw|^2 + h^2 |w+|^2) is what turns leave of
 /// a lever, dw the change against the velocities for which the joints were taken; those are from(g).
 template <Scene S, class VelocityOfGroup>
 bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, const Scratch<S>& w) noexcept {
@@ -275,7 +275,7 @@ bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, cons
   return (h * h) * (h * h) * sum <= max_bend * max_bend;
 }
 
-/// (36)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
+/// (39)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
 template <Scene S, class TargetOfGroup>
 int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                    Scratch<S>& w) noexcept {
@@ -294,7 +294,7 @@ RigidBodyStateOf<T> moved(const RigidBodyStateOf<T>& base, const StageVelocityOf
   return {.X_WB = moved<T>(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
 }
 
-/// (36)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
+/// (39)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
 /// w.velocities are those of the last.
 template <Scene S, class TargetOfGroup>
 Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
@@ -321,7 +321,7 @@ struct StageEnd {
   bool solved = true;  // false: its joints do not hold, and it was not to be parted
   bool calm =
       true;  // false: forces of joints changed so much in it that its accelerations say nothing of the next
-  Real h;    // from w.bases to the end: shorter than the stage where it was parted (36)
+  Real h;    // from w.bases to the end: shorter than the stage where it was parted (39)
 };
 
 /// Solves the stage over h from w.bases. may_part: it is an implicit Euler step.

@@ -13,7 +13,7 @@ namespace godobject {
 /// rad: a stage that turns a body farther has its joints and contacts where it starts. tests/articulated, spins to
 /// 10 000 rad/s.
 inline constexpr Real max_predicted_turn = 0.5;
-/// (36), of the distance from the joint: what turns may leave a joint violated by before a stage is iterated, how often it
+/// (39), of the distance from the joint: what turns may leave a joint violated by before a stage is iterated, how often it
 /// is, and in how many parts it is taken where that does not do: more by this factor each time. The farthest turn, rad, in
 /// an iteration. tests/articulated/test_heavy_ends.cc.
 inline constexpr Real max_bend = 1e-5;

@@ -1,5 +1,5 @@
 // Heavy bodies at the end of light ones, which snap taut within a step: no energy is made of it, and the joints
-// hold (36). A gain is measured against the most kinetic energy there has been.
+// hold (39). A gain is measured against the most kinetic energy there has been.
 #include <memory>
 
 #include <gtest/gtest.h>
