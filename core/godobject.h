@@ -9,3 +9,4 @@
 #include "core/joint/tree.h"
 #include "core/setup.h"
 #include "core/step.h"
+#include "core/term/damped_spring.h"
