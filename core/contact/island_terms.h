@@ -16,6 +16,12 @@ void begin_terms(const typename Contacts::Terms::Params& par, Real h,
     for (std::size_t t = 0; t < terms.size; ++t) {
       auto& stage = stages.list[t];
       kind.begin(terms.list[t], w.finder.at, h, stage);
+      kind.each_force(stage, [&](std::uint32_t u, const Column& r, const Column& F) noexcept {
+        if (u >= N - Contacts::max_nodes) return;
+        Column w_W(w.finder.at[u].V.w);
+        if constexpr (Contacts::jointed) w_W -= w.graph.joints.V_p[u].w;
+        add_tension(r, -F, h, w_W, w.stages[u].A_ww, w.stages[u].b_w);
+      });
       if constexpr (Contacts::jointed) kind.shift(w.graph.joints.V_p, stage);
       w.graph.terms[w.graph.num_terms++] = {stage.ends};
     }

@@ -37,6 +37,7 @@ bool is_valid(const DampedSpringParams& par, IsThere is_there) noexcept {
 struct SpringStage {
   TermEnds ends;
   Column r_a, r_b;  // from the centres of mass, world axes
+  Column F_0;       // force on b where the stage starts
   Column J;
   Block K;
 };
@@ -54,8 +55,9 @@ struct DampedSprings {
     Vec3 r_a, r_b, v_a, v_b;
     const Vec3 p_a = point(par.a, at, r_a, v_a), p_b = point(par.b, at, r_b, v_b);
     const Vec3 x = p_b - p_a;
+    const Vec3 x_0 = x - h * (v_b - v_a);
     Mat3 K_s = par.k * Mat3::Identity(), G = par.g * Mat3::Identity();
-    Vec3 F = -par.k * x;
+    Vec3 F = -par.k * x, F_0 = -par.k * x_0;
     if (par.l_0 > 0) {
       const Real l = x.norm();
       const Vec3 u = l > 0 ? Vec3(x / l) : Vec3(Vec3::UnitZ());
@@ -64,13 +66,22 @@ struct DampedSprings {
       K_s = par.k * (across * (Mat3::Identity() - along) + along);
       G = par.g * along;
       F = -par.k * (l - par.l_0) * u;
+      F_0 *= 1 - par.l_0 / std::max(x_0.norm(), std::numeric_limits<Real>::min());
     }
     const Mat3 K = h * (h * K_s + G);
     w = {.ends = {.i = par.a.on, .j = par.b.on},
          .r_a = Column(r_a),
          .r_b = Column(r_b),
+         .F_0 = Column(F_0),
          .J = Column(Vec3(h * (F + h * K_s * (v_b - v_a)))),
          .K = {{Column(Vec3(K.col(0))), Column(Vec3(K.col(1))), Column(Vec3(K.col(2)))}}};
+  }
+
+  /// f(u, r, force at r on u where the stage starts).
+  template <class F>
+  static void each_force(const Stage& w, F f) noexcept {
+    f(w.ends.j, w.r_b, w.F_0);
+    if (w.ends.is_between()) f(w.ends.i, w.r_a, -w.F_0);
   }
 
   /// The velocities are taken against those of V from here on.

@@ -98,8 +98,8 @@ struct Rig : Running<S> {
   }
 };
 
-/// The same by the oracle, a node as a ball whose springs are at its centre.
-std::vector<Vec3> exact(Real l_0) {
+/// The same by the oracle at the end, a node as a ball whose springs are at its centre.
+oracle::Solution solved_exactly(Real l_0) {
   const Rig<Tethered<TrBdf2>> rig(1e-3, l_0);
   oracle::Case c;
   c.gravity = rig.par.gravity_W;
@@ -132,9 +132,13 @@ std::vector<Vec3> exact(Real l_0) {
   for (const Real end : {-1.0, 1.0})
     c.on_floor.push_back(
         {.body = 0, .p_B = Vec3(end * link / 2, 0, 0), .radius = radius, .k = floor_law.k, .c = floor_law.c});
-  const oracle::Solution solution = oracle::solve(c, std::vector{duration});
+  return oracle::solve(c, std::vector{duration});
+}
+std::vector<Vec3> exact(Real l_0) {
+  const oracle::Solution solution = solved_exactly(l_0);
   return {solution.states[0][0].p, solution.states[0][1].p, solution.states[0][2].p};
 }
+Vec3 reaction(Real l_0) { return solved_exactly(l_0).reactions[0][0].f; }
 
 template <class I>
 Real error(Real h, Real l_0, const std::vector<Vec3>& exact) {
@@ -161,6 +165,142 @@ TEST(Terms, AParticleOnASpringMovesAsTheOracleSays) {
     EXPECT_GT(order<TrBdf2>(l_0), 1.9);
     EXPECT_LT(error<TrBdf2>(1e-3, l_0, exact(l_0)), 2e-5);
   }
+}
+
+TEST(Terms, AreInWhatAJointBears) {
+  constexpr Real h = 1.25e-4;
+  auto rig = std::make_unique<Rig<Tethered<TrBdf2>>>(h, 0.02);
+  rig->moved();
+  const Vec3 exact = reaction(0.02);
+  EXPECT_LT((rig->out.bodies[1].joint.F_C.f - exact).norm(), 2e-2 * exact.norm());
+}
+
+template <class I>
+struct Web {
+  static constexpr std::size_t max_bodies = 1;
+  using Integrator = I;
+  using Device = None;
+  using Joints = None;
+  using Coupling = None;
+  using Feedback = None;
+  using Contacts = FixedContacts<1, 1, 4>;
+  using Nodes = NodeList<6>;
+  using Terms = TermList<DampedSprings<2>, DampedSprings<10>>;
+};
+
+/// Nodes, a free ball, and springs without rest length between them and the world, drawn at random.
+template <class S>
+void weave(Random& random, Running<S>& run) {
+  auto& par = run.par;
+  par.h = random.log_uniform(1e-4, 5e-3);
+  par.bodies[0].body = rigid_body(random.log_uniform(1e-6, 1), Mat3::Identity());
+  place(run.x, 0, {.X_WB = {.p = 0.05 * random.vector()}, .V_WB = {.v = 0.3 * random.vector()}});
+  for (par.nodes.size = 0; par.nodes.size < 6; ++par.nodes.size) {
+    par.nodes.list[par.nodes.size].m = random.log_uniform(1e-6, 1);
+    run.x.nodes[par.nodes.size] = {.p_W = 0.05 * random.vector(), .v_W = 0.3 * random.vector()};
+  }
+  const auto draw = [&](auto& springs) {
+    for (; springs.size < springs.list.size(); ++springs.size) {
+      DampedSpringParams& spring = springs.list[springs.size];
+      const auto a = static_cast<std::uint32_t>(random.integer(0, 7)), b = (a + 3) % 7;
+      spring.b.on = b;
+      if (a < 7) spring.a.on = a;
+      else spring.a.p = 0.05 * random.vector();
+      spring.k = random.log_uniform(1, 1e8);
+      spring.g = random.integer(0, 1) * random.log_uniform(1e-3, 10);
+    }
+  };
+  draw(par.terms.template of<0>());
+  draw(par.terms.template of<1>());
+  ASSERT_EQ(validate(par), Invalid::nothing);
+}
+
+/// Kinetic energy and that of the springs, J.
+template <class S>
+Real energy_of(const Running<S>& run) {
+  const auto place_of = [&](const SpringEnd& end) -> Vec3 {
+    if (end.on == TermEnds::on_world) return end.p;
+    return end.on == 0 ? run.x.bodies[0].x.X_WB.p : run.x.nodes[end.on - 1].p_W;
+  };
+  Real E = kinetic_energy(run.par, run.x);
+  for (std::size_t j = 0; j < run.par.nodes.size; ++j)
+    E += Real(0.5) * run.par.nodes.list[j].m * run.x.nodes[j].v_W.squaredNorm();
+  const auto add = [&](const auto& springs) {
+    for (std::size_t s = 0; s < springs.size; ++s)
+      E += Real(0.5) * springs.list[s].k *
+           (place_of(springs.list[s].b) - place_of(springs.list[s].a)).squaredNorm();
+  };
+  add(std::get<0>(run.par.terms.of_kinds));
+  add(std::get<1>(run.par.terms.of_kinds));
+  return E;
+}
+
+template <class I>
+void expect_no_gain() {
+  Real least = 1;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    auto run = std::make_unique<Running<Web<I>>>();
+    weave(random, *run);
+    const Real E_0 = energy_of(*run);
+    Real most = 0;
+    for (int n = 0; n < 300; ++n) {
+      run->step();
+      ASSERT_EQ(run->out.fault, Fault::none) << "seed " << seed;
+      most = std::max(most, energy_of(*run) / E_0);
+    }
+    EXPECT_LT(most, 1 + 1e-9) << "seed " << seed;
+    least = std::min(least, most);
+  }
+  std::printf("%s: 300 webs, none gains; least of the energies that are largest after the first step: %.2g\n",
+              I::name, least);
+}
+
+// springs without rest length are linear: 1 to 1e8 N/m between 1e-6 and 1 kg, undamped and damped, at 0.1 to 5 ms
+TEST(Terms, WebsOfLinearSpringsNeverGain) {
+  expect_no_gain<ImplicitEuler>();
+  expect_no_gain<TrBdf2>();
+}
+
+TEST(Terms, KeepMomentum) {
+  auto run = std::make_unique<Running<Web<TrBdf2>>>();
+  Random random(7);
+  weave(random, *run);
+  for (auto* springs : {&run->par.terms.of<1>()})
+    for (std::size_t s = 0; s < springs->size; ++s)
+      if (springs->list[s].a.on == TermEnds::on_world)
+        springs->list[s].a.on = (springs->list[s].b.on + 1) % 7;
+  for (std::size_t s = 0; s < 2; ++s) {
+    SpringEnd& a = run->par.terms.of<0>().list[s].a;
+    if (a.on == TermEnds::on_world) a.on = (run->par.terms.of<0>().list[s].b.on + 1) % 7;
+  }
+  const auto momentum = [&] {
+    Vec3 P = run->par.bodies[0].body.m * run->x.bodies[0].x.v_W;
+    for (std::size_t j = 0; j < 6; ++j) P += run->par.nodes.list[j].m * run->x.nodes[j].v_W;
+    return P;
+  };
+  const Vec3 before = momentum();
+  run->step(500);
+  EXPECT_LT((momentum() - before).norm(), 1e-9 * before.norm());
+}
+
+TEST(Terms, AreCheckedBeforeTheFirstStep) {
+  const auto validated = [](auto change) {
+    auto run = std::make_unique<Running<Web<TrBdf2>>>();
+    Random random(1);
+    weave(random, *run);
+    change(run->par);
+    return validate(run->par);
+  };
+  using Par = Params<Web<TrBdf2>>;
+  EXPECT_EQ(validated([](Par&) {}), Invalid::nothing);
+  EXPECT_EQ(validated([](Par& par) { par.nodes.list[2].m = 0; }), Invalid::node);
+  EXPECT_EQ(validated([](Par& par) { par.nodes.size = 7; }), Invalid::node);
+  EXPECT_EQ(validated([](Par& par) { par.terms.of<0>().list[1].k = -1; }), Invalid::term);
+  EXPECT_EQ(validated([](Par& par) { par.terms.of<1>().list[0].b.on = 7; }), Invalid::term);
+  EXPECT_EQ(validated([](Par& par) { par.terms.of<1>().list[0].b.on = TermEnds::on_world; }), Invalid::term);
+  EXPECT_EQ(validated([](Par& par) { par.terms.of<1>().list[3].a.on = par.terms.of<1>().list[3].b.on; }),
+            Invalid::term);
 }
 
 }  // namespace
