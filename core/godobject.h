@@ -3,6 +3,7 @@
 
 #include "core/device/holding.h"
 #include "core/energy.h"
+#include "core/energy_balance.h"
 #include "core/hash.h"
 #include "core/integrator_implicit_euler.h"
 #include "core/integrator_tr_bdf2.h"

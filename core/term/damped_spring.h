@@ -113,6 +113,13 @@ struct DampedSprings {
     if (w.ends.is_between()) f(w.ends.i, moved_wrench(J * Real(-1), w.r_a));
   }
 
+  /// J; point(u, p): where the point p of u is, m.
+  template <class Point>
+  static Real energy(const Param& par, Point point) noexcept {
+    const Real stretch = (point(par.b.on, par.b.p) - point(par.a.on, par.a.p)).norm() - par.l_0;
+    return Real(0.5) * par.k * stretch * stretch;
+  }
+
  private:
   template <class Places>
   static Vec3 point(const SpringEnd& end, const Places& at, Vec3& r, Vec3& v) noexcept {

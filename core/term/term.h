@@ -57,6 +57,14 @@ struct TermList {
   static void each_kind(const Params& par, Stages& stages, F f) noexcept {
     with_kinds([&](auto... k) { (f(Kinds{}, std::get<k>(par.of_kinds), std::get<k>(stages)), ...); });
   }
+  /// f(kind, parameters) of each term.
+  template <class F>
+  static void each_param(const Params& par, F f) noexcept {
+    const auto each_of = [&](auto kind, const auto& terms) noexcept {
+      for (std::size_t t = 0; t < terms.size; ++t) f(kind, terms.list[t]);
+    };
+    with_kinds([&](auto... k) { (each_of(Kinds{}, std::get<k>(par.of_kinds)), ...); });
+  }
   /// f(kind, number among all terms, stage) of each term.
   template <class Stages, class F>
   static void each(Stages& stages, F f) noexcept {
