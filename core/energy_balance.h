@@ -9,47 +9,10 @@
 #pragma once
 
 #include "core/energy.h"
+#include "core/gain_watch.h"
 #include "core/step.h"
 
 namespace godobject {
-
-/// What share of the energy at work a scene may gain within the window, in which numbers are of second order only.
-inline constexpr Real gain_allowed = 0.01;
-/// s, at most: gains that are older are forgotten. At least half of it is remembered.
-inline constexpr Real gain_window = 1;
-
-/// Says when E - W rises. Energy at work: the largest kinetic energy in the window, and the work done in it.
-class GainWatch {
- public:
-  /// After each step; floor: J that are no gain. Returns the gain, J, in `of` what it is a gain of.
-  Real observe(Real E_less_W, Real T, Real work, Real floor, Real h) noexcept {
-    age_ += h;
-    if (age_ >= gain_window / 2) {
-      before_ = now_;
-      now_ = {.least = E_less_W};
-      age_ = 0;
-    }
-    now_.least = std::min(now_.least, E_less_W);
-    now_.kinetic = std::max(now_.kinetic, T);
-    now_.work += std::abs(work);
-    gained_ = E_less_W - std::min(now_.least, before_.least);
-    of_ = std::max(now_.kinetic, before_.kinetic) + now_.work + before_.work;
-    gains_ = gained_ > gain_allowed * of_ + floor;
-    return gained_;
-  }
-  void start_anew() noexcept { *this = {}; }
-  bool gains() const noexcept { return gains_; }
-  Real gained() const noexcept { return gained_; }  // J within the window
-  Real at_work() const noexcept { return of_; }     // J likewise
-
- private:
-  struct Span {
-    Real least = std::numeric_limits<Real>::infinity(), kinetic = 0, work = 0;
-  };
-  Span now_, before_;
-  Real age_ = 0, gained_ = 0, of_ = 0;
-  bool gains_ = false;
-};
 
 /// Of a stop (19): the energy in its spring.
 inline Real stop_energy(const StopParams& par, Real q) noexcept {
@@ -63,35 +26,37 @@ inline Real stop_energy(const StopParams& par, Real q) noexcept {
 template <Scene S>
 class EnergyBalance {
  public:
-  /// After each step, of the states, scratch and output of that step.
+  /// Before the first step.
+  void start(const Params<S>& par, const State<S>& x) noexcept {
+    *this = {};
+    Real T = 0, U = 0;
+    add_energy(par, x, T, U);
+    energy_ = T + U;
+    gravity_ = gravity_energy(par, x);
+    remember(par, x);
+  }
+
+  /// After each step that was taken: of its state, scratch and output.
   void observe(const Params<S>& par, const State<S>& x, const Scratch<S>& w, const Output<S>& out) noexcept {
     Real T = 0, U = 0, W = 0, floor = 0;
+    add_energy(par, x, T, U);
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      const RigidBodyParams& body = par.bodies[i].body;
-      T += kinetic_energy(body, x.bodies[i].x);
-      U -= body.m * par.gravity_W.dot(x.bodies[i].x.X_WB.p);
-      if constexpr (uses<typename S::Coupling>) W += coupling_work(par, x, w, i, U);
-      if constexpr (uses<typename S::Device>)
-        W += par.h * (w.pulls[i].F_WB.f.dot(x.bodies[i].x.v_W) +
-                      w.pulls[i].F_WB.tau.dot(to_world(x.bodies[i].x.X_WB.q, x.bodies[i].x.w_B)));
-      if constexpr (uses<typename S::Joints>) W += joint_work(par, x, out, i, U);
-      last_[i].X_WB = x.bodies[i].x.X_WB;
-    }
-    if constexpr (uses<NodesOf<S>>) {
-      for (std::size_t j = 0; j < num_nodes(par); ++j) {
-        const Real m = par.nodes.list[j].m;
-        T += Real(0.5) * m * x.nodes[j].v_W.squaredNorm();
-        U -= m * par.gravity_W.dot(x.nodes[j].p_W);
+      const RigidBodyState& body = x.bodies[i].x;
+      if constexpr (uses<typename S::Coupling>) W += coupling_work(par, x, w, i);
+      if constexpr (uses<typename S::Device>) {
+        const Wrench& F_WB = w.pulls[i].F_WB;
+        W += par.h * (F_WB.f.dot(body.v_W) + F_WB.tau.dot(to_world(body.X_WB.q, body.w_B)));
       }
+      if constexpr (imposes<S>) W += joint_work(par, x, out, i);
     }
-    if constexpr (uses<TermsOf<S>>) U += term_energy(par, x);
     if constexpr (uses<ContactsOf<S>>) W += contact_work(par, x, w, U, floor);
+    remember(par, x);
     energy_ = T + U;
-    if (!started_) W = 0;
-    started_ = true;
     work_ += W;
-    floor += Real(1e-12) * std::abs(energy_);
-    watch_.observe(energy_ - work_, T, W, floor, par.h);
+    const Real gravity = gravity_energy(par, x), by_gravity = gravity - gravity_;
+    gravity_ = gravity;
+    watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
+                   floor + gain_floor + Real(1e-12) * std::abs(energy_), par.h);
   }
 
   Real energy() const noexcept { return energy_; }           // E, J
@@ -103,61 +68,102 @@ class EnergyBalance {
     Pose X_WB;
     Target target;
     Wrench F_WB;
-    Real energy = 0, s = 0;
+    Real energy = 0, s = 0;  // of the coupling
   };
 
-  /// Of the coupling's target; its energy is added to U.
-  Real coupling_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w, std::size_t i,
-                     Real& U) noexcept {
-    const BodyState<S>& body = x.bodies[i];
-    const Target& D = body.device.last;
-    const Real s = body.device.ramp.s, E = coupling_energy(par, x, i);
-    const SpringParams spring = ramped(par.bodies[i].coupling, s);
-    const Wrench F = coupling_wrench(par, x, i);
-    Last& last = last_[i];
-    const Vec3 phi_B = rotation_error(last.X_WB.q, D.X_WD.q, body.coupling.phi_B).phi_B;
-    const Vec3 e_W = D.X_WD.p - last.X_WB.p, w_W = to_world(body.x.X_WB.q, body.x.w_B);
-    Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm()) - last.energy;
-    W += par.h *
-         (spring.g * (D.V_WD.v - body.x.v_W).dot(D.V_WD.v) + spring.g_r * (D.V_WD.w - w_W).dot(D.V_WD.w));
-    if (!w.pulls[i].fresh && s == last.s) {
-      const Vec3 turn_B = rotation_error(last.target.X_WD.q, D.X_WD.q, Vec3::Zero()).phi_B;
-      W = std::max(W, Real(0.5) * ((F.f + last.F_WB.f).dot(D.X_WD.p - last.target.X_WD.p) +
-                                   (F.tau + last.F_WB.tau).dot(to_world(last.target.X_WD.q, turn_B))));
+  /// All but that in contacts.
+  static void add_energy(const Params<S>& par, const State<S>& x, Real& T, Real& U) noexcept {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const RigidBodyParams& body = par.bodies[i].body;
+      T += kinetic_energy(body, x.bodies[i].x);
+      if constexpr (uses<typename S::Coupling>) U += coupling_energy(par, x, i);
+      if constexpr (uses<typename S::Joints>) U += stops_energy(par, x, i);
     }
-    U += E;
-    last.target = D;
-    last.F_WB = F;
-    last.energy = E;
-    last.s = s;
-    return W;
+    U += gravity_energy(par, x);
+    if constexpr (uses<NodesOf<S>>)
+      for (std::size_t j = 0; j < num_nodes(par); ++j)
+        T += Real(0.5) * par.nodes.list[j].m * x.nodes[j].v_W.squaredNorm();
+    if constexpr (uses<TermsOf<S>>) U += term_energy(par, x);
   }
 
-  /// Of a joint that the device leads; the energy in the stops of others is added to U.
-  Real joint_work(const Params<S>& par, const State<S>& x, const Output<S>& out, std::size_t i,
-                  Real& U) noexcept {
-    const auto& joint = par.bodies[i].joint;
-    const auto place_of = [&](std::size_t b) noexcept {
-      return b == world ? TreePlace{} : place<Real>(par.bodies[b].joint.C.p, x.bodies[b].x);
+  static Real gravity_energy(const Params<S>& par, const State<S>& x) noexcept {
+    Vec3 mp_W = Vec3::Zero();
+    for (std::size_t i = 0; i < num_bodies(par); ++i) mp_W += par.bodies[i].body.m * x.bodies[i].x.X_WB.p;
+    if constexpr (uses<NodesOf<S>>)
+      for (std::size_t j = 0; j < num_nodes(par); ++j) mp_W += par.nodes.list[j].m * x.nodes[j].p_W;
+    return -par.gravity_W.dot(mp_W);
+  }
+
+  void remember(const Params<S>& par, const State<S>& x) noexcept {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      last_[i].X_WB = x.bodies[i].x.X_WB;
+      if constexpr (uses<typename S::Coupling>) {
+        const auto& device = x.bodies[i].device;
+        last_[i].target = device.last;
+        last_[i].F_WB = coupling_wrench(par, x, i);
+        last_[i].energy = coupling_energy(par, x, i);
+        last_[i].s = device.ramp.s;
+      }
+    }
+  }
+
+  /// Of the coupling's target, and of the ramp.
+  Real coupling_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w,
+                     std::size_t i) const noexcept {
+    const BodyState<S>& body = x.bodies[i];
+    const Target& D = body.device.last;
+    const Last& last = last_[i];
+    const Real s = body.device.ramp.s;
+    const SpringParams spring = ramped(par.bodies[i].coupling, s);
+    const Vec3 v_W = body.x.v_W, w_W = to_world(body.x.X_WB.q, body.x.w_B);
+    // first the target moves, then the body: its damper by the target's velocity, or by that with which it came
+    const Vec3 phi_B = rotation_error(last.X_WB.q, D.X_WD.q, body.coupling.phi_B).phi_B;
+    const Vec3 e_W = D.X_WD.p - last.X_WB.p;
+    const Vec3 moved = D.X_WD.p - last.target.X_WD.p;
+    const Vec3 turned =
+        to_world(last.target.X_WD.q, rotation_error(last.target.X_WD.q, D.X_WD.q, Vec3::Zero()).phi_B);
+    const auto damped = [&](const Vec3& v_D, const Vec3& w_D) noexcept {
+      return par.h * (spring.g * (v_D - v_W).dot(v_D) + spring.g_r * (w_D - w_W).dot(w_D));
     };
-    if (joint.kind == JointKind::free) return 0;
-    const TreePlace P = place_of(joint.parent), C = place_of(i);
+    Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm()) - last.energy;
+    W += std::max(damped(D.V_WD.v, D.V_WD.w), damped(moved * (1 / par.h), turned * (1 / par.h)));
+    if (w.pulls[i].fresh || !(s > 0)) return W;
+    // or both together, by the mean of the forces
+    const Wrench F = coupling_wrench(par, x, i);
+    const Real share = last.s / s;
+    return std::max(W, Real(0.5) * ((F.f + last.F_WB.f).dot(moved) + (F.tau + last.F_WB.tau).dot(turned)) +
+                           coupling_energy(par, x, i) * (1 - share * share));
+  }
+
+  static TreePlace place_of(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+    return i == world ? TreePlace{} : place<Real>(par.bodies[i].joint.C.p, x.bodies[i].x);
+  }
+
+  static Real stops_energy(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+    Real E = 0;
     if constexpr (uses<typename S::Joints::Stops>) {
+      const auto& joint = par.bodies[i].joint;
       with_joint(joint.kind, [&](auto kind) noexcept {
         if constexpr (requires { kind.coordinates(JointFrames{}); }) {
-          const JointCoordinates q = kind.coordinates(joint_at(joint, P, C).X);
-          for (Eigen::Index c = 0; c < 2; ++c)
-            U += stop_energy(joint.stop.stops[static_cast<std::size_t>(c)], q[c]);
+          const JointAt at = joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i));
+          const JointCoordinates q = kind.coordinates(at.X);
+          for (std::size_t c = 0; c < 2; ++c)
+            E += stop_energy(joint.stop.stops[c], q[static_cast<Eigen::Index>(c)]);
         }
       });
     }
-    if constexpr (imposes<S>) {
-      if (!joint.lead.imposed) return 0;
-      const Wrench& F = out.bodies[i].joint.F_C;
-      const Vec3 v = C.V.v - P.V.v - P.V.w.cross(C.a_W - P.a_W);
-      return par.h * (F.f.dot(v) + F.tau.dot(C.V.w - P.V.w));
-    }
-    return 0;
+    return E;
+  }
+
+  /// Of a joint that the device leads.
+  static Real joint_work(const Params<S>& par, const State<S>& x, const Output<S>& out,
+                         std::size_t i) noexcept {
+    const auto& joint = par.bodies[i].joint;
+    if (joint.kind == JointKind::free || !joint.lead.imposed) return 0;
+    const TreePlace P = place_of(par, x, joint.parent), C = place_of(par, x, i);
+    const Wrench& F = out.bodies[i].joint.F_C;
+    const Vec3 v = C.V.v - P.V.v - P.V.w.cross(C.a_W - P.a_W);
+    return par.h * (F.f.dot(v) + F.tau.dot(C.V.w - P.V.w));
   }
 
   static Real term_energy(const Params<S>& par, const State<S>& x) noexcept {
@@ -192,9 +198,8 @@ class EnergyBalance {
     return W;
   }
 
-  std::array<Last, S::max_bodies> last_{};
-  Real energy_ = 0, work_ = 0;
-  bool started_ = false;
+  std::array<Last, S::max_bodies> last_;
+  Real energy_ = 0, work_ = 0, gravity_ = 0;
   GainWatch watch_;
 };
 

@@ -223,7 +223,7 @@ void expect_no_gain() {
     auto run = std::make_unique<Running<Web<I>>>();
     weave(random, *run);
     EnergyBalance<Web<I>> balance;
-    balance.observe(run->par, run->x, run->w, run->out);
+    balance.start(run->par, run->x);
     const Real E_0 = balance.energy();
     Real most = 0;
     for (int n = 0; n < 300; ++n) {
