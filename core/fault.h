@@ -15,6 +15,8 @@ enum class Fault : std::uint32_t {
   contacts_full = 1u << 3,  // more contacts than max_contacts: the deepest were kept, and the step was taken
   // contacts couple more pairs of bodies than there are blocks: solved by iteration, and the step was taken
   blocks_full = 1u << 4,
+  // the scene has gained energy that nobody gave it: said by whoever watches it (EnergyBalance), not by the step
+  energy_gained = 1u << 5,
 };
 
 /// Bits: which bound is active in this step.

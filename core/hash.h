@@ -95,6 +95,12 @@ class Hash {
       add(m.pressed);
     }
   }
+  template <class Memory>
+  void add(const NodeStateOf<Memory>& x) noexcept {
+    add(x.p_W);
+    add(x.v_W);
+    add(x.memory);
+  }
   template <int slot>
   void add(const Absent<slot>&) noexcept {}
 
@@ -118,6 +124,8 @@ std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
     hash.add(body.joint);
   }
   hash.add(x.contacts);
+  if constexpr (uses<NodesOf<S>>)
+    for (std::size_t j = 0; j < num_nodes(par); ++j) hash.add(x.nodes[j]);
   return hash.value();
 }
 

@@ -1,6 +1,7 @@
 // Implicit Euler, the paper's scheme: first order, one stage.
 #pragma once
 
+#include "core/node_stage.h"
 #include "core/stage.h"
 
 namespace godobject {
@@ -11,6 +12,7 @@ struct ImplicitEuler {
   template <class>
   using MemoryOf = Empty;
   using Memory = Empty;
+  using NodeMemory = Empty;
 
   /// One step of all bodies from x to w.next, towards the targets at the end of the step.
   template <Scene S>
@@ -20,10 +22,12 @@ struct ImplicitEuler {
       w.bases[g] = gathered(group, [&](std::size_t i) -> const RigidBodyState& { return x.bodies[i].x; });
       recall_errors<S>(group, x, w.next[g]);
     }
+    start_nodes(par, x, 0, w);
     lead_joints(par, 1, w);
     begin_stage<S>({.relaxing = par.h}, w);
     const StageEnd end = solve_stage(par, x, par.h, true, targets_at_the_end(par, w), w);
     for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(w.bases[g], w.velocities[g], end.h);
+    end_nodes(par, end.h, w);
   }
 };
 

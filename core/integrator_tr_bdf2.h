@@ -9,6 +9,7 @@
 // Euler steps of c h and (1 - c) h, which cannot gain energy.
 #pragma once
 
+#include "core/node_stage.h"
 #include "core/stage.h"
 
 namespace godobject {
@@ -28,6 +29,7 @@ struct TrBdf2 {
     friend T sum(const MemoryOf& m) noexcept { return m.a_W.sum() + m.alpha_B.sum(); }
   };
   using Memory = MemoryOf<Real>;
+  using NodeMemory = Vec3;  // K_0: acceleration, m/s^2
 
   static constexpr Real d = 0.29289321881345248;
   static constexpr Real c = 2 * d;
@@ -75,6 +77,8 @@ struct TrBdf2 {
         w.bases[g] = moved(w.bases[g], V_1, h_1);
       }
     }
+    if (still_smooth) extend_nodes(par, x, b * h, h_1, w);
+    else follow_nodes(par, h_1, w);
     lead_joints(par, 1, w);
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
@@ -93,6 +97,7 @@ struct TrBdf2 {
                      .known = is_calm(w) && last.calm};
       next.x = moved(w.bases[g], V_2, last.h);
     }
+    end_nodes(par, h_2, w);
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
       if (ContactsOf<S>::between_bodies && smooth) return touch_alike(memories[0], memories[1]);
@@ -119,6 +124,7 @@ struct TrBdf2 {
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
     }
+    start_nodes(par, x, dh, w);
     lead_joints(par, c, w);
     if constexpr (expects_turns<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);

@@ -8,6 +8,8 @@
 //     using Coupling = DampedSpring;     // or None
 //     using Feedback = LimitedFeedback;  // or None: not haptic
 //     using Contacts = FixedContacts<10, 1, 20>;  // or BodyContacts; may be left out: nothing touches anything
+//     using Nodes = NodeList<25>;                 // particles; may be left out
+//     using Terms = TermList<DampedSprings<40>>;  // what else acts; may be left out
 //   };
 //   static_assert(Scene<Peg>);
 #pragma once
@@ -17,6 +19,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/body/node.h"
 #include "core/body/rigid_body.h"
 #include "core/fault.h"
 
@@ -62,6 +65,43 @@ struct ContactsSlot<S> {
 template <class S>
 using ContactsOf = typename ContactsSlot<S>::type;
 
+/// Likewise its nodes, `using Nodes = NodeList<25>;`, and its terms, `using Terms = TermList<DampedSprings<4>>;`.
+template <class S>
+struct NodesSlot {
+  using type = None;
+};
+template <class S>
+requires requires { typename S::Nodes; }
+struct NodesSlot<S> {
+  using type = typename S::Nodes;
+};
+template <class S>
+using NodesOf = typename NodesSlot<S>::type;
+template <class S>
+struct TermsSlot {
+  using type = None;
+};
+template <class S>
+requires requires { typename S::Terms; }
+struct TermsSlot<S> {
+  using type = typename S::Terms;
+};
+template <class S>
+using TermsOf = typename TermsSlot<S>::type;
+
+template <class S>
+constexpr std::size_t count_nodes() noexcept {
+  if constexpr (uses<NodesOf<S>>) return NodesOf<S>::max;
+  return 0;
+}
+template <class S>
+inline constexpr std::size_t max_nodes = count_nodes<S>();
+/// Number of node j among all that contacts and terms act on: nodes come after the room for bodies.
+template <class S>
+constexpr std::uint32_t node_number(std::size_t j) noexcept {
+  return static_cast<std::uint32_t>(S::max_bodies + j);
+}
+
 template <class P> concept Part = requires {
   typename P::Params;
   typename P::State;
@@ -77,12 +117,14 @@ template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
 template <class S>
 concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
 template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
+template <class S>
+concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
 concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
     CouplingIsAPart<S> && FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && ContactsAreAPart<S> &&
-    CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+    NodesAndTermsNeedContacts<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
 template <class S>
@@ -101,6 +143,8 @@ struct Params {
   Vec3 gravity_W = Vec3::Zero();  // m/s^2
   std::array<BodyParams<S>, S::max_bodies> bodies;
   [[no_unique_address]] Slot<typename ContactsOf<S>::Params, 10> contacts;
+  [[no_unique_address]] Slot<typename NodesOf<S>::Params, 18> nodes;
+  [[no_unique_address]] Slot<typename TermsOf<S>::Params, 19> terms;
 };
 
 /// A scene made for one body has one: its loops vanish.
@@ -108,6 +152,17 @@ template <class S>
 constexpr std::size_t num_bodies(const Params<S>& par) noexcept {
   if constexpr (S::max_bodies == 1) return 1;
   return par.num_bodies;
+}
+template <class S>
+constexpr std::size_t num_nodes(const Params<S>& par) noexcept {
+  if constexpr (uses<NodesOf<S>>) return par.nodes.size;
+  return 0;
+}
+/// Numbers of bodies and nodes are below it.
+template <class S>
+constexpr std::size_t end_of_numbers(const Params<S>& par) noexcept {
+  if constexpr (uses<NodesOf<S>>) return S::max_bodies + par.nodes.size;
+  return num_bodies(par);
 }
 
 /// All that carries over from step to step: hash it, log it, restore it.
@@ -122,10 +177,16 @@ struct BodyState {
 };
 
 template <class S>
+using NodeState = NodeStateOf<Slot<typename S::Integrator::NodeMemory, 0>>;
+template <class S>
+using NodeStates = std::conditional_t<uses<NodesOf<S>>, std::array<NodeState<S>, max_nodes<S>>, Absent<18>>;
+
+template <class S>
 struct State {
   std::array<BodyState<S>, S::max_bodies> bodies;
   std::uint64_t tick = 0;  // steps taken
   [[no_unique_address]] Slot<typename ContactsOf<S>::State, 10> contacts;
+  [[no_unique_address]] NodeStates<S> nodes;
 };
 
 /// A part for every body, or nothing for all.

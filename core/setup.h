@@ -25,7 +25,9 @@ enum class Invalid : std::uint8_t {
   contact_sphere,        // a sphere without radius, of no body or material, or not in the order of the bodies
   contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
   contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
-  not_imposable,    // an imposed joint of a kind without coordinates of its own: free, fixed or ball
+  node,             // more nodes than there is room for, or one without mass
+  term,  // between bodies or nodes that are not there, or with a number that is negative or not finite
+  not_imposable,  // an imposed joint of a kind without coordinates of its own: free, fixed or ball
 };
 
 /// Principal moments of inertia, ascending.
@@ -105,16 +107,17 @@ constexpr bool is_carried(ShapeKind kind) noexcept {
 }
 
 /// Contacts of bodies numbered below num_bodies. on_bodies: surfaces may be, too.
-template <std::size_t max_spheres, std::size_t max_surfaces>
+/// is_there(i): i is the number of a body or node.
+template <std::size_t max_spheres, std::size_t max_surfaces, class IsThere>
 Invalid validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, std::size_t num_bodies,
-                          bool on_bodies) noexcept {
+                          bool on_bodies, IsThere is_there) noexcept {
   if (par.num_spheres > max_spheres) return Invalid::contact_sphere;
   if (par.num_surfaces > max_surfaces) return Invalid::contact_surface;
   std::size_t body = 0;
   for (std::size_t s = 0; s < par.num_spheres; ++s) {
     const BodySphere& sphere = par.spheres[s];
     const bool placed = is_dimension(sphere.radius) && sphere.p_B.sum() - sphere.p_B.sum() == 0;
-    if (!placed || sphere.body >= num_bodies || sphere.body < body || sphere.material >= max_materials)
+    if (!placed || !is_there(sphere.body) || sphere.body < body || sphere.material >= max_materials)
       return Invalid::contact_sphere;
     body = sphere.body;
   }
@@ -132,6 +135,26 @@ Invalid validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, s
     for (std::size_t b = 0; b <= a; ++b)
       if (!is_valid(par.laws[a][b]) || !is_equal(par.laws[a][b], par.laws[b][a])) return Invalid::contact_law;
   return Invalid::nothing;
+}
+
+template <class Nodes>
+bool is_valid(const Nodes& par) noexcept requires requires {
+  par.list[0].m;
+}
+{
+  bool valid = par.size <= par.list.size();
+  for (std::size_t j = 0; valid && j < par.size; ++j) valid = par.list[j].m > 0 && is_gain(par.list[j].m);
+  return valid;
+}
+/// is_there(i): i is the number of a body or node.
+template <class... Terms, class IsThere>
+bool are_valid(const std::tuple<Terms...>& par, IsThere is_there) noexcept {
+  const auto valid = [&](const auto& terms) noexcept {
+    bool all = terms.size <= terms.list.size();
+    for (std::size_t t = 0; all && t < terms.size; ++t) all = is_valid(terms.list[t], is_there);
+    return all;
+  };
+  return std::apply([&](const auto&... terms) noexcept { return (valid(terms) && ...); }, par);
 }
 
 template <Scene S>
@@ -153,8 +176,16 @@ Invalid validate(const Params<S>& par) noexcept {
       if (joint != Invalid::nothing) return joint;
     }
   }
-  if constexpr (uses<ContactsOf<S>>)
-    return validate_contacts(par.contacts, par.num_bodies, ContactsOf<S>::between_bodies);
+  if constexpr (uses<ContactsOf<S>>) {
+    const auto is_there = [&](std::size_t i) noexcept {
+      return i < par.num_bodies || (i >= S::max_bodies && i < S::max_bodies + num_nodes(par));
+    };
+    if constexpr (uses<NodesOf<S>>)
+      if (!is_valid(par.nodes)) return Invalid::node;
+    if constexpr (uses<TermsOf<S>>)
+      if (!are_valid(par.terms.of_kinds, is_there)) return Invalid::term;
+    return validate_contacts(par.contacts, par.num_bodies, ContactsOf<S>::between_bodies, is_there);
+  }
   return Invalid::nothing;
 }
 

@@ -47,9 +47,15 @@ struct Next {
 template <class S>
 inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
 
-/// The contacts of a scene, with its joints if it has any.
+/// The contacts of a scene, with its joints, nodes and terms if it has any.
 template <class S>
-using TouchingOf = std::conditional_t<uses<typename S::Joints>, OnJoints<ContactsOf<S>>, ContactsOf<S>>;
+struct TouchingType {
+  using OfBodies = std::conditional_t<uses<typename S::Joints>, OnJoints<ContactsOf<S>>, ContactsOf<S>>;
+  using type = std::conditional_t<uses<NodesOf<S>> || uses<TermsOf<S>>,
+                                  WithTerms<OfBodies, TermsOf<S>, max_nodes<S>>, OfBodies>;
+};
+template <class S>
+using TouchingOf = typename TouchingType<S>::type;
 
 template <class S>
 struct ContactScratchType {
@@ -57,7 +63,7 @@ struct ContactScratchType {
 };
 template <class S>
 requires(uses<ContactsOf<S>>) struct ContactScratchType<S> {
-  using type = BodyContactScratch<TouchingOf<S>, S::max_bodies>;
+  using type = BodyContactScratch<TouchingOf<S>, S::max_bodies + max_nodes<S>>;
 };
 template <class S>
 using ContactScratchOf = typename ContactScratchType<S>::type;
@@ -107,6 +113,9 @@ struct Scratch {
   [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
   [[no_unique_address]] std::conditional_t<expects_turns<S>, ExpectedTurns<S>, Absent<17>> turns;
   [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
+  [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,
+                                           Absent<18>>
+      nodes;
   [[no_unique_address]] ContactScratchOf<S> contacts;
 };
 
@@ -160,12 +169,32 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
   }
 }
 
-/// The same, with what they touch.
+/// The nodes: where they are predicted to be, their stages, and their velocities by themselves.
+template <Scene S>
+void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
+  auto& contacts = w.contacts;
+  for (std::size_t j = 0; j < num_nodes(par); ++j) {
+    const std::uint32_t u = node_number<S>(j);
+    const NodeMotion& base = w.nodes.bases[j];
+    const Real m = par.nodes.list[j].m;
+    const Vec3 v_W = base.v_W + h * par.gravity_W, p_W = base.p_W + h * v_W;
+    contacts.finder.at[u] = {
+        .p_W = p_W, .R_WB = Mat3::Identity(), .a_W = p_W, .V = {.w = Vec3::Zero(), .v = v_W}};
+    contacts.finder.owned[u].tree = u;
+    contacts.stages[u] = {
+        .A_ww = Block::identity(), .M = m, .b_w = Column(Pack(0)), .b_v = Column(Vec3(m * v_W))};
+    contacts.x.V[u] = contacts.x.V_0[u] = {.w = Column(Pack(0)), .v = Column(v_W)};
+  }
+}
+
+/// The same, with what they touch and what else acts on them.
 template <Scene S>
 void solve_touching(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
+  if constexpr (uses<NodesOf<S>>) load_nodes(par, h, w);
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, h, w.tree, contacts);
-  solve_contacts(par.contacts, x.contacts, num_bodies(par), h, contacts);
+  if constexpr (uses<TermsOf<S>>) begin_terms(par.terms, h, contacts);
+  solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts);
   end_contacts(par.contacts, h, contacts);
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
@@ -174,6 +203,9 @@ void solve_touching(const Params<S>& par, const State<S>& x, Real h, Scratch<S>&
     set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>,
              contacts.finder.at[i].R_WB.transpose() * V.w.vec());
   }
+  if constexpr (uses<NodesOf<S>>)
+    for (std::size_t j = 0; j < num_nodes(par); ++j)
+      w.nodes.velocities[j] = contacts.x.V[node_number<S>(j)].v.vec();
 }
 /// Compiled once for all stages of a step; that of a few contacts with the world as one function.
 template <Scene S>

@@ -43,6 +43,9 @@ bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
     const Next<S>& next = w.next[g];
     all += sum(next.x.X_WB) + next.x.v_W.sum() + next.x.w_B.sum() + sum(next.memory);
   }
+  if constexpr (uses<NodesOf<S>>)
+    for (std::size_t j = 0; j < num_nodes(par); ++j)
+      all += w.nodes.next[j].p_W.sum() + w.nodes.next[j].v_W.sum();
   return is_finite(all);
 }
 
@@ -82,6 +85,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.f_C = w.tree.nodes[i].F_C.f;
   }
+  if constexpr (uses<NodesOf<S>>) std::copy_n(w.nodes.next.begin(), num_nodes(par), x.nodes.begin());
   if constexpr (uses<ContactsOf<S>>) x.contacts.assign(w.contacts.memories[w.contacts.last]);
   x.tick += 1;
 }

@@ -68,6 +68,7 @@ void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noex
   w.graph.each_pair(island, [&](TouchingPair& pair) noexcept {
     pair.entry = pair.touches || pair.is_deep ? w.system.couple(pair.parent, pair.child) : no_slot;
   });
+  couple_terms(island, w);
   order(w.system);
 }
 
@@ -88,6 +89,7 @@ void load_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexc
     system.add_impulse(pair.child, pair.F);
     system.add_impulse(pair.parent, moved_wrench(pair.F, pair.d) * Real(-1));
   });
+  load_terms(island, w);
   if constexpr (Contacts::jointed) add_stops(island, w);
 }
 

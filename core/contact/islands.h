@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/joint/edges.h"
+#include "core/term/term.h"
 
 namespace godobject {
 
@@ -31,12 +32,13 @@ struct TouchingBody {
 /// Bodies that are near each other, and to none but these: a system of its own. Ranges of the order of TouchingGraph.
 struct Island {
   std::uint32_t first_body = 0, end_body = 0, first_pair = 0, end_pair = 0;
+  bool has_terms = false;
 };
 
 /// Scratch: undefined between steps.
-template <std::size_t N, std::size_t max_pairs, bool jointed_ = false>
+template <std::size_t N, std::size_t max_pairs, bool jointed_ = false, std::size_t max_terms = 0>
 struct TouchingGraph {
-  static constexpr bool jointed = jointed_;
+  static constexpr bool jointed = jointed_, has_terms = max_terms > 0;
   std::array<TouchingBody, N> bodies;
   std::array<TouchingPair, max_pairs> pairs;
   std::size_t num_pairs = 0;
@@ -47,6 +49,8 @@ struct TouchingGraph {
   std::array<std::uint32_t, N> joined_to,
       island_of;  // a body of the same island; by that which is joined to itself
   [[no_unique_address]] std::conditional_t<jointed, JointEdges<N>, Absent<11>> joints;
+  [[no_unique_address]] std::conditional_t<has_terms, std::array<TermEdge, max_terms>, Absent<19>> terms;
+  std::uint32_t num_terms = 0;
 
   /// f(body's number, body), f(pair) of all of an island.
   template <class F>
@@ -78,11 +82,14 @@ struct TouchingGraph {
 };
 
 /// Joins the bodies by their pairs and joints. Bodies on joints of the world are one tool.
-template <std::size_t N, std::size_t max_pairs, bool jointed>
-void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed>& w) noexcept {
+template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms>
+void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed, max_terms>& w) noexcept {
   for (std::uint32_t i = 0; i < num_bodies; ++i) w.joined_to[i] = i;
   if constexpr (max_pairs > 0)
     for (std::uint32_t k = 0; k < w.num_pairs; ++k) w.join(w.pairs[k].child, w.pairs[k].parent);
+  if constexpr (max_terms > 0)
+    for (std::uint32_t t = 0; t < w.num_terms; ++t)
+      if (w.terms[t].is_between()) w.join(w.terms[t].i, w.terms[t].j);
   if constexpr (jointed) {
     std::size_t on_world = world;
     for (std::uint32_t i = 0; i < num_bodies; ++i) {
@@ -96,9 +103,9 @@ void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed>& w
 }
 
 /// The islands, each with its bodies and pairs. touches[i]: body i touches anything.
-template <std::size_t N, std::size_t max_pairs, bool jointed>
+template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms>
 void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
-                  TouchingGraph<N, max_pairs, jointed>& w) noexcept {
+                  TouchingGraph<N, max_pairs, jointed, max_terms>& w) noexcept {
   join_bodies(num_bodies, w);
   const auto is_alone = [&](std::uint32_t i) noexcept {
     if constexpr (jointed) {
@@ -130,6 +137,12 @@ void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
   if constexpr (max_pairs > 0)
     for (std::uint32_t k = 0; k < w.num_pairs; ++k)
       w.pair_order[w.island_with(w.pairs[k].child).end_pair++] = k;
+  if constexpr (max_terms > 0) {
+    for (std::uint32_t t = 0; t < w.num_terms; ++t) {
+      w.terms[t].island = w.island_of[w.root_of(w.terms[t].j)];
+      w.islands[w.terms[t].island].has_terms = true;
+    }
+  }
 }
 
 }  // namespace godobject

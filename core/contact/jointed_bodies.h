@@ -5,6 +5,7 @@
 // then have b - A V_p, and the contact points the velocities of V_p to begin with.
 #pragma once
 
+#include "core/contact/island_terms.h"
 #include "core/contact/line_search.h"
 #include "core/joint/tree.h"
 #include "core/tuning.h"
@@ -145,14 +146,14 @@ JointTwists set_edge(const typename Joints::Params& par, const Led& led, std::si
 template <Scene S, class Contacts>
 void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
                  const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
-                 BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
+                 BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
   auto& all = w.graph.joints;
   JointEdge& edge = all.edges[i];
   const std::size_t parent = edge.parent;
   const TreePlace P = edge.on_body() ? w.finder.at[parent] : TreePlace{};
   const JointAt now = joint_at(par.bodies[i].joint, P, anchored(w.finder.at[i], edge.a_W.vec()));
   const JointTwists twists = set_edge<typename S::Joints>(par.bodies[i].joint, tree.led, i, now, h, edge);
-  const auto hung = [&](const std::array<SpatialVector, S::max_bodies>& V, const Twist& rel) noexcept {
+  const auto hung = [&](const auto& V, const Twist& rel) noexcept {
     SpatialVector V_C{.w = Column(rel.w), .v = Column(rel.v)};
     if (edge.on_body()) V_C = V_C + shifted(V[parent], edge.a_W - all.p[parent]);
     return shifted(V_C, all.p[i] - edge.a_W);
@@ -176,7 +177,7 @@ void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
 template <Scene S, class Contacts>
 void begin_joints(const Params<S>& par, const State<S>& x, Real h,
                   const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
-                  BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
+                  BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
   auto& all = w.graph.joints;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const typename S::Joints::Params& joint = par.bodies[i].joint;
@@ -189,7 +190,12 @@ void begin_joints(const Params<S>& par, const State<S>& x, Real h,
     edge.a_W = Column(Vec3(at.p_W + at.R_WB * joint.C.p));
     all.p[i] = Column(at.p_W);
     all.joined[i] = false;
-    all.V_p[i] = {.w = Column(Pack(0)), .v = Column(Pack(0))};
+    all.V_p[i] = SpatialVector::zero();
+  }
+  for (std::size_t u = num_bodies(par); u < end_of_numbers(par); ++u) {  // nodes
+    all.edges[u] = {};
+    all.joined[u] = false;
+    all.V_p[u] = SpatialVector::zero();
   }
   for (std::size_t i = 0; i < num_bodies(par); ++i)
     if (all.edges[i].kind != JointKind::free) begin_joint(par, i, x.bodies[i].joint.f_C, h, tree, w);
@@ -213,7 +219,7 @@ void shift_contacts(const std::array<SpatialVector, N>& V, Real h, const Island&
 /// V from V - V_p, and the wrenches that the joints bear: what a body's motion asks for beyond its contacts, and all that
 /// hangs on it.
 template <Scene S, class Contacts>
-void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies>& w,
+void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w,
                 TouchingJoints<S::max_bodies, typename S::Joints>& tree) noexcept {
   const auto& all = w.graph.joints;
   auto& F = w.x.Ap;
@@ -224,11 +230,15 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     const Wrench& on_contacts = w.wrenches[i];
     F[i] = times(stage, w.x.V[i]) - SpatialVector{.w = stage.b_w + Column(on_contacts.tau) * h,
                                                   .v = stage.b_v + Column(on_contacts.f) * h};
-    w.x.V[i] = w.x.V[i] + all.V_p[i];
     if (all.edges[i].kind == JointKind::free) continue;
     for (std::size_t k = 0; k < 2; ++k)
       tree.stiff_stop |= all.edges[i].stop_D[k] * w.system.joints[i].D_inverse[k] > stiff_stop_share;
   }
+  each_term_impulse(w, [&](std::uint32_t u, const SpatialVector& J) noexcept {
+    if (all.joined[u]) F[u] = F[u] - J;
+  });
+  for (std::size_t i = 0; i < num_bodies(par); ++i)
+    if (all.joined[i]) w.x.V[i] = w.x.V[i] + all.V_p[i];
   for (std::size_t i = num_bodies(par); i-- > 0;) {
     const JointEdge& edge = all.edges[i];
     if (edge.kind == JointKind::free) continue;

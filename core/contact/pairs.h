@@ -13,7 +13,8 @@ template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
 struct FixedContacts {
   static constexpr std::size_t max_contacts = contacts_, max_pairs = 0, max_blocks = 0;
   static constexpr bool between_bodies = false;
-  static constexpr bool jointed = false;  // OnJoints
+  static constexpr bool jointed = false;                      // OnJoints
+  static constexpr std::size_t max_nodes = 0, max_terms = 0;  // WithTerms
   using Params = ContactParams<spheres_, surfaces_>;
   using State = ContactMemories<contacts_>;
   using Output = ContactReport;
@@ -26,6 +27,13 @@ template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_, st
 struct BodyContacts : FixedContacts<spheres_, surfaces_, contacts_> {
   static constexpr std::size_t max_pairs = contacts_, max_blocks = blocks_;
   static constexpr bool between_bodies = true;
+};
+
+/// The contacts of a scene that has nodes or terms as well.
+template <class Contacts, class Terms_, std::size_t nodes>
+struct WithTerms : Contacts {
+  using Terms = Terms_;
+  static constexpr std::size_t max_nodes = nodes, max_terms = Terms::max_terms;
 };
 
 /// A body's stage, about its centre of mass, world axes. Its A has a skew part (11), which a solve by A = A^T cannot
@@ -63,18 +71,30 @@ struct LinePacks {
   std::size_t size = 0;
 };
 
-/// Scratch: undefined between steps.
+template <class Contacts>
+struct TermStagesType {
+  using type = Absent<19>;
+};
+template <class Contacts>
+requires(Contacts::max_terms > 0) struct TermStagesType<Contacts> {
+  using type = typename Contacts::Terms::Stages;
+};
+
+/// Scratch: undefined between steps. N: bodies and nodes.
 template <class Contacts, std::size_t N>
 struct BodyContactScratch {
-  static constexpr std::size_t max_contacts = Contacts::max_contacts, max_pairs = Contacts::max_pairs;
+  static constexpr std::size_t max_contacts = Contacts::max_contacts, max_pairs = Contacts::max_pairs,
+                               max_terms = Contacts::max_terms;
   // four contacts of a pair, or of a body with the world
   static constexpr std::size_t max_packs = max_pairs > 0 ? max_contacts : max_contacts / 4 + N;
   static constexpr std::size_t room = Contacts::max_blocks > 0 ? Contacts::max_blocks
-                                      : max_pairs > 0 ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
-                                                      : N;
+                                      : max_pairs + max_terms > 0
+                                          ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
+                                          : N;
   static constexpr std::size_t max_entries =
-      std::max<std::size_t>(max_pairs + (Contacts::jointed ? N : 0), 1);
-  using System = BlockSystem<N, 0, max_entries, room, Contacts::jointed>;
+      std::max<std::size_t>(max_pairs + max_terms + (Contacts::jointed ? N : 0), 1);
+  using System =
+      BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room, Contacts::jointed>;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;
   std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
@@ -82,7 +102,8 @@ struct BodyContactScratch {
   std::array<BegunContact, max_contacts> begun;  // of the near ones
   std::array<ContactPack, max_packs> packs;      // each of one pair, or one body with the world
   LinePacks<max_packs> line;                     // those that leave their cases on it
-  TouchingGraph<N, max_pairs, Contacts::jointed> graph;
+  TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
+  [[no_unique_address]] typename TermStagesType<Contacts>::type terms;
   System system;            // of the island at hand
   SystemVectors<System> x;  // V: velocities of all bodies; V_0: those predicted, then of the iteration before
   std::array<BodyStage, N> stages;
@@ -120,6 +141,13 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
       pair.child = first.a;
       pair.parent = first.b;
       pair.is_deep = is_deep;
+    }
+  }
+  if constexpr (Contacts::max_terms > 0) {
+    for (std::uint32_t t = 0; t < w.graph.num_terms; ++t) {
+      const TermEdge& term = w.graph.terms[t];
+      w.touches[term.j] = true;
+      if (term.is_between()) w.touches[term.i] = true;
     }
   }
   make_islands(w.touches, num_bodies, w.graph);

@@ -61,6 +61,10 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "the force shown to the hand, or a motor's command, swung between its bounds for 0.5 s",
      "the feedback is unstable on this device: godobject check prints the margin of each axis and what to "
      "lower"},
+    {RigFault::energy_gained, "energy_gained",
+     "the simulated scene gained energy that nobody gave it: its forces are no longer those of what it "
+     "simulates",
+     "a shorter step; softer couplings, contacts or stops; less contrast of masses in an articulated tool"},
 }};
 
 }  // namespace

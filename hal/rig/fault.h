@@ -31,8 +31,9 @@ enum class RigFault : std::uint32_t {
   second_host = 1u << 14,
   deadlines_missed = 1u << 15,
   force_oscillates = 1u << 16,
+  energy_gained = 1u << 17,
 };
-inline constexpr std::size_t num_rig_faults = 17;
+inline constexpr std::size_t num_rig_faults = 18;
 
 constexpr RigFault operator|(RigFault a, RigFault b) noexcept {
   return static_cast<RigFault>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));

@@ -118,6 +118,10 @@ void Rig::force_oscillates(std::optional<std::size_t> drive) noexcept {
   else raise({.fault = RigFault::force_oscillates});
 }
 
+void Rig::energy_gained() noexcept {
+  if (state_ == RigState::armed) raise({.fault = RigFault::energy_gained});
+}
+
 void Rig::stop() noexcept {
   if (state_ == RigState::off) return;
   for (DriveOnBus& drive : drives_) {

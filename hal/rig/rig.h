@@ -106,6 +106,8 @@ class Rig {
   /// armed -> fault: what command() is told swings between its bounds; in the command of this drive, if it is
   /// known.
   void force_oscillates(std::optional<std::size_t> drive) noexcept;
+  /// The scene that the hand feels has gained energy that nobody gave it.
+  void energy_gained() noexcept;
   /// any -> off: drives disabled, nodes pre-operational.
   void stop() noexcept;
 

@@ -21,7 +21,7 @@ struct CoreFaultText {
   FaultText text;
 };
 
-inline constexpr std::array<CoreFaultText, 5> core_fault_texts{{
+inline constexpr std::array<CoreFaultText, 6> core_fault_texts{{
     {Fault::input_not_finite,
      {"input_not_finite", "an input was not a finite number; those steps were not taken",
       "find the source of the sample: encoders and trackers mark bad samples invalid, which is no fault"}},
@@ -42,6 +42,12 @@ inline constexpr std::array<CoreFaultText, 5> core_fault_texts{{
       "the residual "
       "of the contact report",
       "fewer bodies in one heap, or a composition with room for more"}},
+    {Fault::energy_gained,
+     {"energy_gained",
+      "the scene gained more than 1 % of the energy at work in it within a second, and nobody gave it: what "
+      "it "
+      "showed from there on is not what it simulates",
+      "a shorter step; softer couplings, contacts or stops; less contrast of masses in an articulated tool"}},
 }};
 
 enum class RunFault : std::size_t {

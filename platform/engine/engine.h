@@ -12,6 +12,7 @@
 
 #include "core/contact/contact.h"
 #include "core/energy.h"
+#include "core/gain_watch.h"
 #include "core/joint/imposed.h"
 #include "platform/scene/contact_pairs.h"
 #include "platform/scene/scene.h"
@@ -47,6 +48,14 @@ struct ContactView {
   Vec3 p_W = Vec3::Zero();       // contact point, m
   Vec3 n_W = Vec3::UnitZ();      // normal, off b
   Vec3 F_W = Vec3::Zero();       // force on a, N
+};
+
+/// J, after the last step.
+struct EnergyReport {
+  double total =
+      0;  // of motion, of gravity (zero at the world's origin), in the springs of couplings, contacts, stops
+  double balance = 0;  // (38)  without the work that the device and led joints have done: it only falls
+  double gained = 0, at_work = 0;  // see GainWatch: how far it has risen within a second, and of what
 };
 
 struct StepReport {
@@ -87,9 +96,7 @@ class Engine {
   /// Body i after the last step.
   virtual BodyView view(std::size_t i) const noexcept = 0;
   virtual Wrench feedback(std::size_t i) const noexcept = 0;
-  /// Of motion, of gravity (zero at the world's origin), in the springs of couplings and contacts, J. Springs at the
-  /// stops of joints are not in it.
-  virtual double energy() const noexcept = 0;
+  virtual EnergyReport energy() const noexcept = 0;
   /// The contacts that bore a force at the end of the last step, in a lasting order, as far as there is room.
   /// Their number; real-time.
   virtual std::size_t contacts(std::span<ContactView> out) const noexcept = 0;

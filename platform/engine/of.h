@@ -142,6 +142,7 @@ class EngineOf final : public Engine {
       for (const JointConfig& joint : scene.joints)
         x_.bodies[*body_named(scene, joint.child)].joint.last.q = coordinates_at_start(scene.bodies, joint);
     }
+    balance_.start(par_, x_);
   }
 
   const Composition& composition() const noexcept override { return composition_; }
@@ -154,6 +155,9 @@ class EngineOf final : public Engine {
     }
     godobject::step(par_, in_, x_, w_, out_);
     StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}};
+    if (x_.tick != tick_) balance_.observe(par_, x_, w_, out_);  // the step was taken
+    tick_ = x_.tick;
+    if (balance_.watch().gains()) report.fault |= Fault::energy_gained;
     if constexpr (uses<ContactsOf<S>>) report.contacts = out_.contacts;
     return report;
   }
@@ -177,20 +181,12 @@ class EngineOf final : public Engine {
 
   Wrench feedback(std::size_t i) const noexcept override { return out_.bodies[i].feedback.F_D; }
 
-  double energy() const noexcept override {
-    double e = 0;
-    for (std::size_t i = 0; i < par_.num_bodies; ++i) {
-      e += kinetic_energy(par_.bodies[i].body, x_.bodies[i].x);
-      e -= par_.bodies[i].body.m * par_.gravity_W.dot(x_.bodies[i].x.X_WB.p);
-      e += coupling_energy(par_, x_, i);
-    }
-    if constexpr (uses<ContactsOf<S>>) {
-      each_contact([&](const NearContact& near, const ContactMemory& contact) {
-        const ContactLaw& law = law_of(par_.contacts, near);
-        e += 0.5 * (law.k * contact.pressed * contact.pressed + law.k_t * contact.xi_W.squaredNorm());
-      });
-    }
-    return e;
+  EnergyReport energy() const noexcept override {
+    const GainWatch& watch = balance_.watch();
+    return {.total = balance_.energy(),
+            .balance = balance_.balance(),
+            .gained = watch.gained(),
+            .at_work = watch.at_work()};
   }
 
   std::size_t contacts(std::span<ContactView> out) const noexcept override {
@@ -234,6 +230,8 @@ class EngineOf final : public Engine {
   Scratch<S> w_;
   Input<S> in_;
   Output<S> out_;
+  EnergyBalance<S> balance_;
+  std::uint64_t tick_ = 0;
   std::array<Target, S::max_bodies> before_;  // the sample before this one, for increments
 };
 

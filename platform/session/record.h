@@ -40,7 +40,7 @@ struct CycleRecord {
   // Of an engine beside it that is told the handle exactly; zero without a simulated bus.
   PoseError exact_following;  // its body against the handle
   PoseError encoders;         // body against its body
-  double energy = 0;          // J, see Engine::energy()
+  EnergyReport energy;
   // Contacts that bear a force, with room for all that can; no room unless the session lists them.
   std::vector<ContactView> touching;
   std::size_t num_touching = 0;

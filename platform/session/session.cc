@@ -55,6 +55,7 @@ void Session::step(CycleRecord& record) noexcept {
   record.limited = report.limited;
   record.contacts = report.contacts;
   record.on_hold = on_hold_ || deadlines_missed_;
+  if (has(report.fault, Fault::energy_gained) && rig_) rig_->rig().energy_gained();
 }
 
 /// What the hand feels of a body that it has taken hold of; bodies that are tied to a handle have been limited by the step.

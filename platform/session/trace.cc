@@ -48,7 +48,7 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
     columns.insert(columns.end(), {"held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz"});
   columns.push_back("penetration");
   if (has_contacts(scene)) columns.insert(columns.end(), {"contacts", "contact_residual"});
-  columns.insert(columns.end(), {"energy", "fault", "limited", "rig_fault"});
+  columns.insert(columns.end(), {"energy", "energy_balance", "fault", "limited", "rig_fault"});
   return columns;
 }
 
@@ -85,6 +85,7 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
     file_.number(scene.contacts.residual);
   }
   file_.number(scene.energy);
+  file_.number(scene.energy_balance);
   for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) file_.number(word);
   file_.end_row();
 }

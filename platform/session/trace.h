@@ -2,7 +2,7 @@
 // <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, for the same bodies the target they were
 // pulled to, <body>.target.x y z qw qx qy qz, per joint <joint>.fx fy fz tx ty tz, per body that can be touched
 // <body>.contact.fx .. tz, where the device takes hold of bodies held and hand.fx .. tz, then penetration, in scenes
-// with contacts contacts and contact_residual, then energy, then fault, limited and rig_fault.
+// with contacts contacts and contact_residual, then energy, energy_balance, then fault, limited and rig_fault.
 // World frame, SI; every number reads back as the same double.
 #pragma once
 
@@ -35,9 +35,9 @@ struct TraceDriven {
 /// Of the scene as a whole.
 struct TraceScene {
   ContactReport contacts{};
-  std::optional<std::size_t> held{};  // index of the body that the device holds
-  Wrench hand{};                      // shown to the hand, about the device's origin
-  double energy = 0;                  // J, see Engine::energy()
+  std::optional<std::size_t> held{};      // index of the body that the device holds
+  Wrench hand{};                          // shown to the hand, about the device's origin
+  double energy = 0, energy_balance = 0;  // J, see EnergyReport
 };
 
 /// The bits of Fault, Limited and RigFault as unsigned numbers.

@@ -44,11 +44,35 @@ struct Body {
   std::optional<Coupling> coupling;
 };
 
+/// (36) between points of two bodies, or of the world and a body: with the ends x apart, -k (|x| - l_0) u - g (u . x') u
+/// on b; without a rest length -k x - g x'.
+struct Spring {
+  std::optional<std::size_t> a = std::nullopt;  // index in Case::bodies; empty: the world
+  std::size_t b = 0;                            // likewise
+  Vector3d p_A = Vector3d::Zero();              // m; in world axes if a is the world
+  Vector3d p_B = Vector3d::Zero();              // m
+  double k = 0;                                 // N/m, >= 0
+  double g = 0;                                 // N s/m, >= 0
+  double l_0 = 0;                               // m, >= 0
+};
+
+/// A sphere of a body on the floor z = 0, without friction (22): k d - c v_z upwards where that is positive and d, by which
+/// its lowest point is below the floor, is too.
+struct FloorSphere {
+  std::size_t body = 0;             // index in Case::bodies
+  Vector3d p_B = Vector3d::Zero();  // its centre, m
+  double radius = 0;                // m
+  double k = 0;                     // N/m, >= 0
+  double c = 0;                     // N s/m, >= 0
+};
+
 struct Case {
   Vector3d gravity = Vector3d::Zero();  // m/s^2
   std::vector<Body> bodies;
   std::vector<Joint> joints =
       {};  // a tree: each body is the child of one joint at most, and there is no loop
+  std::vector<Spring> springs = {};
+  std::vector<FloorSphere> on_floor = {};
 };
 
 }  // namespace godobject::oracle

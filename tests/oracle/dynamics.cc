@@ -26,6 +26,57 @@ Wrench coupling_wrench(const Coupling& c, Scalar t, const BodyState& x) {
           c.g_r * (D.w.cast<Scalar>() - x.w) + c.k_r * alpha_u};
 }
 
+/// A point on a body, or of the world.
+struct Point {
+  ScalarVector3 r = ScalarVector3::Zero();  // from the body's origin, world axes
+  ScalarVector3 p, v = ScalarVector3::Zero();
+
+  Point(const BodyState& x, const Vector3d& p_B)
+      : r(x.q * p_B.cast<Scalar>()), p(x.p + r), v(x.v + x.w.cross(r)) {}
+  explicit Point(const Vector3d& p_W) : p(p_W.cast<Scalar>()) {}
+};
+
+void add_force(const Point& at, const ScalarVector3& f, Wrench& B) {
+  B.f += f;
+  B.tau += at.r.cross(f);
+}
+
+/// (36), on b.
+ScalarVector3 spring_force(const Spring& spring, const Point& a, const Point& b) {
+  const ScalarVector3 x = b.p - a.p, v = b.v - a.v;
+  if (spring.l_0 == 0) return -spring.k * x - spring.g * v;
+  const Scalar l = x.norm();
+  const ScalarVector3 u = x / l;
+  return -(spring.k * (l - spring.l_0) + spring.g * u.dot(v)) * u;
+}
+
+/// What acts on the bodies besides the joints, but for gyroscopic torques.
+std::vector<Wrench> wrenches_on(const Case& problem, Scalar t, const std::vector<BodyState>& x) {
+  std::vector<Wrench> B(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Body& body = problem.bodies[i];
+    if (body.coupling) B[i] = coupling_wrench(*body.coupling, t, x[i]);
+    B[i].f += body.m * problem.gravity.cast<Scalar>();
+  }
+  for (const Spring& spring : problem.springs) {
+    const Point a = spring.a ? Point(x[*spring.a], spring.p_A) : Point(spring.p_A);
+    const Point b(x[spring.b], spring.p_B);
+    const ScalarVector3 f = spring_force(spring, a, b);
+    add_force(b, f, B[spring.b]);
+    if (spring.a) add_force(a, -f, B[*spring.a]);
+  }
+  for (const FloorSphere& sphere : problem.on_floor) {
+    const BodyState& body = x[sphere.body];
+    const ScalarVector3 r = body.q * sphere.p_B.cast<Scalar>() - sphere.radius * ScalarVector3::UnitZ();
+    const Scalar d = -(body.p + r).z(), v_z = (body.v + body.w.cross(r)).z();
+    const Scalar f = sphere.k * d - sphere.c * v_z;
+    if (d <= 0 || f <= 0) continue;
+    B[sphere.body].f += f * ScalarVector3::UnitZ();
+    B[sphere.body].tau += r.cross(f * ScalarVector3::UnitZ());
+  }
+  return B;
+}
+
 }  // namespace
 
 ScalarVector3 rotation_vector(const ScalarQuaternion& q) {
@@ -40,16 +91,11 @@ ScalarVector3 rotation_vector(const ScalarQuaternion& q) {
 /// (7), tendency: A_t = M^-1 B, per body a and w'. Without joints it is the acceleration.
 ScalarVector Dynamics::tendency(Scalar t, const std::vector<BodyState>& x) const {
   ScalarVector A_t(6 * x.size());
+  const std::vector<Wrench> wrenches = wrenches_on(case_, t, x);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Body& body = case_.bodies[i];
-    // B of (4) and (6): gravity, coupling and, in body axes, the gyroscopic torque (I W) x W.
-    Wrench B;
-    B.f = body.m * case_.gravity.cast<Scalar>();
-    if (body.coupling) {
-      const Wrench pull = coupling_wrench(*body.coupling, t, x[i]);
-      B.f += pull.f;
-      B.tau += pull.tau;
-    }
+    // B of (4) and (6): what acts and, in body axes, the gyroscopic torque (I W) x W.
+    const Wrench& B = wrenches[i];
     const ScalarMatrix3 R_WB = x[i].q.toRotationMatrix();
     const ScalarMatrix3 I_B = body.I_B.cast<Scalar>();
     const ScalarVector3 w_B = R_WB.transpose() * x[i].w;

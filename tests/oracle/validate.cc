@@ -40,6 +40,11 @@ void validate(const Joint& joint, std::size_t num_bodies) {
   }
 }
 
+void validate(const Spring& spring, std::size_t num_bodies) {
+  require(spring.b < num_bodies && (!spring.a || *spring.a < num_bodies), "a spring is on no body");
+  require(spring.k >= 0 && spring.g >= 0 && spring.l_0 >= 0, "a spring has a negative number");
+}
+
 /// The joint whose child each body is; from any body the walk to the parents must end.
 void require_a_tree(const Case& problem) {
   std::vector<const Joint*> joint_above(problem.bodies.size(), nullptr);
@@ -78,6 +83,9 @@ void require_shut(const Case& problem, const Joint& joint) {
 void validate(const Case& problem) {
   for (const Body& body : problem.bodies) validate(body);
   for (const Joint& joint : problem.joints) validate(joint, problem.bodies.size());
+  for (const Spring& spring : problem.springs) validate(spring, problem.bodies.size());
+  for (const FloorSphere& sphere : problem.on_floor)
+    require(sphere.body < problem.bodies.size(), "a sphere is on no body");
   require_a_tree(problem);
   for (const Joint& joint : problem.joints) require_shut(problem, joint);
 }

@@ -52,12 +52,15 @@ void RunFiles::add_row(const CycleRecord& record) {
     pulls_[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
   }
   for (std::size_t i = 0; i < children_.size(); ++i) joints_[i] = record.bodies[children_[i]].joint_C;
-  trace_->row(
-      record.t, bodies_, pulls_, joints_,
-      {.contacts = record.contacts, .held = record.held, .hand = record.hand_W, .energy = record.energy},
-      {.fault = static_cast<std::uint32_t>(record.fault),
-       .limited = static_cast<std::uint32_t>(record.limited),
-       .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});
+  trace_->row(record.t, bodies_, pulls_, joints_,
+              {.contacts = record.contacts,
+               .held = record.held,
+               .hand = record.hand_W,
+               .energy = record.energy.total,
+               .energy_balance = record.energy.balance},
+              {.fault = static_cast<std::uint32_t>(record.fault),
+               .limited = static_cast<std::uint32_t>(record.limited),
+               .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});
 }
 
 std::vector<FileLoss> RunFiles::close() {

@@ -77,8 +77,8 @@ bool Recoveries::again() {
   note();
   const bool lost = !list_.empty() && !list_.back().recovered_after_s;
   if (!lost || plan_.rearm == Rearm::never || cycle_.left() == 0 || stop_) return false;
-  // armed again it would swing again
-  if (any(session_.rig()->faults() & RigFault::force_oscillates)) return false;
+  // armed again it would do so again
+  if (any(session_.rig()->faults() & (RigFault::force_oscillates | RigFault::energy_gained))) return false;
   Recovery& recovery = list_.back();
   if (recovery.boots == 0)
     tell(RunEventKind::lost, "the device is lost: torque is gone, its nodes are pre-operational",

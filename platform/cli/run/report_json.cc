@@ -197,6 +197,8 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   json["recoveries"] = to_array(report.result.recoveries);
   json["limits"] = limits(statistics);
   json["limits_percent"] = limits_percent(statistics);
+  const EnergyReport& gain = statistics.gain;
+  json["largest_energy_gain"] = {{"gained_J", gain.gained}, {"of_J", gain.at_work}};
   json["warnings"] = limit_warnings(statistics);
   json["faults"] = to_array(report.faults);
   json["lost"] = {{"cycles", report.result.lost_cycles},

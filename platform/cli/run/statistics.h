@@ -50,6 +50,7 @@ struct RunStatistics {
   std::uint64_t holds = 0, hold_cycles = 0;  // since too many deadlines were missed
   bool on_hold = false;
   bool force_oscillates = false;
+  EnergyReport gain;  // where the share gained of the energy at work was largest
 
   void add(const CycleRecord& record) noexcept {
     ++cycles;
@@ -72,6 +73,9 @@ struct RunStatistics {
     if (record.on_hold && !on_hold) ++holds;
     if (record.on_hold) ++hold_cycles;
     on_hold = record.on_hold;
+    if (record.energy.gained > gain_floor &&
+        record.energy.gained * gain.at_work >= gain.gained * record.energy.at_work)
+      gain = record.energy;
     force_oscillates = force_oscillates || record.force_oscillates;
   }
 };

@@ -31,7 +31,8 @@ void StatusLine::show(const CycleRecord& record) {
   std::snprintf(line.data(), line.size(),
                 "%st %7.2f s   wake-up <= %6.0f us   following %7.3f mm %7.4f rad   energy %8.2e J   %s%s",
                 terminal_ ? "\r" : "", record.t, worst_wake_us_, 1e3 * record.following.m,
-                record.following.rad, record.energy, fault ? "FAULT" : "ok", terminal_ ? "\033[K" : "\n");
+                record.following.rad, record.energy.total, fault ? "FAULT" : "ok",
+                terminal_ ? "\033[K" : "\n");
   static_cast<void>(console_.write(line.data()));
 }
 

@@ -448,6 +448,19 @@ TEST_F(RigTest, DisarmRunsTheTorqueDownWithoutAFault) {
   EXPECT_EQ(rig.state(), RigState::ready);
 }
 
+TEST_F(RigTest, ASceneThatGainsEnergyRunsTheTorqueDown) {
+  rig.energy_gained();
+  EXPECT_EQ(rig.faults(), RigFault::none) << "no torque is on yet";
+  boot_and_arm();
+  F.f = Vec3(0, 0, -0.2);
+  cycles(3);
+  ASSERT_NE(last_command.target_torque_per_mille, 0);
+  rig.energy_gained();
+  cycles(3);
+  EXPECT_EQ(last_command.target_torque_per_mille, 0);
+  EXPECT_EQ(rig.faults(), RigFault::energy_gained);
+}
+
 TEST_F(RigTest, HostThatWokeLateIsNoFaultOfTheDevice) {
   boot_and_arm();
   now += 20 * ms;

@@ -23,7 +23,7 @@ SceneConfig coupled_and_free() {
 
 TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationBits) {
   const std::vector<std::string> columns = trace_columns(coupled_and_free());
-  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 5);
+  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6);
   EXPECT_EQ(columns[0], "t");
   EXPECT_EQ(columns[4], "tool.qw");
   EXPECT_EQ(columns[14], "brick.x");
@@ -33,9 +33,10 @@ TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationBits) {
   EXPECT_EQ(columns[45], "tool.target.qz");
   EXPECT_EQ(columns[46], "penetration");
   EXPECT_EQ(columns[47], "energy");
-  EXPECT_EQ(columns[48], "fault");
-  EXPECT_EQ(columns[49], "limited");
-  EXPECT_EQ(columns[50], "rig_fault");
+  EXPECT_EQ(columns[48], "energy_balance");
+  EXPECT_EQ(columns[49], "fault");
+  EXPECT_EQ(columns[50], "limited");
+  EXPECT_EQ(columns[51], "rig_fault");
 }
 
 TEST(Trace, ScenesWithContactsHaveTheirColumns) {
@@ -48,7 +49,7 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
       std::vector(columns.begin() + 46, columns.end()),
       testing::ElementsAre("brick.contact.fx", "brick.contact.fy", "brick.contact.fz", "brick.contact.tx",
                            "brick.contact.ty", "brick.contact.tz", "penetration", "contacts",
-                           "contact_residual", "energy", "fault", "limited", "rig_fault"));
+                           "contact_residual", "energy", "energy_balance", "fault", "limited", "rig_fault"));
 
   const std::string path = testing::TempDir() + "/godobject_contact_trace.csv";
   TraceWriter writer(path, scene);
@@ -142,7 +143,7 @@ TEST(Trace, JointsHaveTheirWrenchesBehindTheTargets) {
   scene.joints[0].name = "pivot";
   scene.joints[0].child = "tool";
   const std::vector<std::string> columns = trace_columns(scene);
-  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6 + 5);
+  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6 + 6);
   EXPECT_EQ(columns[46], "pivot.fx");
   EXPECT_EQ(columns[49], "pivot.tx");
   const std::string path = testing::TempDir() + "/godobject_trace_joints.csv";

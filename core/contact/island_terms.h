@@ -1,0 +1,67 @@
+// The terms of a scene (core/term) in a stage: where they begin, and their way into the systems of the islands.
+#pragma once
+
+#include "core/contact/line_search.h"
+
+namespace godobject {
+
+/// The terms where the stage is predicted to end, for velocities against V_p where bodies are on joints, and the graph's
+/// edges.
+template <class Contacts, std::size_t N>
+void begin_terms(const typename Contacts::Terms::Params& par, Real h,
+                 BodyContactScratch<Contacts, N>& w) noexcept {
+  w.graph.num_terms = 0;
+  Contacts::Terms::each_kind(par, w.terms, [&](auto kind, const auto& terms, auto& stages) noexcept {
+    stages.size = terms.size;
+    for (std::size_t t = 0; t < terms.size; ++t) {
+      auto& stage = stages.list[t];
+      kind.begin(terms.list[t], w.finder.at, h, stage);
+      kind.each_force(stage, [&](std::uint32_t u, const Column& r, const Column& F) noexcept {
+        if (u >= N - Contacts::max_nodes) return;
+        Column w_W(w.finder.at[u].V.w);
+        if constexpr (Contacts::jointed) w_W -= w.graph.joints.V_p[u].w;
+        add_tension(r, -F, h, w_W, w.stages[u].A_ww, w.stages[u].b_w);
+      });
+      if constexpr (Contacts::jointed) kind.shift(w.graph.joints.V_p, stage);
+      w.graph.terms[w.graph.num_terms++] = {stage.ends};
+    }
+  });
+}
+
+/// f(kind, edge, stage) of the terms of an island.
+template <class Contacts, std::size_t N, class F>
+void each_term(const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
+  if constexpr (Contacts::max_terms > 0) {
+    if (!island.has_terms) return;
+    const auto number = static_cast<std::uint32_t>(&island - w.graph.islands.data());
+    Contacts::Terms::each(w.terms, [&](auto kind, std::uint32_t t, const auto& stage) noexcept {
+      if (w.graph.terms[t].island == number) f(kind, w.graph.terms[t], stage);
+    });
+  }
+}
+
+/// Says whom the terms of an island couple.
+template <class Contacts, std::size_t N>
+void couple_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  each_term(island, w, [&](auto, TermEdge& edge, const auto&) noexcept {
+    if (edge.is_between()) edge.entry = w.system.couple(edge.i, edge.j);
+  });
+}
+
+template <class Contacts, std::size_t N>
+void load_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  each_term(island, w, [&](auto kind, const TermEdge& edge, const auto& stage) noexcept {
+    kind.load(stage, edge.entry, w.system);
+  });
+}
+
+/// f(u, impulse on u about its centre of mass) of all terms at the velocities that are solved for.
+template <class Contacts, std::size_t N, class F>
+void each_term_impulse(BodyContactScratch<Contacts, N>& w, F f) noexcept {
+  if constexpr (Contacts::max_terms > 0)
+    Contacts::Terms::each(w.terms, [&](auto kind, std::uint32_t, const auto& stage) noexcept {
+      kind.each_impulse(w.x.V, stage, f);
+    });
+}
+
+}  // namespace godobject

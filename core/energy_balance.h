@@ -1,0 +1,206 @@
+// The balance of energy of a scene: what it has, what the device and led joints have done on it, and whether it has gained
+// more than that. The step does not need it; who runs one asks it after each step, since a scene that gains energy has
+// left what it simulates.
+//
+//   (38)  E - W falls:  E = motion, gravity, springs (coupling, contacts, stops, terms);  W = work done from outside
+//
+// Dampers, friction and the integrators only take. W is bounded from above: of what a coupling does, by its target that
+// moves before the body does, or by the mean of its forces, whichever is more.
+#pragma once
+
+#include "core/energy.h"
+#include "core/gain_watch.h"
+#include "core/step.h"
+
+namespace godobject {
+
+/// Of a stop (19): the energy in its spring.
+inline Real stop_energy(const StopParams& par, Real q) noexcept {
+  const Real d = std::max(par.lower - q, Real(0)) + std::max(q - par.upper, Real(0));
+  const Real s = std::min(d, par.width);
+  if (!(s > 0)) return 0;
+  return par.k * (s * s * s / (6 * par.width) + (d - s) * d / 2);
+}
+
+/// Of a scene. Not a part of it: the step knows nothing of it.
+template <Scene S>
+class EnergyBalance {
+ public:
+  /// Before the first step.
+  void start(const Params<S>& par, const State<S>& x) noexcept {
+    *this = {};
+    Real T = 0, U = 0;
+    add_energy(par, x, T, U);
+    energy_ = T + U;
+    gravity_ = gravity_energy(par, x);
+    remember(par, x);
+  }
+
+  /// After each step that was taken: of its state, scratch and output.
+  void observe(const Params<S>& par, const State<S>& x, const Scratch<S>& w, const Output<S>& out) noexcept {
+    Real T = 0, U = 0, W = 0, floor = 0;
+    add_energy(par, x, T, U);
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const RigidBodyState& body = x.bodies[i].x;
+      if constexpr (uses<typename S::Coupling>) W += coupling_work(par, x, w, i);
+      if constexpr (uses<typename S::Device>) {
+        const Wrench& F_WB = w.pulls[i].F_WB;
+        W += par.h * (F_WB.f.dot(body.v_W) + F_WB.tau.dot(to_world(body.X_WB.q, body.w_B)));
+      }
+      if constexpr (imposes<S>) W += joint_work(par, x, out, i);
+    }
+    if constexpr (uses<ContactsOf<S>>) W += contact_work(par, x, w, U, floor);
+    remember(par, x);
+    energy_ = T + U;
+    work_ += W;
+    const Real gravity = gravity_energy(par, x), by_gravity = gravity - gravity_;
+    gravity_ = gravity;
+    watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
+                   floor + gain_floor + Real(1e-12) * std::abs(energy_), par.h);
+  }
+
+  Real energy() const noexcept { return energy_; }           // E, J
+  Real balance() const noexcept { return energy_ - work_; }  // E - W, J
+  const GainWatch& watch() const noexcept { return watch_; }
+
+ private:
+  struct Last {
+    Pose X_WB;
+    Target target;
+    Wrench F_WB;
+    Real energy = 0, s = 0;  // of the coupling
+  };
+
+  /// All but that in contacts.
+  static void add_energy(const Params<S>& par, const State<S>& x, Real& T, Real& U) noexcept {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const RigidBodyParams& body = par.bodies[i].body;
+      T += kinetic_energy(body, x.bodies[i].x);
+      if constexpr (uses<typename S::Coupling>) U += coupling_energy(par, x, i);
+      if constexpr (uses<typename S::Joints>) U += stops_energy(par, x, i);
+    }
+    U += gravity_energy(par, x);
+    if constexpr (uses<NodesOf<S>>)
+      for (std::size_t j = 0; j < num_nodes(par); ++j)
+        T += Real(0.5) * par.nodes.list[j].m * x.nodes[j].v_W.squaredNorm();
+    if constexpr (uses<TermsOf<S>>) U += term_energy(par, x);
+  }
+
+  static Real gravity_energy(const Params<S>& par, const State<S>& x) noexcept {
+    Vec3 mp_W = Vec3::Zero();
+    for (std::size_t i = 0; i < num_bodies(par); ++i) mp_W += par.bodies[i].body.m * x.bodies[i].x.X_WB.p;
+    if constexpr (uses<NodesOf<S>>)
+      for (std::size_t j = 0; j < num_nodes(par); ++j) mp_W += par.nodes.list[j].m * x.nodes[j].p_W;
+    return -par.gravity_W.dot(mp_W);
+  }
+
+  void remember(const Params<S>& par, const State<S>& x) noexcept {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      last_[i].X_WB = x.bodies[i].x.X_WB;
+      if constexpr (uses<typename S::Coupling>) {
+        const auto& device = x.bodies[i].device;
+        last_[i].target = device.last;
+        last_[i].F_WB = coupling_wrench(par, x, i);
+        last_[i].energy = coupling_energy(par, x, i);
+        last_[i].s = device.ramp.s;
+      }
+    }
+  }
+
+  /// Of the coupling's target, and of the ramp.
+  Real coupling_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w,
+                     std::size_t i) const noexcept {
+    const BodyState<S>& body = x.bodies[i];
+    const Target& D = body.device.last;
+    const Last& last = last_[i];
+    const Real s = body.device.ramp.s;
+    const SpringParams spring = ramped(par.bodies[i].coupling, s);
+    const Vec3 v_W = body.x.v_W, w_W = to_world(body.x.X_WB.q, body.x.w_B);
+    // first the target moves, then the body: its damper by the target's velocity, or by that with which it came
+    const Vec3 phi_B = rotation_error(last.X_WB.q, D.X_WD.q, body.coupling.phi_B).phi_B;
+    const Vec3 e_W = D.X_WD.p - last.X_WB.p;
+    const Vec3 moved = D.X_WD.p - last.target.X_WD.p;
+    const Vec3 turned =
+        to_world(last.target.X_WD.q, rotation_error(last.target.X_WD.q, D.X_WD.q, Vec3::Zero()).phi_B);
+    const auto damped = [&](const Vec3& v_D, const Vec3& w_D) noexcept {
+      return par.h * (spring.g * (v_D - v_W).dot(v_D) + spring.g_r * (w_D - w_W).dot(w_D));
+    };
+    Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm()) - last.energy;
+    W += std::max(damped(D.V_WD.v, D.V_WD.w), damped(moved * (1 / par.h), turned * (1 / par.h)));
+    if (w.pulls[i].fresh || !(s > 0)) return W;
+    // or both together, by the mean of the forces
+    const Wrench F = coupling_wrench(par, x, i);
+    const Real share = last.s / s;
+    return std::max(W, Real(0.5) * ((F.f + last.F_WB.f).dot(moved) + (F.tau + last.F_WB.tau).dot(turned)) +
+                           coupling_energy(par, x, i) * (1 - share * share));
+  }
+
+  static TreePlace place_of(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+    return i == world ? TreePlace{} : place<Real>(par.bodies[i].joint.C.p, x.bodies[i].x);
+  }
+
+  static Real stops_energy(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+    Real E = 0;
+    if constexpr (uses<typename S::Joints::Stops>) {
+      const auto& joint = par.bodies[i].joint;
+      with_joint(joint.kind, [&](auto kind) noexcept {
+        if constexpr (requires { kind.coordinates(JointFrames{}); }) {
+          const JointAt at = joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i));
+          const JointCoordinates q = kind.coordinates(at.X);
+          for (std::size_t c = 0; c < 2; ++c)
+            E += stop_energy(joint.stop.stops[c], q[static_cast<Eigen::Index>(c)]);
+        }
+      });
+    }
+    return E;
+  }
+
+  /// Of a joint that the device leads.
+  static Real joint_work(const Params<S>& par, const State<S>& x, const Output<S>& out,
+                         std::size_t i) noexcept {
+    const auto& joint = par.bodies[i].joint;
+    if (joint.kind == JointKind::free || !joint.lead.imposed) return 0;
+    const TreePlace P = place_of(par, x, joint.parent), C = place_of(par, x, i);
+    const Wrench& F = out.bodies[i].joint.F_C;
+    const Vec3 v = C.V.v - P.V.v - P.V.w.cross(C.a_W - P.a_W);
+    return par.h * (F.f.dot(v) + F.tau.dot(C.V.w - P.V.w));
+  }
+
+  static Real term_energy(const Params<S>& par, const State<S>& x) noexcept {
+    const auto point = [&](std::uint32_t u, const Vec3& p) noexcept -> Vec3 {
+      if (u == TermEnds::on_world) return p;
+      if constexpr (uses<NodesOf<S>>)
+        if (u >= S::max_bodies) return x.nodes[u - S::max_bodies].p_W;
+      const Pose& X = x.bodies[u].x.X_WB;
+      return X.p + to_world(X.q, p);
+    };
+    Real E = 0;
+    TermsOf<S>::each_param(par.terms,
+                           [&](auto kind, const auto& one) noexcept { E += kind.energy(one, point); });
+    return E;
+  }
+
+  /// Of rest penetrations (35) that are relaxed and that are found; the energy in the contacts is added to U.
+  Real contact_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w, Real& U,
+                    Real& floor) const noexcept {
+    Real W = 0;
+    Recall recall(x.contacts);
+    for (std::size_t k = 0; k < w.contacts.near.size; ++k) {
+      const NearContact& near = w.contacts.near.list[k];
+      const ContactMemory* const contact = recall.find(near.key);
+      if (contact == nullptr) continue;
+      const ContactLaw& law = law_of(par.contacts, near);
+      U += Real(0.5) * (law.k * contact->pressed * contact->pressed + law.k_t * contact->xi_W.squaredNorm());
+      if (contact->e > 0) W += par.h * law.push_out * contact->n_W.dot(contact->F_W);
+      if (near.a < S::max_bodies)
+        floor += Real(0.5) * par.bodies[near.a].body.m * law.push_out * law.push_out;
+    }
+    return W;
+  }
+
+  std::array<Last, S::max_bodies> last_;
+  Real energy_ = 0, work_ = 0, gravity_ = 0;
+  GainWatch watch_;
+};
+
+}  // namespace godobject

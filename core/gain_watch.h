@@ -1,0 +1,52 @@
+// When a gain of energy is a fault (38): E - W of a scene, step by step.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/math/types.h"
+
+namespace godobject {
+
+/// What share of the energy at work a scene may gain within the window, in which numbers are of second order only.
+inline constexpr Real gain_allowed = 0.01;
+/// J, which no hand feels: less is no gain.
+inline constexpr Real gain_floor = 1e-12;
+/// s, at most: gains that are older are forgotten. At least half of it is remembered.
+inline constexpr Real gain_window = 1;
+
+/// Says when E - W rises. Energy at work: the largest kinetic energy in the window, and the work done in it, by gravity too.
+class GainWatch {
+ public:
+  /// After each step; work: done in it, floor: no gain, J. Returns the gain, J, in `of` what it is a gain of.
+  Real observe(Real E_less_W, Real T, Real work, Real floor, Real h) noexcept {
+    age_ += h;
+    if (age_ >= gain_window / 2) {
+      before_ = now_;
+      now_ = {.least = E_less_W};
+      age_ = 0;
+    }
+    now_.least = std::min(now_.least, E_less_W);
+    now_.kinetic = std::max(now_.kinetic, T);
+    now_.work += work;
+    gained_ = E_less_W - std::min(now_.least, before_.least);
+    of_ = std::max(now_.kinetic, before_.kinetic) + now_.work + before_.work;
+    gains_ = gained_ > gain_allowed * of_ + floor;
+    return gained_;
+  }
+  void start_anew() noexcept { *this = {}; }
+  bool gains() const noexcept { return gains_; }
+  Real gained() const noexcept { return gained_; }  // J within the window
+  Real at_work() const noexcept { return of_; }     // J likewise
+
+ private:
+  struct Span {
+    Real least = std::numeric_limits<Real>::infinity(), kinetic = 0, work = 0;
+  };
+  Span now_, before_;
+  Real age_ = 0, gained_ = 0, of_ = 0;
+  bool gains_ = false;
+};
+
+}  // namespace godobject

@@ -1,0 +1,141 @@
+// Springs with dampers between points of bodies, nodes or the world: a term.
+#pragma once
+
+#include "core/joint/tree.h"
+#include "core/math/spatial.h"
+#include "core/term/term.h"
+
+namespace godobject {
+
+/// A point on a body, on a node (p is zero then), or of the world.
+struct SpringEnd {
+  std::uint32_t on = TermEnds::on_world;
+  Vec3 p = Vec3::Zero();  // from the centre of mass in body axes, or in the world, m
+};
+
+/// With the ends x apart, l = |x|, u = x / l, the force on b, and on a its opposite, is
+///
+///   (36)  F = -k (l - l_0) u - g (u . x') u;   of no rest length, -k x - g x'
+struct DampedSpringParams {
+  SpringEnd a, b;  // a may be of the world
+  Real k = 0;      // N/m
+  Real g = 0;      // N s/m
+  Real l_0 = 0;    // rest length, m
+};
+
+template <class IsThere>
+bool is_valid(const DampedSpringParams& par, IsThere is_there) noexcept {
+  const auto is_number = [](Real x) noexcept { return x >= 0 && x - x == 0; };
+  const Real p = par.a.p.sum() + par.b.p.sum();
+  return (par.a.on == TermEnds::on_world || is_there(par.a.on)) && is_there(par.b.on) &&
+         par.a.on != par.b.on && p - p == 0 && is_number(par.k) && is_number(par.g) && is_number(par.l_0);
+}
+
+/// (37)  A spring in a stage: the impulse J - K x' on b, with x' at the end of the stage. K = h (h K_s + G), stiffness and
+/// damping where the stage is predicted to end. Of the stiffness the part that is not positive, k (1 - l_0 / l) across
+/// a spring shorter than l_0, is left out.
+struct SpringStage {
+  TermEnds ends;
+  Column r_a, r_b;  // from the centres of mass, world axes
+  Column F_0;       // force on b where the stage starts
+  Column J;
+  Block K;
+};
+
+/// At most so many.
+template <std::size_t max_>
+struct DampedSprings {
+  static constexpr std::size_t max = max_;
+  using Param = DampedSpringParams;
+  using Stage = SpringStage;
+
+  /// at[u]: where u is predicted to be at the end of a stage of length h.
+  template <class Places>
+  static void begin(const Param& par, const Places& at, Real h, Stage& w) noexcept {
+    Vec3 r_a, r_b, v_a, v_b;
+    const Vec3 p_a = point(par.a, at, r_a, v_a), p_b = point(par.b, at, r_b, v_b);
+    const Vec3 x = p_b - p_a;
+    const Vec3 x_0 = x - h * (v_b - v_a);
+    Mat3 K_s = par.k * Mat3::Identity(), G = par.g * Mat3::Identity();
+    Vec3 F = -par.k * x, F_0 = -par.k * x_0;
+    if (par.l_0 > 0) {
+      const Real l = x.norm();
+      const Vec3 u = l > 0 ? Vec3(x / l) : Vec3(Vec3::UnitZ());
+      const Mat3 along = u * u.transpose();
+      const Real across = l > par.l_0 ? 1 - par.l_0 / l : 0;
+      K_s = par.k * (across * (Mat3::Identity() - along) + along);
+      G = par.g * along;
+      F = -par.k * (l - par.l_0) * u;
+      F_0 *= 1 - par.l_0 / std::max(x_0.norm(), std::numeric_limits<Real>::min());
+    }
+    const Mat3 K = h * (h * K_s + G);
+    w = {.ends = {.i = par.a.on, .j = par.b.on},
+         .r_a = Column(r_a),
+         .r_b = Column(r_b),
+         .F_0 = Column(F_0),
+         .J = Column(Vec3(h * (F + h * K_s * (v_b - v_a)))),
+         .K = {{Column(Vec3(K.col(0))), Column(Vec3(K.col(1))), Column(Vec3(K.col(2)))}}};
+  }
+
+  /// f(u, r, force at r on u where the stage starts).
+  template <class F>
+  static void each_force(const Stage& w, F f) noexcept {
+    f(w.ends.j, w.r_b, w.F_0);
+    if (w.ends.is_between()) f(w.ends.i, w.r_a, -w.F_0);
+  }
+
+  /// The velocities are taken against those of V from here on.
+  template <class Twists>
+  static void shift(const Twists& V, Stage& w) noexcept {
+    w.J -= w.K * opening(V, w);
+  }
+
+  template <class System>
+  static void load(const Stage& w, std::uint32_t entry, System& system) noexcept {
+    const SymmetricSpatialMatrix at_end{.ww = Block::zero(), .wv = Block::zero(), .vv = w.K};
+    const auto add = [&](std::uint32_t u, const Column& r, const Column& J) noexcept {
+      SymmetricSpatialMatrix A{.ww = Block::zero(), .wv = Block::zero(), .vv = Block::zero()};
+      add_to_parent(at_end, r, A);
+      system.add(u, A);
+      system.add_impulse(u, moved_wrench({.w = Column(Pack(0)), .v = J}, r));
+    };
+    add(w.ends.j, w.r_b, w.J);
+    if (!w.ends.is_between()) return;
+    add(w.ends.i, w.r_a, -w.J);
+    system.add_coupling(entry, shifted(coupling(at_end, w.r_a), w.r_b));
+  }
+
+  /// f(u, impulse on u about its centre of mass) at the twists V.
+  template <class Twists, class F>
+  static void each_impulse(const Twists& V, const Stage& w, F f) noexcept {
+    const SpatialVector J{.w = Column(Pack(0)), .v = w.J - w.K * opening(V, w)};
+    f(w.ends.j, moved_wrench(J, w.r_b));
+    if (w.ends.is_between()) f(w.ends.i, moved_wrench(J * Real(-1), w.r_a));
+  }
+
+  /// J; point(u, p): where the point p of u is, m.
+  template <class Point>
+  static Real energy(const Param& par, Point point) noexcept {
+    const Real stretch = (point(par.b.on, par.b.p) - point(par.a.on, par.a.p)).norm() - par.l_0;
+    return Real(0.5) * par.k * stretch * stretch;
+  }
+
+ private:
+  template <class Places>
+  static Vec3 point(const SpringEnd& end, const Places& at, Vec3& r, Vec3& v) noexcept {
+    r = v = Vec3::Zero();
+    if (end.on == TermEnds::on_world) return end.p;
+    const TreePlace& place = at[end.on];
+    r = place.R_WB * end.p;
+    v = place.V.v + place.V.w.cross(place.p_W + r - place.a_W);
+    return place.p_W + r;
+  }
+  /// x' at the twists V.
+  template <class Twists>
+  static Column opening(const Twists& V, const Stage& w) noexcept {
+    const Column v_b = shifted(V[w.ends.j], w.r_b).v;
+    return w.ends.is_between() ? v_b - shifted(V[w.ends.i], w.r_a).v : v_b;
+  }
+};
+
+}  // namespace godobject

@@ -1,0 +1,86 @@
+// Terms: what acts between bodies, nodes and the world as an impedance and an impulse in the block system (26) do.
+//
+// A kind of term is a file of its own and a word in the list of the scene:
+//
+//   using Terms = TermList<DampedSprings<4>>;
+//
+// It says how many there may be (max), what one of them is (Param), and in a stage (Stage). ends() are those between
+// whom it acts, begin() is what it is where the stage is predicted to end, linear in the velocities from there; load()
+// is its way into the system, each_impulse() what it does at the velocities of the end.
+#pragma once
+
+#include <tuple>
+
+#include "core/joint/edges.h"
+#include "core/scene.h"
+
+namespace godobject {
+
+/// Between whom a term acts: numbers of bodies or nodes (node_number); i may be the world.
+struct TermEnds {
+  static constexpr std::uint32_t on_world = ~std::uint32_t(0);
+  std::uint32_t i = on_world, j = 0;
+
+  bool is_between() const noexcept { return i != on_world; }
+};
+
+/// A term in the graph of those that act on each other. Scratch: undefined between steps.
+struct TermEdge : TermEnds {
+  std::uint32_t island = 0, entry = 0;  // entry: of the island's system, if it is between two
+};
+
+/// So many of a kind.
+template <class T, std::size_t max>
+struct TermArray {
+  std::array<T, max> list;
+  std::size_t size = 0;
+};
+
+/// The terms part of a scene.
+template <class... Kinds>
+struct TermList {
+  static constexpr std::size_t max_terms = (Kinds::max + ... + 0);
+  using State = Empty;
+  /// Constant while running.
+  struct Params {
+    std::tuple<TermArray<typename Kinds::Param, Kinds::max>...> of_kinds;
+    /// The terms of kind number k of the list.
+    template <std::size_t k>
+    auto& of() noexcept {
+      return std::get<k>(of_kinds);
+    }
+  };
+  using Stages = std::tuple<TermArray<typename Kinds::Stage, Kinds::max>...>;
+
+  /// f(kind, parameters, stages) of each kind.
+  template <class F>
+  static void each_kind(const Params& par, Stages& stages, F f) noexcept {
+    with_kinds([&](auto... k) { (f(Kinds{}, std::get<k>(par.of_kinds), std::get<k>(stages)), ...); });
+  }
+  /// f(kind, parameters) of each term.
+  template <class F>
+  static void each_param(const Params& par, F f) noexcept {
+    const auto each_of = [&](auto kind, const auto& terms) noexcept {
+      for (std::size_t t = 0; t < terms.size; ++t) f(kind, terms.list[t]);
+    };
+    with_kinds([&](auto... k) { (each_of(Kinds{}, std::get<k>(par.of_kinds)), ...); });
+  }
+  /// f(kind, number among all terms, stage) of each term.
+  template <class Stages, class F>
+  static void each(Stages& stages, F f) noexcept {
+    std::uint32_t number = 0;
+    const auto each_of = [&](auto kind, auto& terms) noexcept {
+      for (std::size_t t = 0; t < terms.size; ++t) f(kind, number++, terms.list[t]);
+    };
+    with_kinds([&](auto... k) { (each_of(Kinds{}, std::get<k>(stages)), ...); });
+  }
+
+ private:
+  template <class F>
+  static void with_kinds(F f) noexcept {
+    [&]<std::size_t... k>(std::index_sequence<k...>) { f(std::integral_constant<std::size_t, k>{}...); }
+    (std::index_sequence_for<Kinds...>{});
+  }
+};
+
+}  // namespace godobject
