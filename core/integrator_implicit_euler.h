@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/node_stage.h"
-#include "core/stage.h"
+#include "core/solve_stage.h"
 
 namespace godobject {
 

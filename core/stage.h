@@ -291,85 +291,10 @@ void solve_once(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve 
   }
 }
 
-/// (39)  Whether the joints hold where the bodies are moved to: h |dw| sqrt(h^2 |dw|^2 + h^2 |w+|^2) is what turns leave of
-/// a lever, dw the change against the velocities for which the joints were taken; those are from(g).
-template <Scene S, class VelocityOfGroup>
-bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, const Scratch<S>& w) noexcept {
-  using T = Lanes<S>;
-  T most = 0;
-  for (std::size_t g = 0; g < num_groups(par); ++g) {
-    const Vector3<T>& w_B = w.velocities[g].w_B;
-    const T change_sq = (w_B - from(g)).squaredNorm();
-    most += change_sq * (change_sq + w_B.squaredNorm());
-  }
-  Real sum = 0;
-  for (std::size_t j = 0; j < num_lanes<T>; ++j) sum += lane(most, j);
-  return (h * h) * (h * h) * sum <= max_bend * max_bend;
-}
-
-/// (39)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
-template <Scene S, class TargetOfGroup>
-int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
-                   Scratch<S>& w) noexcept {
-  for (int k = 1; k <= max_joint_iterations; ++k) {
-    w.iteration.linearised = w.velocities;
-    solve_once(par, x, Solve::again, h, target_of, w);
-    const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
-    if (joints_hold(par, h, from, w)) return k;
-  }
-  return max_joint_iterations + 1;
-}
-
 /// The bodies at the end of a stage.
 template <class T>
 RigidBodyStateOf<T> moved(const RigidBodyStateOf<T>& base, const StageVelocityOf<T>& V, Real h) noexcept {
   return {.X_WB = moved<T>(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
-}
-
-/// (39)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
-/// w.velocities are those of the last.
-template <Scene S, class TargetOfGroup>
-Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
-                    Scratch<S>& w) noexcept {
-  const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
-  w.iteration.starts = w.bases;
-  for (int parts = part_ratio;; parts *= part_ratio) {
-    const Real t = h / parts;
-    const bool last_try = parts == max_parts;
-    bool hold = true;
-    for (int k = 0; k < parts && (hold || last_try); ++k) {
-      if (k > 0)
-        for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], t);
-      solve_once(par, x, k == 0 ? Solve::first : Solve::first_of_part, t, target_of, w);
-      hold = joints_hold(par, t, base, w) || iterate_joints(par, x, t, target_of, w) <= max_joint_iterations;
-    }
-    if (hold || last_try) return t;
-    w.bases = w.iteration.starts;
-  }
-}
-
-/// What became of a stage.
-struct StageEnd {
-  bool solved = true;  // false: its joints do not hold, and it was not to be parted
-  bool calm =
-      true;  // false: forces of joints changed so much in it that its accelerations say nothing of the next
-  Real h;    // from w.bases to the end: shorter than the stage where it was parted (39)
-};
-
-/// Solves the stage over h from w.bases. may_part: it is an implicit Euler step.
-template <Scene S, class TargetOfGroup>
-StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_unused]] bool may_part,
-                     const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
-  solve_once(par, x, Solve::first, h, target_of, w);
-  if constexpr (iterates_joints<S>) {
-    const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
-    if (joints_hold(par, h, base, w)) return {.h = h};
-    const int iterations = iterate_joints(par, x, h, target_of, w);
-    if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
-    if (!may_part) return {.solved = false, .calm = false, .h = h};
-    return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
-  }
-  return {.h = h};
 }
 
 /// Imposed joints at the fraction s of the step: where the coming stage is to lead them.

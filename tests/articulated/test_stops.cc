@@ -15,13 +15,6 @@ Real stop_force(const StopParams& stop, Real q, Real rate) {
   return stop_terms(stop, q, rate, h).tau / h;
 }
 
-/// Energy of the stop: the integral of (19) without damping, k d^3 / (6 width), then a parabola.
-Real stop_energy(const StopParams& stop, Real q) {
-  const Real d = std::max({stop.lower - q, q - stop.upper, Real(0)}), w = stop.width;
-  if (d <= w) return stop.k * d * d * d / (6 * w);
-  return stop.k * ((d - w / 2) * (d - w / 2) / 2 + w * w / 24);
-}
-
 constexpr StopParams stop{.lower = -0.3, .upper = 0.5, .k = 40, .g = 3, .width = 0.02};
 
 TEST(StopLaw, IsTheFormula) {

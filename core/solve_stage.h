@@ -1,0 +1,107 @@
+// A stage, from its bases to the velocities it ends with. Where it has joints it is solved until they hold.
+#pragma once
+
+#include "core/stage.h"
+#include "core/tuning.h"
+
+namespace godobject {
+
+/// (39)  Whether the joints hold where the bodies are moved to: h |dw| sqrt(h^2 |dw|^2 + h^2 |w+|^2) is what turns leave of
+/// a lever, dw the change against the velocities for which the joints were taken; those are from(g).
+template <Scene S, class VelocityOfGroup>
+bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, const Scratch<S>& w) noexcept {
+  using T = Lanes<S>;
+  Real sum = 0;
+  for (std::size_t g = 0; g < num_groups(par); ++g) {
+    const Vector3<T>& w_B = w.velocities[g].w_B;
+    const T change_sq = (w_B - from(g)).squaredNorm();
+    const T bend_sq = change_sq * (change_sq + w_B.squaredNorm());
+    for (std::size_t j = 0; j < lanes<S> && g * lanes<S> + j < num_bodies(par); ++j) sum += lane(bend_sq, j);
+  }
+  return (h * h) * (h * h) * sum <= max_bend * max_bend;
+}
+
+/// (39)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
+template <Scene S, class TargetOfGroup>
+int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+                   Scratch<S>& w) noexcept {
+  for (int k = 1; k <= max_joint_iterations; ++k) {
+    w.iteration.linearised = w.velocities;
+    solve_once(par, x, Solve::again, h, target_of, w);
+    const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
+    if (joints_hold(par, h, from, w)) return k;
+  }
+  return max_joint_iterations + 1;
+}
+
+/// Whether the joints held where the step starts. One that is apart is closed as far as a straight line goes, once.
+template <Scene S>
+bool joints_start_shut(const Params<S>& par, const State<S>& x) noexcept {
+  bool shut = true;
+  const auto at = [&](std::size_t i) noexcept {
+    return i == world ? TreePlace{} : place<Real>(par.bodies[i].joint.C.p, x.bodies[i].x);
+  };
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    const auto& joint = par.bodies[i].joint;
+    if (joint.kind == JointKind::free) continue;
+    if constexpr (imposes<S>) {
+      if (joint.lead.imposed) continue;
+    }
+    with_joint(joint.kind, [&](auto kind) noexcept {
+      const auto m = kind.motion(joint_at(joint, at(joint.parent), at(i)).X);
+      const Real e_w_sq = decltype(m)::num_turns < 3 ? m.e_w.squaredNorm() : 0,
+                 lever_sq = joint.C.p.squaredNorm();
+      shut =
+          shut && e_w_sq <= max_apart * max_apart && m.e_v.squaredNorm() <= max_apart * max_apart * lever_sq;
+    });
+  }
+  return shut;
+}
+
+/// (39)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
+/// w.velocities are those of the last.
+template <Scene S, class TargetOfGroup>
+Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+                    Scratch<S>& w) noexcept {
+  const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
+  w.iteration.starts = w.bases;
+  for (int parts = part_ratio;; parts *= part_ratio) {
+    const Real t = h / parts;
+    const bool last_try = parts == max_parts;
+    bool hold = true;
+    for (int k = 0; k < parts && (hold || last_try); ++k) {
+      if (k > 0)
+        for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], t);
+      solve_once(par, x, k == 0 ? Solve::first : Solve::first_of_part, t, target_of, w);
+      hold = joints_hold(par, t, base, w) || iterate_joints(par, x, t, target_of, w) <= max_joint_iterations;
+    }
+    if (hold || last_try) return t;
+    w.bases = w.iteration.starts;
+  }
+}
+
+/// What became of a stage.
+struct StageEnd {
+  bool solved = true;  // false: its joints do not hold, and it was not to be parted
+  bool calm =
+      true;  // false: forces of joints changed so much in it that its accelerations say nothing of the next
+  Real h;    // from w.bases to the end: shorter than the stage where it was parted (39)
+};
+
+/// Solves the stage over h from w.bases. may_part: it is an implicit Euler step.
+template <Scene S, class TargetOfGroup>
+StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_unused]] bool may_part,
+                     const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
+  solve_once(par, x, Solve::first, h, target_of, w);
+  if constexpr (iterates_joints<S>) {
+    const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
+    if (joints_hold(par, h, base, w) || !joints_start_shut(par, x)) return {.h = h};
+    const int iterations = iterate_joints(par, x, h, target_of, w);
+    if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
+    if (!may_part) return {.solved = false, .calm = false, .h = h};
+    return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
+  }
+  return {.h = h};
+}
+
+}  // namespace godobject
