@@ -89,8 +89,12 @@ inline constexpr bool expects_turns = uses<ContactsOf<S>>&& S::Integrator::order
 
 /// (39)  Stages of bodies on joints, without contacts, are iterated.
 template <class S>
-inline constexpr bool iterates_joints =
-    uses<typename S::Joints> && !uses<ContactsOf<S>> && !S::Joints::Stabilisation::uses_base;
+constexpr bool takes_joints_again() noexcept {
+  if constexpr (uses<typename S::Joints> && !uses<ContactsOf<S>>) return !S::Joints::Stabilisation::uses_base;
+  return false;
+}
+template <class S>
+inline constexpr bool iterates_joints = takes_joints_again<S>();
 template <class S>
 struct Iteration {
   std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;     // bases of the stage
