@@ -39,10 +39,18 @@ struct TrBdf2 {
   template <Scene S>
   static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     const bool smooth = start_is_smooth(par, x, w);
-    if (!solve_stages(smooth, par, x, w)) solve_stages(false, par, x, w);
+    if (!solve_stages(smooth, par, x, w)) [[unlikely]]
+      solve_stages_as_euler(par, x, w);
   }
 
  private:
+  /// Out of the way of steps that need it not.
+  template <Scene S>
+  [[gnu::noinline]] static void solve_stages_as_euler(const Params<S>& par, const State<S>& x,
+                                                      Scratch<S>& w) noexcept {
+    solve_stages(false, par, x, w);
+  }
+
   /// Both stages, implicit Euler steps where it is not smooth. False: among bodies something has come or gone meanwhile, of
   /// which K_0 knew nothing, and which may gain energy; or joints do not hold (39).
   template <Scene S>

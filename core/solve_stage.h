@@ -27,7 +27,7 @@ int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const Target
                    Scratch<S>& w) noexcept {
   for (int k = 1; k <= max_joint_iterations; ++k) {
     w.iteration.linearised = w.velocities;
-    solve_once(par, x, Solve::again, h, target_of, w);
+    solve_once<Solve::again>(par, x, h, target_of, w);
     const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
     if (joints_hold(par, h, from, w)) return k;
   }
@@ -72,7 +72,8 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
     for (int k = 0; k < parts && (hold || last_try); ++k) {
       if (k > 0)
         for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], t);
-      solve_once(par, x, k == 0 ? Solve::first : Solve::first_of_part, t, target_of, w);
+      if (k == 0) solve_once(par, x, t, target_of, w);
+      else solve_once<Solve::first_of_part>(par, x, t, target_of, w);
       hold = joints_hold(par, t, base, w) || iterate_joints(par, x, t, target_of, w) <= max_joint_iterations;
     }
     if (hold || last_try) return t;
@@ -88,18 +89,27 @@ struct StageEnd {
   Real h;    // from w.bases to the end: shorter than the stage where it was parted (39)
 };
 
+/// A stage that is solved once and whose joints do not hold. Out of the way of those that do.
+template <Scene S, class TargetOfGroup>
+[[gnu::noinline]] StageEnd solve_until_joints_hold(const Params<S>& par, const State<S>& x, Real h,
+                                                   bool may_part, const TargetOfGroup& target_of,
+                                                   Scratch<S>& w) noexcept {
+  if (!joints_start_shut(par, x)) return {.h = h};
+  const int iterations = iterate_joints(par, x, h, target_of, w);
+  if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
+  if (!may_part) return {.solved = false, .calm = false, .h = h};
+  return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
+}
+
 /// Solves the stage over h from w.bases. may_part: it is an implicit Euler step.
 template <Scene S, class TargetOfGroup>
 StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_unused]] bool may_part,
                      const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
-  solve_once(par, x, Solve::first, h, target_of, w);
+  solve_once(par, x, h, target_of, w);
   if constexpr (iterates_joints<S>) {
     const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
-    if (joints_hold(par, h, base, w) || !joints_start_shut(par, x)) return {.h = h};
-    const int iterations = iterate_joints(par, x, h, target_of, w);
-    if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
-    if (!may_part) return {.solved = false, .calm = false, .h = h};
-    return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
+    if (!joints_hold(par, h, base, w)) [[unlikely]]
+      return solve_until_joints_hold(par, x, h, may_part, target_of, w);
   }
   return {.h = h};
 }

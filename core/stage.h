@@ -128,12 +128,12 @@ struct Scratch {
 enum class Solve : std::uint8_t { first, first_of_part, again };
 
 /// (7): the velocities of all bodies, from their systems in the tree.
-template <Scene S>
-void solve_tree(const Params<S>& par, const State<S>& x, Solve which, Real h, Scratch<S>& w) noexcept {
+template <Solve which, Scene S>
+void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
   w.tree.stiff_stop = false;
   for (std::size_t i = num_bodies(par); i-- > 0;) {
-    const Vec3 f_C = which == Solve::first ? x.bodies[i].joint.f_C : w.tree.nodes[i].F_C.f;
-    eliminate(par.bodies[i].joint, i, f_C, h, w.tree);
+    if constexpr (which == Solve::first) eliminate(par.bodies[i].joint, i, x.bodies[i].joint.f_C, h, w.tree);
+    else eliminate(par.bodies[i].joint, i, Vec3(w.tree.nodes[i].F_C.f), h, w.tree);
   }
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const StageVelocity V = solve_back(par.bodies[i].joint, i, h, w.tree);
@@ -239,9 +239,9 @@ void recall_errors(const GroupIn<S>& group, const State<S>& x, Next<S>& next) no
 
 /// Solves (10) and (11), linearised once, for every body over a time h from w.bases; target_of(g) are the targets of
 /// group g at the end of the stage. w.next holds the attitude error of the stage before, then of this one.
-template <Scene S, class TargetOfGroup>
-void solve_once(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which, Real h,
-                const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
+template <Solve which = Solve::first, Scene S, class TargetOfGroup>
+void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+                Scratch<S>& w) noexcept {
   using T = Lanes<S>;
   for (std::size_t g = 0; g < num_groups(par); ++g) {
     const GroupIn<S> group(g, num_bodies(par));
@@ -276,7 +276,7 @@ void solve_once(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve 
     if constexpr (uses<ContactsOf<S>>) {
       load_bodies(par, g, base, translation, rotation, h, w);
     } else if constexpr (uses<typename S::Joints>) {
-      if (which == Solve::again) {
+      if constexpr (which == Solve::again) {
         const RigidBodyStateOf<T> led = {base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
         load(par, g, led, translation, rotation, h, w.tree, max_iterated_turn);
       } else {
@@ -291,7 +291,7 @@ void solve_once(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve 
     if constexpr (ContactsOf<S>::between_bodies) solve_among_bodies(par, x, h, w);
     else solve_on_world(par, x, h, w);
   } else if constexpr (uses<typename S::Joints>) {
-    solve_tree(par, x, which, h, w);
+    solve_tree<which>(par, x, h, w);
   }
 }
 
