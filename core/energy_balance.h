@@ -29,20 +29,24 @@ class EnergyBalance {
   /// Before the first step.
   void start(const Params<S>& par, const State<S>& x) noexcept {
     *this = {};
-    Real T = 0, U = 0;
-    add_energy(par, x, T, U);
-    energy_ = T + U;
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      last_[i] = coupled(par, x, i);
+      energy_ += last_[i].energy;
+    }
     gravity_ = gravity_energy(par, x);
-    remember(par, x);
+    energy_ += kinetic(par, x) + gravity_ + other_springs(par, x);
   }
 
   /// After each step that was taken: of its state, scratch and output.
   void observe(const Params<S>& par, const State<S>& x, const Scratch<S>& w, const Output<S>& out) noexcept {
-    Real T = 0, U = 0, W = 0, floor = 0;
-    add_energy(par, x, T, U);
+    const Real T = kinetic(par, x), gravity = gravity_energy(par, x);
+    Real U = gravity + other_springs(par, x), W = 0, floor = gain_floor;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const RigidBodyState& body = x.bodies[i].x;
-      if constexpr (uses<typename S::Coupling>) W += coupling_work(par, x, w, i);
+      const Coupled now = coupled(par, x, i);
+      if (now.pulls || last_[i].pulls) W += coupling_work(par, x, w, i, now);
+      U += now.energy;
+      last_[i] = now;
       if constexpr (uses<typename S::Device>) {
         const Wrench& F_WB = w.pulls[i].F_WB;
         W += par.h * (F_WB.f.dot(body.v_W) + F_WB.tau.dot(to_world(body.X_WB.q, body.w_B)));
@@ -50,13 +54,12 @@ class EnergyBalance {
       if constexpr (imposes<S>) W += joint_work(par, x, out, i);
     }
     if constexpr (uses<ContactsOf<S>>) W += contact_work(par, x, w, U, floor);
-    remember(par, x);
+    const Real by_gravity = gravity - gravity_;
+    gravity_ = gravity;
     energy_ = T + U;
     work_ += W;
-    const Real gravity = gravity_energy(par, x), by_gravity = gravity - gravity_;
-    gravity_ = gravity;
     watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
-                   floor + gain_floor + Real(1e-12) * std::abs(energy_), par.h);
+                   floor + Real(1e-12) * std::abs(energy_), par.h);
   }
 
   Real energy() const noexcept { return energy_; }           // E, J
@@ -64,26 +67,51 @@ class EnergyBalance {
   const GainWatch& watch() const noexcept { return watch_; }
 
  private:
-  struct Last {
+  /// A body with its coupling at the end of a step.
+  struct Coupled {
+    bool pulls = false;  // it has a coupling
     Pose X_WB;
     Target target;
+    SpringParams spring;
     Wrench F_WB;
-    Real energy = 0, s = 0;  // of the coupling
+    Real energy = 0, s = 0;  // s: of the ramp
   };
 
-  /// All but that in contacts.
-  static void add_energy(const Params<S>& par, const State<S>& x, Real& T, Real& U) noexcept {
-    for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      const RigidBodyParams& body = par.bodies[i].body;
-      T += kinetic_energy(body, x.bodies[i].x);
-      if constexpr (uses<typename S::Coupling>) U += coupling_energy(par, x, i);
-      if constexpr (uses<typename S::Joints>) U += stops_energy(par, x, i);
+  static Coupled coupled([[maybe_unused]] const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+    const BodyState<S>& body = x.bodies[i];
+    Coupled c;
+    if constexpr (uses<typename S::Coupling>) {
+      const SpringParams& gains = par.bodies[i].coupling;
+      if (!(gains.k > 0 || gains.g > 0 || gains.k_r > 0 || gains.g_r > 0)) return c;
+      c = {.pulls = true, .X_WB = body.x.X_WB, .target = body.device.last, .s = body.device.ramp.s};
+      c.spring = ramped(gains, c.s);
+      const Quat& q = body.x.X_WB.q;
+      const Vec3 phi_B = rotation_error(q, c.target.X_WD.q, body.coupling.phi_B).phi_B;
+      const Vec3 e_W = c.target.X_WD.p - body.x.X_WB.p, w_W = to_world(q, body.x.w_B);
+      c.F_WB = {.tau = c.spring.g_r * (c.target.V_WD.w - w_W) + c.spring.k_r * to_world(q, phi_B),
+                .f = c.spring.g * (c.target.V_WD.v - body.x.v_W) + c.spring.k * e_W};
+      c.energy = Real(0.5) * (c.spring.k * e_W.squaredNorm() + c.spring.k_r * phi_B.squaredNorm());
     }
-    U += gravity_energy(par, x);
+    return c;
+  }
+
+  static Real kinetic(const Params<S>& par, const State<S>& x) noexcept {
+    Real T = 0;
+    for (std::size_t i = 0; i < num_bodies(par); ++i) T += kinetic_energy(par.bodies[i].body, x.bodies[i].x);
     if constexpr (uses<NodesOf<S>>)
       for (std::size_t j = 0; j < num_nodes(par); ++j)
         T += Real(0.5) * par.nodes.list[j].m * x.nodes[j].v_W.squaredNorm();
+    return T;
+  }
+
+  /// Of stops and terms.
+  static Real other_springs(const Params<S>& par, const State<S>& x) noexcept {
+    Real U = 0;
+    if constexpr (uses<typename S::Joints>) {
+      for (std::size_t i = 0; i < num_bodies(par); ++i) U += stops_energy(par, x, i);
+    }
     if constexpr (uses<TermsOf<S>>) U += term_energy(par, x);
+    return U;
   }
 
   static Real gravity_energy(const Params<S>& par, const State<S>& x) noexcept {
@@ -94,45 +122,34 @@ class EnergyBalance {
     return -par.gravity_W.dot(mp_W);
   }
 
-  void remember(const Params<S>& par, const State<S>& x) noexcept {
-    for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      last_[i].X_WB = x.bodies[i].x.X_WB;
-      if constexpr (uses<typename S::Coupling>) {
-        const auto& device = x.bodies[i].device;
-        last_[i].target = device.last;
-        last_[i].F_WB = coupling_wrench(par, x, i);
-        last_[i].energy = coupling_energy(par, x, i);
-        last_[i].s = device.ramp.s;
-      }
-    }
-  }
-
   /// Of the coupling's target, and of the ramp.
-  Real coupling_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w,
-                     std::size_t i) const noexcept {
-    const BodyState<S>& body = x.bodies[i];
-    const Target& D = body.device.last;
-    const Last& last = last_[i];
-    const Real s = body.device.ramp.s;
-    const SpringParams spring = ramped(par.bodies[i].coupling, s);
-    const Vec3 v_W = body.x.v_W, w_W = to_world(body.x.X_WB.q, body.x.w_B);
-    // first the target moves, then the body: its damper by the target's velocity, or by that with which it came
-    const Vec3 phi_B = rotation_error(last.X_WB.q, D.X_WD.q, body.coupling.phi_B).phi_B;
-    const Vec3 e_W = D.X_WD.p - last.X_WB.p;
-    const Vec3 moved = D.X_WD.p - last.target.X_WD.p;
-    const Vec3 turned =
-        to_world(last.target.X_WD.q, rotation_error(last.target.X_WD.q, D.X_WD.q, Vec3::Zero()).phi_B);
-    const auto damped = [&](const Vec3& v_D, const Vec3& w_D) noexcept {
-      return par.h * (spring.g * (v_D - v_W).dot(v_D) + spring.g_r * (w_D - w_W).dot(w_D));
-    };
-    Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm()) - last.energy;
-    W += std::max(damped(D.V_WD.v, D.V_WD.w), damped(moved * (1 / par.h), turned * (1 / par.h)));
-    if (w.pulls[i].fresh || !(s > 0)) return W;
-    // or both together, by the mean of the forces
-    const Wrench F = coupling_wrench(par, x, i);
-    const Real share = last.s / s;
-    return std::max(W, Real(0.5) * ((F.f + last.F_WB.f).dot(moved) + (F.tau + last.F_WB.tau).dot(turned)) +
-                           coupling_energy(par, x, i) * (1 - share * share));
+  Real coupling_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w, std::size_t i,
+                     const Coupled& now) const noexcept {
+    if constexpr (uses<typename S::Coupling>) {
+      const BodyState<S>& body = x.bodies[i];
+      const Target& D = now.target;
+      const Coupled& last = last_[i];
+      const SpringParams& spring = now.spring;
+      const Vec3 v_W = body.x.v_W, w_W = to_world(body.x.X_WB.q, body.x.w_B);
+      // first the target moves, then the body: its damper by the target's velocity, or by that with which it came
+      const Vec3 phi_B = rotation_error(last.X_WB.q, D.X_WD.q, body.coupling.phi_B).phi_B;
+      const Vec3 e_W = D.X_WD.p - last.X_WB.p;
+      const Vec3 moved = D.X_WD.p - last.target.X_WD.p;
+      const Vec3 turned =
+          to_world(last.target.X_WD.q, rotation_error(last.target.X_WD.q, D.X_WD.q, Vec3::Zero()).phi_B);
+      const auto damped = [&](const Vec3& v_D, const Vec3& w_D) noexcept {
+        return par.h * (spring.g * (v_D - v_W).dot(v_D) + spring.g_r * (w_D - w_W).dot(w_D));
+      };
+      Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm()) - last.energy;
+      W += std::max(damped(D.V_WD.v, D.V_WD.w), damped(moved * (1 / par.h), turned * (1 / par.h)));
+      if (w.pulls[i].fresh || !(now.s > 0)) return W;
+      // or both together, by the mean of the forces
+      const Wrench &F = now.F_WB, &F_0 = last.F_WB;
+      const Real share = last.s / now.s;
+      return std::max(W, Real(0.5) * ((F.f + F_0.f).dot(moved) + (F.tau + F_0.tau).dot(turned)) +
+                             now.energy * (1 - share * share));
+    }
+    return 0;
   }
 
   static TreePlace place_of(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
@@ -143,6 +160,8 @@ class EnergyBalance {
     Real E = 0;
     if constexpr (uses<typename S::Joints::Stops>) {
       const auto& joint = par.bodies[i].joint;
+      const auto is_none = [](const StopParams& stop) noexcept { return !(stop.k > 0); };
+      if (is_none(joint.stop.stops[0]) && is_none(joint.stop.stops[1])) return 0;
       with_joint(joint.kind, [&](auto kind) noexcept {
         if constexpr (requires { kind.coordinates(JointFrames{}); }) {
           const JointAt at = joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i));
@@ -198,7 +217,7 @@ class EnergyBalance {
     return W;
   }
 
-  std::array<Last, S::max_bodies> last_;
+  std::array<Coupled, S::max_bodies> last_;
   Real energy_ = 0, work_ = 0, gravity_ = 0;
   GainWatch watch_;
 };
