@@ -83,7 +83,10 @@ class EnergyBalance {
     if constexpr (uses<typename S::Coupling>) {
       const SpringParams& gains = par.bodies[i].coupling;
       if (!(gains.k > 0 || gains.g > 0 || gains.k_r > 0 || gains.g_r > 0)) return c;
-      c = {.pulls = true, .X_WB = body.x.X_WB, .target = body.device.last, .s = body.device.ramp.s};
+      c.pulls = true;
+      c.X_WB = body.x.X_WB;
+      c.target = body.device.last;
+      c.s = body.device.ramp.s;
       c.spring = ramped(gains, c.s);
       const Quat& q = body.x.X_WB.q;
       const Vec3 phi_B = rotation_error(q, c.target.X_WD.q, body.coupling.phi_B).phi_B;

@@ -105,8 +105,12 @@ oracle::Solution solved_exactly(Real l_0) {
   c.gravity = rig.par.gravity_W;
   for (std::size_t i = 0; i < 2; ++i) {
     const RigidBodyState& x = rig.x.bodies[i].x;
-    c.bodies.push_back({.name = std::to_string(i), .m = 0.05, .I_B = rig.par.bodies[i].body.I_B});
-    c.bodies.back().start = {.p = x.X_WB.p, .q = x.X_WB.q};
+    oracle::Body& body = c.bodies.emplace_back();
+    body.name = std::to_string(i);
+    body.m = 0.05;
+    body.I_B = rig.par.bodies[i].body.I_B;
+    body.start.p = x.X_WB.p;
+    body.start.q = x.X_WB.q;
   }
   const SpringParams& k = rig.par.bodies[0].coupling;
   c.bodies[0].coupling = {
@@ -118,8 +122,11 @@ oracle::Solution solved_exactly(Real l_0) {
         const Target to = rig.target(t);
         return {.p = to.X_WD.p, .q = to.X_WD.q, .v = to.V_WD.v, .w = to.V_WD.w};
       })};
-  c.bodies.push_back({.name = "node", .m = rig.par.nodes.list[0].m, .I_B = 1e-5 * Mat3::Identity()});
-  c.bodies[2].start.p = rig.node();
+  oracle::Body& node = c.bodies.emplace_back();
+  node.name = "node";
+  node.m = rig.par.nodes.list[0].m;
+  node.I_B = 1e-5 * Mat3::Identity();
+  node.start.p = rig.node();
   oracle::Joint hinge{.name = "hinge", .type = oracle::JointType::hinge, .parent = 0, .child = 1};
   hinge.anchor_P = Vec3(link / 2, 0, 0);
   hinge.anchor_C = Vec3(-link / 2, 0, 0);
@@ -197,7 +204,8 @@ void weave(Random& random, Running<S>& run) {
   place(run.x, 0, {.X_WB = {.p = 0.05 * random.vector()}, .V_WB = {.v = 0.3 * random.vector()}});
   for (par.nodes.size = 0; par.nodes.size < 6; ++par.nodes.size) {
     par.nodes.list[par.nodes.size].m = random.log_uniform(1e-6, 1);
-    run.x.nodes[par.nodes.size] = {.p_W = 0.05 * random.vector(), .v_W = 0.3 * random.vector()};
+    run.x.nodes[par.nodes.size].p_W = 0.05 * random.vector();
+    run.x.nodes[par.nodes.size].v_W = 0.3 * random.vector();
   }
   const auto draw = [&](auto& springs) {
     for (; springs.size < springs.list.size(); ++springs.size) {
