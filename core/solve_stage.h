@@ -21,6 +21,9 @@ bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, cons
   return (h * h) * (h * h) * sum <= max_bend * max_bend;
 }
 
+/// A stop is linear where it is predicted once, and does not gain; taken again it may go to and fro.
+inline constexpr int met_a_stop = -1;
+
 /// (39)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
 template <Scene S, class TargetOfGroup>
 int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
@@ -28,6 +31,7 @@ int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const Target
   for (int k = 1; k <= max_joint_iterations; ++k) {
     w.iteration.linearised = w.velocities;
     solve_once<Solve::again>(par, x, h, target_of, w);
+    if (w.tree.stop_acts) return met_a_stop;
     const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
     if (joints_hold(par, h, from, w)) return k;
   }
@@ -72,9 +76,15 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
     for (int k = 0; k < parts && (hold || last_try); ++k) {
       if (k > 0)
         for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], t);
-      if (k == 0) solve_once(par, x, t, target_of, w);
-      else solve_once<Solve::first_of_part>(par, x, t, target_of, w);
-      hold = joints_hold(par, t, base, w) || iterate_joints(par, x, t, target_of, w) <= max_joint_iterations;
+      const auto solve = [&]() noexcept {
+        if (k == 0) solve_once(par, x, t, target_of, w);
+        else solve_once<Solve::first_of_part>(par, x, t, target_of, w);
+      };
+      solve();
+      if (joints_hold(par, t, base, w) || w.tree.stop_acts) continue;
+      const int iterations = iterate_joints(par, x, t, target_of, w);
+      if (iterations == met_a_stop) solve();
+      hold = iterations <= max_joint_iterations;
     }
     if (hold || last_try) return t;
     w.bases = w.iteration.starts;
@@ -94,8 +104,12 @@ template <Scene S, class TargetOfGroup>
 [[gnu::noinline]] StageEnd solve_until_joints_hold(const Params<S>& par, const State<S>& x, Real h,
                                                    bool may_part, const TargetOfGroup& target_of,
                                                    Scratch<S>& w) noexcept {
-  if (!joints_start_shut(par, x)) return {.h = h};
+  if (w.tree.stop_acts || !joints_start_shut(par, x)) return {.h = h};
   const int iterations = iterate_joints(par, x, h, target_of, w);
+  if (iterations == met_a_stop) {
+    solve_once(par, x, h, target_of, w);
+    return {.h = h};
+  }
   if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
   if (!may_part) return {.solved = false, .calm = false, .h = h};
   return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};

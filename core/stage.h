@@ -130,7 +130,7 @@ enum class Solve : std::uint8_t { first, first_of_part, again };
 /// (7): the velocities of all bodies, from their systems in the tree.
 template <Solve which, Scene S>
 void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
-  w.tree.stiff_stop = false;
+  w.tree.stiff_stop = w.tree.stop_acts = false;
   for (std::size_t i = num_bodies(par); i-- > 0;) {
     if constexpr (which == Solve::first) eliminate(par.bodies[i].joint, i, x.bodies[i].joint.f_C, h, w.tree);
     else eliminate(par.bodies[i].joint, i, Vec3(w.tree.nodes[i].F_C.f), h, w.tree);

@@ -22,7 +22,7 @@ inline constexpr Real max_iterated_turn = 3;
 /// After more of these iterations TR-BDF2 forgets its acceleration. The same tests, heavy ends.
 inline constexpr int max_calm_iterations = 1;
 /// rad, and of the lever: a joint that is farther apart where a step starts lets its stages be solved once.
-inline constexpr Real max_apart = 1e-3;
+inline constexpr Real max_apart = 1e-4;
 /// rad: the turn that a joint takes back in one stage. tests/articulated, joints pulled apart.
 inline constexpr Real max_turned_back = 0.15;
 /// Of the distance from the centre of mass to the anchor: how far a joint moves back in one stage. The same tests.

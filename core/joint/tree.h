@@ -90,6 +90,7 @@ struct Tree {
   std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
   bool stiff_stop = false;  // a stop of the last stage turned its coordinate round within the stage
+  bool stop_acts = false;   // a coordinate was within a stop in the last stage
 
   TreeNode& parent(const JointParams& par) noexcept {
     return par.parent == world ? ground : nodes[par.parent];  // cppcheck-suppress returnTempReference
@@ -156,7 +157,7 @@ inline JointAt joint_at(const JointParams& par, const TreePlace& P, const TreePl
 /// A joint out of the system: what is left of the child hangs on the parent. q: predicted coordinates, for stops.
 template <class Joints, class Motion>
 void eliminate(const typename Joints::Params& par, const Motion& m, const JointCoordinates& q, Real h,
-               TreeNode& child, TreeNode& parent, bool& stiff_stop) noexcept {
+               TreeNode& child, TreeNode& parent, bool& stiff_stop, bool& stop_acts) noexcept {
   ArticulatedBody& a = child.body;
   const bool hangs = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
@@ -174,8 +175,10 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
       return AxisTerms{};
     };
     const auto watch = [&]([[maybe_unused]] const AxisTerms& t) noexcept {
-      if constexpr (uses<typename Joints::Stops>)
+      if constexpr (uses<typename Joints::Stops>) {
         stiff_stop |= t.D * child.axis[static_cast<std::size_t>(c)].D_inverse > stiff_stop_share;
+        stop_acts |= t.D > 0;
+      }
       ++c;
     };
     for (const Vec3& s : m.turn) {
@@ -256,7 +259,7 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Vec3& f_
         q = Kind::coordinates(joint.X);
       if (par.parent != world)
         add_tension(child.d, Column(f_C), h, Column(parent.at.V.w), parent.body.A.ww, parent.body.b.w);
-      eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop);
+      eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop, tree.stop_acts);
     };
     if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {
       if (par.lead.imposed)

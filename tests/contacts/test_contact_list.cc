@@ -278,6 +278,7 @@ struct OldScratch {
   std::array<StageVelocityOf<T>, max_groups<S>> velocities;
   [[no_unique_address]] Tree<S::max_bodies, typename S::Joints> tree;
   [[no_unique_address]] std::array<Wrench, S::max_bodies> wanted;
+  Iteration<S> iteration;
 };
 
 TEST(SceneWithoutContacts, HasNotAByteForThem) {
