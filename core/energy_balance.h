@@ -29,6 +29,11 @@ class EnergyBalance {
   /// Before the first step.
   void start(const Params<S>& par, const State<S>& x) noexcept {
     *this = {};
+    is_known_ = !uses<ContactsOf<S>>;
+    if constexpr (imposes<S>) {
+      for (std::size_t i = 0; i < num_bodies(par); ++i)
+        is_known_ = is_known_ && !par.bodies[i].joint.lead.imposed;
+    }
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       last_[i] = coupled(par, x, i);
       energy_ += last_[i].energy;
@@ -65,6 +70,9 @@ class EnergyBalance {
   Real energy() const noexcept { return energy_; }           // E, J
   Real balance() const noexcept { return energy_ - work_; }  // E - W, J
   const GainWatch& watch() const noexcept { return watch_; }
+  /// A gain that nobody gave. Of scenes whose work from outside is known well enough for that: without contacts, whose
+  /// rest penetrations are found and let go, and without led joints, whose work is known to the first order.
+  bool gains() const noexcept { return is_known_ && watch_.gains(); }
 
  private:
   /// A body with its coupling at the end of a step.
@@ -222,6 +230,7 @@ class EnergyBalance {
 
   std::array<Coupled, S::max_bodies> last_;
   Real energy_ = 0, work_ = 0, gravity_ = 0;
+  bool is_known_ = false;
   GainWatch watch_;
 };
 

@@ -157,7 +157,7 @@ class EngineOf final : public Engine {
     StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}};
     if (x_.tick != tick_) balance_.observe(par_, x_, w_, out_);  // the step was taken
     tick_ = x_.tick;
-    if (balance_.watch().gains()) report.fault |= Fault::energy_gained;
+    if (balance_.gains()) report.fault |= Fault::energy_gained;
     if constexpr (uses<ContactsOf<S>>) report.contacts = out_.contacts;
     return report;
   }

@@ -51,7 +51,45 @@ Mat3 inverse_tangent(const Vec3& phi) noexcept {
   return Mat3::Identity() + 0.5 * S + c * S * S;
 }
 
+/// Steffen's rate at a sample between intervals of lengths h_l and h_r with mean rates l and r: that of the parabola through
+/// the three samples, but none where they turn, and at most twice the smaller of the two: the cubic is monotone then.
+double limited_rate(double h_l, double l, double h_r, double r) noexcept {
+  if (!(l * r > 0)) return 0;
+  const double parabola = std::abs(l * h_r + r * h_l) / (h_l + h_r);
+  return std::copysign(std::min({parabola, 2 * std::abs(l), 2 * std::abs(r)}), l);
+}
+Vec3 limited_rate(double h_l, const Vec3& l, double h_r, const Vec3& r) noexcept {
+  Vec3 rate;
+  for (Eigen::Index c = 0; c < 3; ++c) rate[c] = limited_rate(h_l, l[c], h_r, r[c]);
+  return rate;
+}
+
+/// The limited rate at sample i; step(i, j): from sample i to its neighbour j. At either end that of the one interval.
+template <class Step>
+auto limited_rate_at(const TimeGrid& grid, std::size_t i, Step step) noexcept {
+  using T = decltype(step(i, i));
+  if (grid.size() == 1) return T(step(i, i));
+  const bool first = i == 0, last = i + 1 == grid.size();
+  const T l = first ? T(step(i, i)) : T(step(i, i - 1) * (-1 / grid.interval(i - 1)));
+  const T r = last ? T(step(i, i)) : T(step(i, i + 1) * (1 / grid.interval(i)));
+  if (first) return r;
+  if (last) return l;
+  return T(limited_rate(grid.interval(i - 1), l, grid.interval(i), r));
+}
+
 }  // namespace
+
+bool TimeGrid::is_even_at(std::size_t i) const noexcept {
+  const Stencil stencil = derivative_at(i);
+  if (stencil.size < 2) return true;
+  const auto begin = times_.begin() + static_cast<std::ptrdiff_t>(stencil.begin);
+  double least = begin[1] - begin[0], most = least;
+  for (std::ptrdiff_t j = 1; j + 1 < static_cast<std::ptrdiff_t>(stencil.size); ++j) {
+    least = std::min(least, begin[j + 1] - begin[j]);
+    most = std::max(most, begin[j + 1] - begin[j]);
+  }
+  return most <= max_unevenness * least;
+}
 
 TimeGrid::Place TimeGrid::locate(double t) const noexcept {
   if (size() == 1 || !(t >= first())) return {.resting = true};
@@ -90,6 +128,11 @@ TimeGrid::Stencil TimeGrid::derivative_at(std::size_t i) const noexcept {
 template <class T>
 VectorCurve<T>::VectorCurve(const TimeGrid& grid, std::vector<T> values) : values_(std::move(values)) {
   for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (!grid.is_even_at(i)) {
+      rates_.push_back(limited_rate_at(
+          grid, i, [&](std::size_t from, std::size_t to) { return T(values_[to] - values_[from]); }));
+      continue;
+    }
     const TimeGrid::Stencil stencil = grid.derivative_at(i);
     T rate = values_[i] * 0;
     for (std::size_t j = 0; j < stencil.size; ++j) rate += stencil.weights[j] * values_[stencil.begin + j];
@@ -116,6 +159,12 @@ RotationCurve::RotationCurve(const TimeGrid& grid, std::vector<Quat> attitudes)
   // At phi = 0 the derivative of log(q_i^-1 q(t)) is the angular velocity in body axes.
   std::vector<Vec3> w_B(n, Vec3::Zero());
   for (std::size_t i = 0; i < n; ++i) {
+    if (!grid.is_even_at(i)) {
+      w_B[i] = limited_rate_at(grid, i, [&](std::size_t from, std::size_t to) {
+        return short_rotation(attitudes_[from].conjugate() * attitudes_[to]);
+      });
+      continue;
+    }
     const TimeGrid::Stencil stencil = grid.derivative_at(i);
     for (std::size_t j = 0; j < stencil.size; ++j) {
       w_B[i] +=

@@ -1,5 +1,6 @@
-// Smooth curves through samples at increasing times: cubic, once continuously differentiable, fourth
-// order accurate. Evaluation neither allocates nor fails.
+// Smooth curves through samples at increasing times: cubic, once continuously differentiable, fourth order accurate where
+// the samples are even; where they are not, between their neighbours: rates are limited (Steffen 1990), and nothing
+// overshoots. Evaluation neither allocates nor fails.
 #pragma once
 
 #include <array>
@@ -39,6 +40,13 @@ class TimeGrid {
     std::array<double, 5> weights{};
   };
   Stencil derivative_at(std::size_t i) const noexcept;
+
+  /// Between the times of the stencil of sample i no interval is more than max_unevenness times as long as another. Where
+  /// they are not even the polynomial through the samples swings far beyond them.
+  bool is_even_at(std::size_t i) const noexcept;
+  static constexpr double max_unevenness = 3;
+  /// From sample i to the one after it, s; from the last one none.
+  double interval(std::size_t i) const noexcept { return times_[i + 1] - times_[i]; }
 
  private:
   std::vector<double> times_;

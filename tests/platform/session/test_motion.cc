@@ -190,6 +190,57 @@ TEST(Motion, HeldSamplesOvershootLittle) {
   }
 }
 
+/// Rest, a quick move, rest: between two samples the curve stays between them, however long the intervals beside are.
+TEST(Motion, UnevenSamplesAreNotOvershot) {
+  for (const double quick : {0.01, 0.001}) {
+    const double length = quick == 0.01 ? 0.01 : 1;  // m
+    std::string csv = pose_header;
+    const auto at = [&](double t, double x) {
+      csv += row(t, {Vec3(x, 0, 0), Quat(std::cos(0.5 * x), 0, std::sin(0.5 * x), 0)});
+    };
+    at(0, 0);
+    at(1, 0);
+    at(1 + quick, length);
+    at(3, length);
+    const Motion motion = *Motion::parse(csv, "m.csv", one_coupled_body()).motion;
+    for (double t = 0; t < 3; t += quick / 7) {
+      const Target target = motion.target(0, t);
+      EXPECT_GE(target.X_WD.p.x(), -1e-12) << t;
+      EXPECT_LE(target.X_WD.p.x(), length * (1 + 1e-12)) << t;
+      const double turn = 2 * std::atan2(target.X_WD.q.y(), target.X_WD.q.w());
+      EXPECT_GE(turn, -1e-9) << t;
+      EXPECT_LE(turn, length * (1 + 1e-9)) << t;
+      EXPECT_LE(target.V_WD.v.norm(), 1.5 * length / quick * (1 + 1e-9)) << t;
+    }
+  }
+}
+
+TEST(Motion, UnevenSamplesOfAnyKindStayBetweenTheirNeighbours) {
+  std::mt19937_64 engine(5);
+  std::uniform_real_distribution<double> exponent(-3, 0);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 200; ++trial) {
+    std::string csv = pose_header;
+    std::vector<double> t, x;
+    for (int i = 0; i < 30; ++i) {
+      t.push_back(i == 0 ? 0 : t.back() + std::pow(10, exponent(engine)));
+      x.push_back(0.1 * normal(engine));
+      csv += row(t.back(), {Vec3(x.back(), 0, 0), Quat::Identity()});
+    }
+    const Motion motion = *Motion::parse(csv, "m.csv", one_coupled_body()).motion;
+    const TimeGrid grid(t);
+    for (std::size_t i = 0; i + 1 < t.size(); ++i) {
+      if (grid.is_even_at(i) || grid.is_even_at(i + 1)) continue;
+      const auto [low, high] = std::minmax(x[i], x[i + 1]);
+      for (double s = 0; s <= 1; s += 0.05) {
+        const double value = motion.target(0, t[i] + s * (t[i + 1] - t[i])).X_WD.p.x();
+        EXPECT_GE(value, low - 1e-9);
+        EXPECT_LE(value, high + 1e-9);
+      }
+    }
+  }
+}
+
 TEST(Motion, WrenchColumnsDriveAnAdmittanceDevice) {
   SceneConfig scene = one_coupled_body();
   scene.bodies[0].coupling.reset();
