@@ -30,10 +30,10 @@ constexpr ContactLaw floor_law{.k = 800, .c = 1.5, .push_out = 10};
 /// A link of 0.06 m along x on the ground, by a sphere at either end, its hinge about y, and the second link up from it.
 template <class S>
 struct Rig : Running<S> {
+  using Running<S>::par;
   Vec3 start = Vec3(link / 2, 0, 0);  // of the lower link
 
   explicit Rig(Real h, Real l_0) {
-    auto& par = this->par;
     par.h = h;
     par.gravity_W = Vec3(0, 0, -9.81);
     par.num_bodies = 2;
@@ -70,22 +70,22 @@ struct Rig : Running<S> {
     engage_at(this->x, 0, target(0));
     EXPECT_EQ(validate(par), Invalid::nothing);
   }
-  SpringParams& coupling() { return this->par.bodies[0].coupling; }
+  SpringParams& coupling() { return par.bodies[0].coupling; }
   Pose upper() const { return {.p = start + Vec3(link / 2, 0, link / 2), .q = exp_so3(Vec3(0, -pi / 2, 0))}; }
   static Vec3 tip() { return Vec3(link / 2, 0, 0.01); }
   Vec3 node() const { return start + Vec3(link / 2 + 0.03, 0.01, link + 0.02); }
   Vec3 anchor() const { return node() + Vec3(0.01, 0.02, 0.02); }
   /// The device sways the lower link to and fro and turns it.
   Target target(Real t) const {
-    const Real w = 2 * pi * 5, s = 1 - std::cos(w * t), ds = w * std::sin(w * t);
+    const Real omega = 2 * pi * 5, s = 1 - std::cos(omega * t), ds = omega * std::sin(omega * t);
     const Vec3 by(2e-3, 1e-3, -2e-4), turn(0, 0, 0.05);
     return {.X_WD = {.p = start + s * by, .q = exp_so3(Vec3(s * turn))},
             .V_WD = {.w = ds * turn, .v = ds * by}};
   }
   /// Positions of links and node at the end.
   std::vector<Vec3> moved() {
-    for (long n = 1; n <= std::lround(duration / this->par.h); ++n) {
-      const Target to = target(static_cast<Real>(n) * this->par.h);
+    for (long n = 1; n <= std::lround(duration / par.h); ++n) {
+      const Target to = target(static_cast<Real>(n) * par.h);
       this->in.devices[0] = {};
       this->in.devices[0].X_WD = to.X_WD;
       this->in.devices[0].V_WD = to.V_WD;
