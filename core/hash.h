@@ -74,9 +74,9 @@ class Hash {
     add(x.X_DB);
   }
   template <class J>
-  requires requires(const J& x) { x.f_C; }
+  requires requires(const J& x) { x.F_C; }
   void add(const J& x) noexcept {
-    add(x.f_C);
+    add(x.F_C);
     if constexpr (std::is_base_of_v<ImposedJoints::State, J>)
       add(static_cast<const ImposedJoints::State&>(x));
   }

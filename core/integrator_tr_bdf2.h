@@ -174,7 +174,7 @@ struct TrBdf2 {
   template <Scene S>
   static bool is_calm(const Scratch<S>& w) noexcept {
     bool calm = true;
-    if constexpr (uses<typename S::Joints>) calm = !w.tree.stiff_stop;
+    if constexpr (uses<typename S::Joints>) calm = !w.tree.is_stiff;
     if constexpr (uses<ContactsOf<S>>)
       calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
     return calm;

@@ -130,10 +130,10 @@ enum class Solve : std::uint8_t { first, first_of_part, again };
 /// (7): the velocities of all bodies, from their systems in the tree.
 template <Solve which, Scene S>
 void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
-  w.tree.stiff_stop = w.tree.stop_acts = false;
+  w.tree.is_stiff = w.tree.stop_acts = false;
   for (std::size_t i = num_bodies(par); i-- > 0;) {
-    if constexpr (which == Solve::first) eliminate(par.bodies[i].joint, i, x.bodies[i].joint.f_C, h, w.tree);
-    else eliminate(par.bodies[i].joint, i, Vec3(w.tree.nodes[i].F_C.f), h, w.tree);
+    if constexpr (which == Solve::first) eliminate(par.bodies[i].joint, i, x.bodies[i].joint.F_C, h, w.tree);
+    else eliminate(par.bodies[i].joint, i, Wrench(w.tree.nodes[i].F_C), h, w.tree);
   }
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const StageVelocity V = solve_back(par.bodies[i].joint, i, h, w.tree);
@@ -146,17 +146,23 @@ void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) 
 /// contacts.
 template <Scene S, class T>
 void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
-                 const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation, Real h,
-                 Scratch<S>& w) noexcept {
+                 const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
+                 [[maybe_unused]] const Vector3<T>& F_W, Real h, Scratch<S>& w) noexcept {
   const TreePlaceOf<T> at = place<T>(Vector3<T>::Zero(), predicted(base, h));
   const Matrix3<T>& R = at.R_WB;
   const Matrix3<T> A_W = R * rotation.A_B * R.transpose();
   const Vector3<T> b_w = R * rotation.b_B;
   const Vector3<T> w_W = solve3<T>(A_W, b_w), v_W = translation.b_W * T(1 / translation.M);
-  const Matrix3<T> A_s = Real(0.5) * (A_W + A_W.transpose());
+  Matrix3<T> A_s = Real(0.5) * (A_W + A_W.transpose());
   Vector3<T> b_s = A_s * w_W;
   if constexpr (expects_turns<S>) {
     if (w.turns.known) b_s -= (A_W - A_s) * (R * w.turns.w_B[g] - w_W);
+  }
+  if constexpr (uses<typename S::Joints>) {
+    const GroupIn<S> group(g, num_bodies(par));
+    const Vector3<T>& p_C =
+        gathered(group, [&](std::size_t i) -> const Vec3& { return par.bodies[i].joint.C.p; });
+    stiffen<T>(-(R * p_C), h * h * F_W, at.V.w, A_s, b_s);
   }
   const auto A_0 = columns(A_s.col(0).eval()), A_1 = columns(A_s.col(1).eval()),
              A_2 = columns(A_s.col(2).eval());
@@ -272,15 +278,16 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
 
     const TranslationSystemOf<T> translation =
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
+    const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // where the stage starts
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
     if constexpr (uses<ContactsOf<S>>) {
-      load_bodies(par, g, base, translation, rotation, h, w);
+      load_bodies(par, g, base, translation, rotation, F_0, h, w);
     } else if constexpr (uses<typename S::Joints>) {
       if constexpr (which == Solve::again) {
         const RigidBodyStateOf<T> led = {base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
-        load(par, g, led, translation, rotation, h, w.tree, max_iterated_turn);
+        load(par, g, led, translation, rotation, F_0, h, w.tree, max_iterated_turn);
       } else {
-        load(par, g, base, translation, rotation, h, w.tree);
+        load(par, g, base, translation, rotation, F_0, h, w.tree);
       }
     } else {
       w.velocities[g] = {.v_W = translation.b_W * T(1 / translation.M),

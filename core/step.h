@@ -83,7 +83,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (uses<typename S::Coupling>) x.bodies[i].coupling.phi_B = lane(next.coupling.phi_B, j);
     if constexpr (uses<typename S::Device>) x.bodies[i].device = carried_over(w.pulls[i]);
     if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
-    if constexpr (uses<typename S::Joints>) x.bodies[i].joint.f_C = w.tree.nodes[i].F_C.f;
+    if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
   }
   if constexpr (uses<NodesOf<S>>) std::copy_n(w.nodes.next.begin(), num_nodes(par), x.nodes.begin());
   if constexpr (uses<ContactsOf<S>>) x.contacts.assign(w.contacts.memories[w.contacts.last]);

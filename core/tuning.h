@@ -30,6 +30,9 @@ inline constexpr Real max_moved_back = 0.2;
 /// Of a coordinate's pivot: a stop stiffer than that turns it round within the stage, and TR-BDF2 forgets its
 /// acceleration. tests/articulated, stops.
 inline constexpr Real stiff_stop_share = 0.2;
+/// (21), (40), of a body's A in a stage: below the first geometric stiffness is not felt; where more than the second is
+/// left out of it, TR-BDF2 forgets its acceleration. tests/articulated/test_contradicted.cc, test_heavy_ends.cc.
+inline constexpr Real felt_share = 0.01, stiff_joint_share = 0.1;
 
 // What may touch (core/contact/find).
 

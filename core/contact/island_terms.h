@@ -20,7 +20,9 @@ void begin_terms(const typename Contacts::Terms::Params& par, Real h,
         if (u >= N - Contacts::max_nodes) return;
         Column w_W(w.finder.at[u].V.w);
         if constexpr (Contacts::jointed) w_W -= w.graph.joints.V_p[u].w;
-        add_tension(r, -F, h, w_W, w.stages[u].A_ww, w.stages[u].b_w);
+        const Block K = block(lever_stiffness<Real>(r.vec(), h * h * F.vec()));
+        w.stages[u].A_ww += K;
+        w.stages[u].b_w += K * w_W;
       });
       if constexpr (Contacts::jointed) kind.shift(w.graph.joints.V_p, stage);
       w.graph.terms[w.graph.num_terms++] = {stage.ends};

@@ -26,7 +26,8 @@ struct TouchingJoints {
   };
   std::array<Node, N> nodes;
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
-  bool stiff_stop = false;  // a stop of the last stage turned its coordinate round within the stage
+  bool is_stiff =
+      false;  // a stop or a force of a joint may have turned something round within the last stage
 };
 
 /// The same with its anchor at a_W.
@@ -142,10 +143,48 @@ JointTwists set_edge(const typename Joints::Params& par, const Led& led, std::si
   return twists;
 }
 
+/// (21), (40)  Into the stages of the bodies of joint i, w_P the parent's predicted angular velocity. touched: something
+/// bore a contact in the step before. What joints bear jumps then, and the pull along their levers alone is taken.
+template <class Contacts, std::size_t N>
+void stiffen(JointKind kind, std::size_t i, const Vec3& w_P, const Wrench& F_C, Real h, bool touched,
+             bool& is_stiff, BodyContactScratch<Contacts, N>& w) noexcept {
+  const auto& all = w.graph.joints;
+  const JointEdge& edge = all.edges[i];
+  const bool hangs = edge.on_body();
+  const Column d = hangs ? edge.a_W - all.edges[edge.parent].a_W : Column(Pack(0));
+  if (touched) {
+    if (!hangs) return;
+    BodyStage& parent = w.stages[edge.parent];
+    const Block K = pull_stiffness(d, -h * h * F_C.f);
+    parent.A_ww += K;
+    parent.b_w += K * Column(w_P);
+    return;
+  }
+  const Vec3 r = (all.p[i] - edge.a_W).vec();
+  BodyStage& child = w.stages[i];
+  const Real A_child = mean_of(child.A_ww),
+             A_parent = hangs ? mean_of(w.stages[edge.parent].A_ww) : std::numeric_limits<Real>::max();
+  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return;
+  with_joint(kind, [&](auto of_kind) noexcept {
+    using Motion = decltype(of_kind.motion(JointFrames{}));
+    const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, child.M);
+    is_stiff |= K.is_stiff;
+    const TreePlace& at = w.finder.at[i];
+    child.A_ww += Block::identity() * K.turn;
+    child.M += K.shift;
+    child.b_w += Column(at.V.w) * K.turn;
+    child.b_v += Column(at.V.v) * K.shift;
+    if (!hangs) return;
+    BodyStage& parent = w.stages[edge.parent];
+    parent.A_ww += K.parent;
+    parent.b_w += K.parent * Column(w_P);
+  });
+}
+
 /// The joint of body i: its edge, V_p of the body, V_0 that obeys the joint, and what tension and stops are to stages.
 template <Scene S, class Contacts>
-void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
-                 const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
+void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool touched, Real h,
+                 TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                  BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
   auto& all = w.graph.joints;
   JointEdge& edge = all.edges[i];
@@ -164,9 +203,8 @@ void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
   if (edge.on_body()) {
     all.joined[parent] = true;
     w.finder.owned[i].tree = w.finder.owned[parent].tree;
-    BodyStage& stage = w.stages[parent];
-    add_tension(edge.a_W - all.edges[parent].a_W, Column(f_C), h, Column(P.V.w), stage.A_ww, stage.b_w);
   }
+  stiffen(par.bodies[i].joint.kind, i, P.V.w, F_C, h, touched, tree.is_stiff, w);
   each_stop(i, all, [&](const SpatialVector& F) noexcept {
     add_impulse(F, w.stages[i]);
     if (edge.on_body()) add_impulse(moved_wrench(F, all.p[i] - all.p[parent]) * -1, w.stages[parent]);
@@ -176,9 +214,10 @@ void begin_joint(const Params<S>& par, std::size_t i, const Vec3& f_C, Real h,
 /// The joints where the stage is predicted to end, and the bodies' stages for V - V_p.
 template <Scene S, class Contacts>
 void begin_joints(const Params<S>& par, const State<S>& x, Real h,
-                  const TouchingJoints<S::max_bodies, typename S::Joints>& tree,
+                  TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                   BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
   auto& all = w.graph.joints;
+  tree.is_stiff = false;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const typename S::Joints::Params& joint = par.bodies[i].joint;
     const TreePlace& at = w.finder.at[i];
@@ -198,7 +237,8 @@ void begin_joints(const Params<S>& par, const State<S>& x, Real h,
     all.V_p[u] = SpatialVector::zero();
   }
   for (std::size_t i = 0; i < num_bodies(par); ++i)
-    if (all.edges[i].kind != JointKind::free) begin_joint(par, i, x.bodies[i].joint.f_C, h, tree, w);
+    if (all.edges[i].kind != JointKind::free)
+      begin_joint(par, i, x.bodies[i].joint.F_C, x.contacts.size > 0, h, tree, w);
   for (std::size_t i = 0; i < num_bodies(par); ++i)
     if (all.joined[i]) add_impulse(times(w.stages[i], all.V_p[i]) * -1, w.stages[i]);
 }
@@ -223,7 +263,6 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
                 TouchingJoints<S::max_bodies, typename S::Joints>& tree) noexcept {
   const auto& all = w.graph.joints;
   auto& F = w.x.Ap;
-  tree.stiff_stop = false;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     if (!all.joined[i]) continue;
     const BodyStage& stage = w.stages[i];
@@ -232,7 +271,7 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
                                                   .v = stage.b_v + Column(on_contacts.f) * h};
     if (all.edges[i].kind == JointKind::free) continue;
     for (std::size_t k = 0; k < 2; ++k)
-      tree.stiff_stop |= all.edges[i].stop_D[k] * w.system.joints[i].D_inverse[k] > stiff_stop_share;
+      tree.is_stiff |= all.edges[i].stop_D[k] * w.system.joints[i].D_inverse[k] > stiff_stop_share;
   }
   each_term_impulse(w, [&](std::uint32_t u, const SpatialVector& J) noexcept {
     if (all.joined[u]) F[u] = F[u] - J;

@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "core/body/implicit_stage.h"
+#include "core/joint/geometric_stiffness.h"
 #include "core/joint/imposed.h"
 #include "core/joint/list.h"
 #include "core/joint/stabilisation.h"
@@ -36,7 +37,7 @@ struct TreeJoints {
     bool driven = true;  // false: the device has no motor on this link; its feedback goes to the parent's (9)
   };
   struct State : Imposed::State {
-    Vec3 f_C = Vec3::Zero();  // force of the joint in the last step
+    Wrench F_C;  // of the joint in the last step
   };
   using Input = typename Imposed::Input;
   struct Output {
@@ -89,8 +90,9 @@ struct Tree {
   // places where the stage starts
   std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
-  bool stiff_stop = false;  // a stop of the last stage turned its coordinate round within the stage
-  bool stop_acts = false;   // a coordinate was within a stop in the last stage
+  bool is_stiff =
+      false;  // a stop or a force of a joint may have turned something round within the last stage
+  bool stop_acts = false;  // a coordinate was within a stop in the last stage
 
   TreeNode& parent(const JointParams& par) noexcept {
     return par.parent == world ? ground : nodes[par.parent];  // cppcheck-suppress returnTempReference
@@ -112,8 +114,9 @@ RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h,
 /// joints' anchors.
 template <Scene S, class T>
 void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
-          const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation, Real h,
-          Tree<S::max_bodies, typename S::Joints>& tree, Real max_turn = max_predicted_turn) noexcept {
+          const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
+          const Vector3<T>& F_W, Real h, Tree<S::max_bodies, typename S::Joints>& tree,
+          Real max_turn = max_predicted_turn) noexcept {
   const Group<T> group(g, num_bodies(par));
   const Vector3<T>& p_C =
       gathered(group, [&](std::size_t i) -> const Vec3& { return par.bodies[i].joint.C.p; });
@@ -125,7 +128,8 @@ void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
   const Vector3<T> Mr = translation.M * r;
   Matrix3<T> A_ww = R * rotation.A_B * R.transpose() - Mr * r.transpose();
   A_ww.diagonal().array() += Mr.dot(r);
-  const Vector3<T> b_w = R * rotation.b_B + r.cross(translation.b_W);
+  Vector3<T> b_w = R * rotation.b_B + r.cross(translation.b_W);
+  stiffen<T>(r, h * h * F_W, at.V.w, A_ww, b_w);
 
   const T zero = 0;
   const auto A_0 = columns(A_ww.col(0).eval()), A_1 = columns(A_ww.col(1).eval()),
@@ -157,7 +161,7 @@ inline JointAt joint_at(const JointParams& par, const TreePlace& P, const TreePl
 /// A joint out of the system: what is left of the child hangs on the parent. q: predicted coordinates, for stops.
 template <class Joints, class Motion>
 void eliminate(const typename Joints::Params& par, const Motion& m, const JointCoordinates& q, Real h,
-               TreeNode& child, TreeNode& parent, bool& stiff_stop, bool& stop_acts) noexcept {
+               TreeNode& child, TreeNode& parent, bool& is_stiff, bool& stop_acts) noexcept {
   ArticulatedBody& a = child.body;
   const bool hangs = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
@@ -176,7 +180,7 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
     };
     const auto watch = [&]([[maybe_unused]] const AxisTerms& t) noexcept {
       if constexpr (uses<typename Joints::Stops>) {
-        stiff_stop |= t.D * child.axis[static_cast<std::size_t>(c)].D_inverse > stiff_stop_share;
+        is_stiff |= t.D * child.axis[static_cast<std::size_t>(c)].D_inverse > stiff_stop_share;
         stop_acts |= t.D > 0;
       }
       ++c;
@@ -195,15 +199,24 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
   }
 }
 
-/// (21)  The force of a joint turns with its parent: -f at d from the parent's own anchor does a torque that changes by
-/// -h ((w+ - w^) x d) x f, a pendulum's stiffness s h^2 (d^2 1 - d d^T) for the part of f along d; none where it pushes.
-/// A_ww, b_w: of the parent, whose predicted angular velocity is w.
-inline void add_tension(const Column& d, const Column& f, Real h, const Column& w, Block& A_ww,
-                        Column& b_w) noexcept {
-  const Real pull = std::max(-dot(d, f), Real(0));
-  const Column sd = d * (h * h * pull / std::max(dot(d, d), std::numeric_limits<Real>::min()));
-  A_ww += Block::identity() * dot(sd, d) - outer(sd, d);
-  b_w += cross(sd, cross(w, d));
+/// (21), (40)  A is that much more than it would be, and b as much as that where the velocities are those predicted.
+template <class Motion>
+void stiffen(bool hangs, const Wrench& F_C, Real h, TreeNode& child, TreeNode& parent,
+             bool& is_stiff) noexcept {
+  ArticulatedBody &a = child.body, &p = parent.body;
+  const Column d = hangs ? child.d : Column(Pack(0));
+  const Vec3 r = child.at.p_W - child.at.a_W;
+  const Real A_child = mean_of(a.A.ww), A_parent = hangs ? mean_of(p.A.ww) : std::numeric_limits<Real>::max();
+  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return;
+  const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, mean_of(a.A.vv));
+  is_stiff |= K.is_stiff;
+  a.A.ww += Block::identity() * K.turn;
+  a.A.vv += Block::identity() * K.shift;
+  a.b.w += Column(child.at.V.w) * K.turn;
+  a.b.v += Column(child.at.V.v) * K.shift;
+  if (!hangs) return;
+  p.A.ww += K.parent;
+  p.b.w += K.parent * Column(parent.at.V.w);
 }
 
 /// The twist of a child, and the wrench its joint needs, F = A_a X V_parent - b_a.
@@ -233,7 +246,7 @@ void solve_back(bool hangs, Real h, const TreeNode& parent, TreeNode& child) noe
 
 /// Joint i and its child out of the system, children before parents. f_C: of the joint in the step before.
 template <class Joints, std::size_t N>
-void eliminate(const typename Joints::Params& par, std::size_t i, const Vec3& f_C, Real h,
+void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& F_C, Real h,
                Tree<N, Joints>& tree) noexcept {
   TreeNode& child = tree.nodes[i];
   TreeNode& parent = tree.parent(par);
@@ -257,9 +270,8 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Vec3& f_
       JointCoordinates q = JointCoordinates::Zero();
       if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
         q = Kind::coordinates(joint.X);
-      if (par.parent != world)
-        add_tension(child.d, Column(f_C), h, Column(parent.at.V.w), parent.body.A.ww, parent.body.b.w);
-      eliminate<Joints>(par, m, q, h, child, parent, tree.stiff_stop, tree.stop_acts);
+      stiffen<decltype(m)>(par.parent != world, F_C, h, child, parent, tree.is_stiff);
+      eliminate<Joints>(par, m, q, h, child, parent, tree.is_stiff, tree.stop_acts);
     };
     if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {
       if (par.lead.imposed)

@@ -9,8 +9,9 @@ namespace {
 
 constexpr PoseError advised_offset{.m = 0.1, .rad = 0.5}, largest_offset{.m = 1, .rad = 3};
 
+/// By more than rounding.
 bool exceeds(const PoseError& offset, const PoseError& bound) {
-  return offset.m > bound.m || offset.rad > bound.rad;
+  return offset.m > 1.001 * bound.m || offset.rad > 1.001 * bound.rad;
 }
 
 std::string text_of(const std::string& body, const PoseError& offset) {
