@@ -189,7 +189,9 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
   DeviceSample out;
   out.q.resize(n);
   out.q_dot.resize(n);
-  out.valid = std::ranges::none_of(drives_, [now](const DriveOnBus& d) { return d.drive.silent(now); });
+  // where a sensor jumped is not where the hand is: the last good pose stands until the fault is cleared
+  out.valid = !any(faults() & RigFault::sample_implausible) &&
+              std::ranges::none_of(drives_, [now](const DriveOnBus& d) { return d.drive.silent(now); });
   out.fresh = true;
   out.t_ns = now;
   for (Eigen::Index i = 0; i < n; ++i) {

@@ -395,6 +395,12 @@ TEST_F(RigTest, OneSpikeIsOneInvalidSampleThreeAreAFault) {
   encoder_counts = 5000;
   cycles(3);
   EXPECT_EQ(rig.faults(), RigFault::sample_implausible);
+  // the sensor agrees with itself from there on, but its jump leads no tool
+  cycles(100);
+  EXPECT_FALSE(sample.valid);
+  rig.clear_faults(now);
+  cycles(100);
+  EXPECT_TRUE(sample.valid);
 }
 
 TEST_F(RigTest, BusOff) {
