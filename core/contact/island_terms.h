@@ -20,7 +20,7 @@ void begin_terms(const typename Contacts::Terms::Params& par, Real h,
         if (u >= N - Contacts::max_nodes) return;
         Column w_W(w.finder.at[u].V.w);
         if constexpr (Contacts::jointed) w_W -= w.graph.joints.V_p[u].w;
-        const Block K = block(lever_stiffness<Real>(r.vec(), h * h * F.vec()));
+        const Block K = block_of(lever_stiffness<Real>(r.vec(), h * h * F.vec()));
         w.stages[u].A_ww += K;
         w.stages[u].b_w += K * w_W;
       });

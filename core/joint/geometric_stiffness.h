@@ -44,7 +44,7 @@ inline Block pull_stiffness(const Column& d, const Vec3& F) noexcept {
 /// Of a block of an A, the mean of its diagonal.
 inline Real mean_of(const Block& A) noexcept { return (A.col[0].x() + A.col[1].y() + A.col[2].z()) / 3; }
 
-inline Block block(const Mat3& A) noexcept {
+inline Block block_of(const Mat3& A) noexcept {
   return {{Column(Vec3(A.col(0))), Column(Vec3(A.col(1))), Column(Vec3(A.col(2)))}};
 }
 
@@ -79,7 +79,7 @@ template <class Motion>
   constexpr int turns = Motion::num_turns, slides = Motion::num_slides;
   const Vec3 d_W = d.vec(), f = h * h * F_C.f;
   const Real size = f.norm();
-  JointStiffness K{.parent = block(lever_stiffness<Real>(d_W, -f))};
+  JointStiffness K{.parent = block_of(lever_stiffness<Real>(d_W, -f))};
   Real of_parent = 0;
   if constexpr (turns == 1 || turns == 2) of_parent = K.turn = h * h * F_C.tau.norm() / 2;
   if constexpr (slides > 0) {

@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 
 #include "platform/scene/hold_keys.h"
 #include "platform/scene/text/toml_reader.h"
 #include "platform/session/motion.h"
+#include "platform/session/sudden_moves.h"
 
 namespace godobject {
 
@@ -264,10 +266,31 @@ class MotionReader {
     return values;
   }
 
+  /// column: where the note points to.
+  template <class Distance>
+  void note_sudden_move(const std::string& column, const std::string& what, const char* unit,
+                        double least_speed, Distance distance) {
+    const std::optional<SuddenMove> move = sudden_move(*motion_.grid_, least_speed, distance);
+    if (!move) return;
+    std::array<char, 200> text{};
+    std::snprintf(
+        text.data(), text.size(),
+        " moves by %.3g %s in %.3g s, more than 10 times as fast as before and after: is a sample wrong, or "
+        "one missing?",
+        move->distance, unit, move->time);
+    log_.warning(table_.place(move->from + 1, *table_.find(column)), "'" + what + "'" + text.data());
+  }
+
   void fill_poses() {
     for (const std::string& body : bodies_) {
       std::vector<Quat> q = attitudes(body);
       if (!log_.ok()) return;
+      const std::array p{numbers(body + ".x"), numbers(body + ".y"), numbers(body + ".z")};
+      note_sudden_move(body + ".x", body, "m", 1, [&](std::size_t i) {
+        return std::hypot(p[0][i + 1] - p[0][i], p[1][i + 1] - p[1][i], p[2][i + 1] - p[2][i]);
+      });
+      note_sudden_move(body + ".qw", body, "rad", 10,
+                       [&](std::size_t i) { return q[i].angularDistance(q[i + 1]); });
       motion_.poses_.push_back(
           {vectors(body + ".x", body + ".y", body + ".z"), RotationCurve(*motion_.grid_, std::move(q))});
     }
@@ -279,8 +302,13 @@ class MotionReader {
     }
   }
   void fill_joints() {
-    for (const std::string& joint : joint_columns())
-      motion_.joints_.emplace_back(*motion_.grid_, numbers(joint));
+    for (const DeviceJoint& joint : scene_.device->rig->tree.joints) {
+      const std::vector<double> q = numbers(joint.name);
+      const bool turns = joint.kind == DeviceJointKind::hinge;
+      note_sudden_move(joint.name, joint.name, turns ? "rad" : "m", turns ? 10 : 1,
+                       [&](std::size_t i) { return std::abs(q[i + 1] - q[i]); });
+      motion_.joints_.emplace_back(*motion_.grid_, q);
+    }
   }
 
   void fill_switches() {

@@ -101,7 +101,10 @@ TEST_F(ArticulatedReference, HeavyTop) {
   const auto second = ladder<TrBdf2>("heavy-top", top, 1e-3, 4, 2);
   EXPECT_LE(second[0].drift_m, 1e-4);
   EXPECT_GE(order(second[2].position, second[3].position), 1.9);
-  for (const Errors& e : ladder<ImplicitEuler>("heavy-top", top, 1e-3, 4, 2)) EXPECT_LE(e.position, 2.5);
+  // of 2 m that are possible, the top being 1 m long: Euler takes the energy of the fast spin
+  const auto first = ladder<ImplicitEuler>("heavy-top", top, 1e-3, 4, 2);
+  EXPECT_LE(first[0].position, 1.2);
+  EXPECT_GE(order(first[2].position, first[3].position), 0.7);
 }
 
 }  // namespace

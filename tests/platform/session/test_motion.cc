@@ -443,6 +443,26 @@ TEST(Motion, OtherColumnsAreNoted) {
   EXPECT_THAT(result.notes, ElementsAre(HasSubstr("column 'jaw' is not used")));
 }
 
+/// x at 1 ms each; the note, if any.
+std::vector<std::string> notes_on(const std::vector<double>& x) {
+  std::string csv = "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n";
+  for (std::size_t i = 0; i < x.size(); ++i)
+    csv += std::to_string(0.001 * static_cast<double>(i)) + "," + std::to_string(x[i]) + ",0,0,1,0,0,0\n";
+  return Motion::parse(csv, "m.csv", one_coupled_body()).notes;
+}
+
+TEST(Motion, SuddenMovesAreNoted) {
+  EXPECT_THAT(notes_on({0, 0.001, 0.002, 0.003, 0.004}), IsEmpty());
+  EXPECT_THAT(notes_on({0, 0, 0, 0.002, 0.004, 0.006}), IsEmpty());       // sets out
+  EXPECT_THAT(notes_on({0, 0.0001, 0.0002, 0.0008, 0.0009}), IsEmpty());  // slow
+  EXPECT_THAT(
+      notes_on({0, 0.001, 0.002, 1.003, 1.004, 1.005}),
+      ElementsAre(HasSubstr("m.csv:4:2: 'tool' moves by 1 m in 0.001 s, more than 10 times as fast")));
+  EXPECT_THAT(notes_on({0, 0.001, 0.5, 0.003, 0.004, 0.005}),  // there and back
+              ElementsAre(HasSubstr("m.csv:3:2: 'tool' moves by 0.499 m in 0.001 s")));
+  EXPECT_THAT(notes_on({0, 1}), IsEmpty());
+}
+
 std::string shared_dir() {
   const char* from_environment = std::getenv("GODOBJECT_SHARED");
   return from_environment ? from_environment : GODOBJECT_SOURCE_DIR "/../shared";
