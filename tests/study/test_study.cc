@@ -243,15 +243,22 @@ TEST(InstructionCount, SaysWhyThereIsNone) {
   EXPECT_FALSE(counter.per_step("pose-1 tr-bdf2"));
 }
 
-TEST(InstructionCount, DoesNotDependOnTheMotion) {
+TEST(InstructionCount, DependsOnTheMotionForGeometricStiffnessAlone) {
   InstructionCounter counter((default_probe_directory() / "godobject_probe").string());
   if (!counter.why_not().empty()) GTEST_SKIP() << counter.why_not();
   for (const auto& [composition, motion] : {std::pair{"pose-joints-4 implicit-euler", "s3"},
                                             {"pose-joints-4 tr-bdf2", "s3"},
                                             {"free-joints-8 tr-bdf2", "s5"}}) {
-    const std::optional<double> fast = counter.per_step(composition, motion);
-    ASSERT_TRUE(fast) << composition;
-    EXPECT_EQ(fast, counter.per_step(composition, std::string(motion) + "-slow")) << composition;
+    const std::optional<double> fast = counter.per_step(composition, motion),
+                                slow = counter.per_step(composition, std::string(motion) + "-slow");
+    ASSERT_TRUE(fast && slow) << composition;
+    // Decision 040: a joint's geometric stiffness is worked out where a stage feels it, at most in every step.
+    const bool is_felt = composition == std::string_view("pose-joints-4 implicit-euler");
+    if (!is_felt) {
+      EXPECT_EQ(*fast, *slow) << composition;
+    }
+    EXPECT_GE(*fast, *slow) << composition;
+    EXPECT_LT(*fast, 1.15 * *slow) << composition;
   }
 }
 

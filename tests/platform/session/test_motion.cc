@@ -457,9 +457,9 @@ TEST(Motion, SuddenMovesAreNoted) {
   EXPECT_THAT(notes_on({0, 0.0001, 0.0002, 0.0008, 0.0009}), IsEmpty());  // slow
   EXPECT_THAT(
       notes_on({0, 0.001, 0.002, 1.003, 1.004, 1.005}),
-      ElementsAre(HasSubstr("m.csv:4:2: 'tool' moves by 1 m in 0.001 s, more than 10 times as fast")));
+      ElementsAre(HasSubstr("m.csv:5:10: 'tool' moves by 1 m in 0.001 s, more than 10 times as fast")));
   EXPECT_THAT(notes_on({0, 0.001, 0.5, 0.003, 0.004, 0.005}),  // there and back
-              ElementsAre(HasSubstr("m.csv:3:2: 'tool' moves by 0.499 m in 0.001 s")));
+              ElementsAre(HasSubstr("m.csv:4:10: 'tool' moves by 0.499 m in 0.001 s")));
   EXPECT_THAT(notes_on({0, 1}), IsEmpty());
 }
 
