@@ -1,0 +1,53 @@
+// Nets: deformable tools and organs, the paper's mass/spring surface nets. Nodes are particles; springs with dampers join
+// them; each may hang by an anchor, a damped spring of zero length, on a point of its carrier, the rigid component of the
+// net, which is a body like any other (the god-object), or on a point of the world.
+//
+// The room: springs.h is what anchors and springs are in a stage and what acts on them, incomplete_factor.h the
+// preconditioner of the nodes, coupled_system.h bodies and nodes as one system, contacts.h the contacts of nodes,
+// stage.h nodes from stage to stage, setup.h what is derived and checked before the first step.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/body/node.h"
+#include "core/contact/contact.h"
+
+namespace godobject {
+
+/// A node. Nodes of one carrier are in a row.
+struct NetNode {
+  Real m = 0;                // kg, > 0
+  std::size_t body = world;  // the carrier; world: the net lies in the scene
+  Vec3 p_B = Vec3::Zero();   // where its anchor is: from the carrier's centre of mass in body axes, or in the world, m
+  Real k = 0, g = 0;         // of the anchor, N/m and N s/m; both 0: none
+  Real radius = 0;           // of the sphere by which it touches, m; 0: it touches nothing
+  MaterialId material = 0;
+};
+
+/// A spring between two nodes, i < j. With the ends x apart, l = |x|, u = x / l, the force on j is (36)
+/// F = -k (l - l_0) u - g (u . x') u.
+struct NetSpring {
+  std::uint32_t i = 0, j = 0;
+  Real k = 0, g = 0, l_0 = 0;  // N/m, N s/m, m
+};
+
+/// Constant while running. Springs are in the order of i, then j (order_net() in setup.h puts them so).
+template <std::size_t max_nodes, std::size_t max_springs>
+struct NetParams {
+  std::array<NetNode, max_nodes> nodes;
+  std::size_t num_nodes = 0;
+  std::array<NetSpring, max_springs> springs;
+  std::size_t num_springs = 0;
+  int max_iterations = 12;   // of conjugate gradients in a stage
+  Real tolerance = 1e-4;     // m/s: an iteration that changes no velocity by more is the last
+};
+
+/// The net part of a scene: all of its nets together. Capacities: nodes, springs, contacts of nodes at a time.
+template <std::size_t nodes_, std::size_t springs_, std::size_t contacts_>
+struct MassSpringNet {
+  static constexpr std::size_t max_nodes = nodes_, max_springs = springs_, max_contacts = contacts_;
+  using Params = NetParams<nodes_, springs_>;
+};
+
+}  // namespace godobject
