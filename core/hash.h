@@ -126,6 +126,10 @@ std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
   hash.add(x.contacts);
   if constexpr (uses<NodesOf<S>>)
     for (std::size_t j = 0; j < num_nodes(par); ++j) hash.add(x.nodes[j]);
+  if constexpr (uses<NetOf<S>>) {
+    for (std::size_t n = 0; n < num_net_nodes(par); ++n) hash.add(x.net.nodes[n]);
+    hash.add(x.net.contacts);
+  }
   return hash.value();
 }
 

@@ -27,7 +27,7 @@ struct ImplicitEuler {
     begin_stage<S>({.relaxing = par.h}, w);
     const StageEnd end = solve_stage(par, x, par.h, true, targets_at_the_end(par, w), w);
     for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(w.bases[g], w.velocities[g], end.h);
-    end_nodes(par, end.h, w);
+    end_nodes(par, x, end.h, w);
   }
 };
 

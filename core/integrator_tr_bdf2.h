@@ -70,6 +70,8 @@ struct TrBdf2 {
       if (ContactsOf<S>::between_bodies && smooth && !alike) return false;
       still_smooth = still_smooth && alike;
     }
+    if constexpr (uses<NetOf<S>>)
+      still_smooth = still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
     const Real h_2 = still_smooth ? d * h : (1 - c) * h;
     if constexpr (expects_turns<S>) w.turns.known = still_smooth;
     for (std::size_t g = 0; g < num_groups(par); ++g) {
@@ -86,7 +88,7 @@ struct TrBdf2 {
       }
     }
     if (still_smooth) extend_nodes(par, x, b * h, h_1, w);
-    else follow_nodes(par, h_1, w);
+    else follow_nodes(par, x, h_1, w);
     lead_joints(par, 1, w);
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
@@ -105,7 +107,7 @@ struct TrBdf2 {
                      .known = is_calm(w) && last.calm};
       next.x = moved(w.bases[g], V_2, last.h);
     }
-    end_nodes(par, h_2, w);
+    end_nodes(par, x, h_2, w);
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
       if (ContactsOf<S>::between_bodies && smooth) return touch_alike(memories[0], memories[1]);
@@ -177,6 +179,8 @@ struct TrBdf2 {
     if constexpr (uses<typename S::Joints>) calm = !w.tree.is_stiff;
     if constexpr (uses<ContactsOf<S>>)
       calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
+    if constexpr (uses<NetOf<S>>)
+      calm = calm && touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
     return calm;
   }
 

@@ -10,6 +10,7 @@
 //     using Contacts = FixedContacts<10, 1, 20>;  // or BodyContacts; may be left out: nothing touches anything
 //     using Nodes = NodeList<25>;                 // particles; may be left out
 //     using Terms = TermList<DampedSprings<40>>;  // what else acts; may be left out
+//     using Net = MassSpringNet<1000, 3000, 300>;  // deformable tools and organs; needs BodyContacts; may be left out
 //   };
 //   static_assert(Scene<Peg>);
 #pragma once
@@ -21,7 +22,9 @@
 
 #include "core/body/node.h"
 #include "core/body/rigid_body.h"
+#include "core/contact/memory.h"
 #include "core/fault.h"
+#include "core/net/net.h"
 
 namespace godobject {
 
@@ -90,6 +93,18 @@ template <class S>
 using TermsOf = typename TermsSlot<S>::type;
 
 template <class S>
+struct NetSlot {
+  using type = None;
+};
+template <class S>
+requires requires { typename S::Net; }
+struct NetSlot<S> {
+  using type = typename S::Net;
+};
+template <class S>
+using NetOf = typename NetSlot<S>::type;
+
+template <class S>
 constexpr std::size_t count_nodes() noexcept {
   if constexpr (uses<NodesOf<S>>) return NodesOf<S>::max;
   return 0;
@@ -119,12 +134,18 @@ concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || 
 template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
 template <class S>
 concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
+template <class S>
+constexpr bool contacts_are_between_bodies() noexcept {
+  if constexpr (uses<ContactsOf<S>>) return ContactsOf<S>::between_bodies;
+  return false;
+}
+template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || contacts_are_between_bodies<S>();
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
 concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
     CouplingIsAPart<S> && FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && ContactsAreAPart<S> &&
-    NodesAndTermsNeedContacts<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+    NodesAndTermsNeedContacts<S> && NetNeedsBodyContacts<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
 template <class S>
@@ -145,6 +166,7 @@ struct Params {
   [[no_unique_address]] Slot<typename ContactsOf<S>::Params, 10> contacts;
   [[no_unique_address]] Slot<typename NodesOf<S>::Params, 18> nodes;
   [[no_unique_address]] Slot<typename TermsOf<S>::Params, 19> terms;
+  [[no_unique_address]] Slot<typename NetOf<S>::Params, 21> net;
 };
 
 /// A scene made for one body has one: its loops vanish.
@@ -152,6 +174,11 @@ template <class S>
 constexpr std::size_t num_bodies(const Params<S>& par) noexcept {
   if constexpr (S::max_bodies == 1) return 1;
   return par.num_bodies;
+}
+template <class S>
+constexpr std::size_t num_net_nodes(const Params<S>& par) noexcept {
+  if constexpr (uses<NetOf<S>>) return par.net.num_nodes;
+  return 0;
 }
 template <class S>
 constexpr std::size_t num_nodes(const Params<S>& par) noexcept {
@@ -181,12 +208,28 @@ using NodeState = NodeStateOf<Slot<typename S::Integrator::NodeMemory, 0>>;
 template <class S>
 using NodeStates = std::conditional_t<uses<NodesOf<S>>, std::array<NodeState<S>, max_nodes<S>>, Absent<18>>;
 
+/// Of nets: their nodes, and what contacts of these carry over.
+template <class S, class Net>
+struct NetStateOf {
+  std::array<NodeState<S>, Net::max_nodes> nodes;
+  ContactMemories<Net::max_contacts> contacts;
+};
+template <class S>
+struct NetStateType {
+  using type = Absent<21>;
+};
+template <class S>
+requires(uses<NetOf<S>>) struct NetStateType<S> {
+  using type = NetStateOf<S, NetOf<S>>;
+};
+
 template <class S>
 struct State {
   std::array<BodyState<S>, S::max_bodies> bodies;
   std::uint64_t tick = 0;  // steps taken
   [[no_unique_address]] Slot<typename ContactsOf<S>::State, 10> contacts;
   [[no_unique_address]] NodeStates<S> nodes;
+  [[no_unique_address]] typename NetStateType<S>::type net;
 };
 
 /// A part for every body, or nothing for all.
@@ -214,6 +257,7 @@ template <class S>
 struct Output {
   std::array<BodyOutput<S>, S::max_bodies> bodies;
   [[no_unique_address]] Slot<typename ContactsOf<S>::Output, 10> contacts;
+  [[no_unique_address]] Slot<typename NetOf<S>::Output, 21> net;
   Fault fault = Fault::none;
   Limited limited = Limited::none;
 };

@@ -7,6 +7,7 @@
 #include "core/device/device.h"
 #include "core/device/feedback.h"
 #include "core/joint/tree.h"
+#include "core/net/setup.h"
 
 namespace godobject {
 
@@ -26,6 +27,7 @@ enum class Invalid : std::uint8_t {
   contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
   contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
   node,             // more nodes than there is room for, or one without mass
+  net,   // more nodes or springs than there is room for, a node without mass or of no body, carriers or springs not in order
   term,  // between bodies or nodes that are not there, or with a number that is negative or not finite
   not_imposable,  // an imposed joint of a kind without coordinates of its own: free, fixed or ball
 };
@@ -99,11 +101,6 @@ inline bool is_valid(const ContactLaw& law) noexcept {
 inline bool is_equal(const ContactLaw& a, const ContactLaw& b) noexcept {
   return a.k == b.k && a.c == b.c && a.mu == b.mu && a.k_t == b.k_t && a.c_t == b.c_t &&
          a.push_out == b.push_out;
-}
-
-/// Kinds of shapes that a body may carry: convex and bounded.
-constexpr bool is_carried(ShapeKind kind) noexcept {
-  return kind == ShapeKind::box || kind == ShapeKind::sphere || kind == ShapeKind::capsule;
 }
 
 /// Contacts of bodies numbered below num_bodies. on_bodies: surfaces may be, too.
@@ -182,6 +179,8 @@ Invalid validate(const Params<S>& par) noexcept {
     };
     if constexpr (uses<NodesOf<S>>)
       if (!is_valid(par.nodes)) return Invalid::node;
+    if constexpr (uses<NetOf<S>>)
+      if (!is_valid_net(par.net, par.num_bodies)) return Invalid::net;
     if constexpr (uses<TermsOf<S>>)
       if (!are_valid(par.terms.of_kinds, is_there)) return Invalid::term;
     return validate_contacts(par.contacts, par.num_bodies, ContactsOf<S>::between_bodies, is_there);

@@ -3,6 +3,7 @@
 
 #include "core/body/implicit_stage.h"
 #include "core/contact/bodies.h"
+#include "core/net/solve.h"
 #include "core/device/device.h"
 #include "core/joint/tree.h"
 #include "core/math/flatten.h"
@@ -51,8 +52,9 @@ inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
 template <class S>
 struct TouchingType {
   using OfBodies = std::conditional_t<uses<typename S::Joints>, OnJoints<ContactsOf<S>>, ContactsOf<S>>;
-  using type = std::conditional_t<uses<NodesOf<S>> || uses<TermsOf<S>>,
-                                  WithTerms<OfBodies, TermsOf<S>, max_nodes<S>>, OfBodies>;
+  using OfTerms = std::conditional_t<uses<NodesOf<S>> || uses<TermsOf<S>>,
+                                     WithTerms<OfBodies, TermsOf<S>, max_nodes<S>>, OfBodies>;
+  using type = std::conditional_t<uses<NetOf<S>>, WithNet<OfTerms, NetOf<S>>, OfTerms>;
 };
 template <class S>
 using TouchingOf = typename TouchingType<S>::type;
@@ -101,6 +103,21 @@ struct Iteration {
   std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;  // where the joints were taken
 };
 
+/// The nodes of nets: where the stage starts, and where it ends.
+template <class S>
+struct NetMotionsType {
+  using type = Absent<21>;
+};
+template <class S>
+requires(uses<NetOf<S>>) struct NetMotionsType<S> {
+  struct type {
+    std::array<NodeMotion, NetOf<S>::max_nodes> bases;
+    std::array<NodeState<S>, NetOf<S>::max_nodes> next;  // committed if finite
+  };
+};
+template <class S>
+using NetMotionsOf = typename NetMotionsType<S>::type;
+
 /// Scratch: undefined between steps.
 template <class S>
 struct Scratch {
@@ -120,6 +137,7 @@ struct Scratch {
   [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,
                                            Absent<18>>
       nodes;
+  [[no_unique_address]] NetMotionsOf<S> net;  // nodes of nets
   [[no_unique_address]] ContactScratchOf<S> contacts;
 };
 
@@ -204,8 +222,16 @@ void solve_touching(const Params<S>& par, const State<S>& x, Real h, Scratch<S>&
   if constexpr (uses<NodesOf<S>>) load_nodes(par, h, w);
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, h, w.tree, contacts);
   if constexpr (uses<TermsOf<S>>) begin_terms(par.terms, h, contacts);
-  solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts);
-  end_contacts(par.contacts, h, contacts);
+  if constexpr (uses<NetOf<S>>) {
+    const NetInput<NetOf<S>> net{par.net, x.net.contacts, par.gravity_W};
+    begin_net(net, w.net.bases, h, contacts);
+    solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts, net);
+    end_contacts(par.contacts, h, contacts);
+    end_net(par.contacts, net, h, contacts);
+  } else {
+    solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts);
+    end_contacts(par.contacts, h, contacts);
+  }
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const SpatialVector& V = contacts.x.V[i];

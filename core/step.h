@@ -46,6 +46,9 @@ bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
   if constexpr (uses<NodesOf<S>>)
     for (std::size_t j = 0; j < num_nodes(par); ++j)
       all += w.nodes.next[j].p_W.sum() + w.nodes.next[j].v_W.sum();
+  if constexpr (uses<NetOf<S>>)
+    for (std::size_t n = 0; n < num_net_nodes(par); ++n)
+      all += w.net.next[n].p_W.sum() + w.net.next[n].v_W.sum();
   return is_finite(all);
 }
 
@@ -86,6 +89,10 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
   }
   if constexpr (uses<NodesOf<S>>) std::copy_n(w.nodes.next.begin(), num_nodes(par), x.nodes.begin());
+  if constexpr (uses<NetOf<S>>) {
+    std::copy_n(w.net.next.begin(), num_net_nodes(par), x.net.nodes.begin());
+    x.net.contacts.assign(w.contacts.net.memories[w.contacts.net.last]);
+  }
   if constexpr (uses<ContactsOf<S>>) x.contacts.assign(w.contacts.memories[w.contacts.last]);
   x.tick += 1;
 }
@@ -125,6 +132,10 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   const bool taken = !any(out.fault);
   if constexpr (uses<ContactsOf<S>>) {
     if (taken) out.contacts = w.contacts.report;
+  }
+  if constexpr (uses<NetOf<S>>) {
+    if (taken) out.net = w.contacts.net.report;
+    if (taken && w.contacts.net.near.full()) out.fault |= Fault::contacts_full;
   }
 
   // feedback: (8), moved to driven links (9), bounded

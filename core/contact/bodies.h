@@ -69,12 +69,17 @@ void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noex
     pair.entry = pair.touches || pair.is_deep ? w.system.couple(pair.parent, pair.child) : no_slot;
   });
   couple_terms(island, w);
+  if constexpr (Contacts::has_net) {
+    if (island.has_net)
+      for (std::size_t k = 0; k < w.net.num_pairs; ++k)
+        w.net.pairs[k].entry = w.system.couple(w.net.pairs[k].carrier, w.net.pairs[k].touched);
+  }
   order(w.system);
 }
 
 /// The terms of the system of an island: stages (10), (11), (34), contacts (24), stops (19).
 template <class Contacts, std::size_t N>
-void load_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+void load_system([[maybe_unused]] Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& system = w.system;
   system.begin_loading();
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
@@ -91,6 +96,14 @@ void load_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexc
   });
   load_terms(island, w);
   if constexpr (Contacts::jointed) add_stops(island, w);
+  if constexpr (Contacts::has_net) {
+    w.system.keep();
+    if (!island.has_net) return;
+    gather_net_contacts(h, w.net);
+    load_impulses(w);
+    load_riding(w);
+    factor_nodes(w.net);
+  }
 }
 
 /// Forces of the contacts of an island at the velocities of their points, and their cases in the next pass. True: the
@@ -123,57 +136,90 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
   factorize_and_solve(w.system, w.x.Ap, w.x.V);
 }
 
+/// How a system is solved, and when its iterations are to end.
+struct Solving {
+  bool is_coupled = false;              // with the nodes of nets: by iteration
+  bool has_contacts = false;
+  int most_iterations = 0;              // if coupled: in all Newton iterations
+  Real tolerance = velocity_tolerance;  // m/s
+
+  /// In the next Newton iteration, after so many: half of what is left, as contacts may leave their modes.
+  int allowed(int iterations) const noexcept {
+    const int left = most_iterations - iterations;
+    return has_contacts ? (left + 1) / 2 : left;
+  }
+};
+
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
-template <class Contacts, std::size_t N>
-void solve_island(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+template <class System, class Contacts, std::size_t N>
+void solve_island(Real h, const Island& island, const Solving& how, System& system,
+                  BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
   using Seeking = SeekingOf<Contacts>;
   if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);
   ContactResidual most;
   each_pack(x.V_0, island, w,
-            [](ContactPack& c, const SpatialVector& V) noexcept { foresee<Seeking::tangents>(c, V); });
+            [](ContactPack& c, const auto& V) noexcept { foresee<Seeking::tangents>(c, V); });
   constexpr int most_iterations = Contacts::jointed ? max_newton_iterations_on_joints : max_newton_iterations;
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
   for (bool done = false; !done && newton_iterations < most_iterations; ++newton_iterations) {
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
-    load_system(island, w);
-    if (w.system.is_complete && newton_iterations > 0) w.system.multiply(x.V_0, x.AV_0);
-    if (w.system.is_complete) {
+    load_system(h, island, w);
+    bool converged = true;
+    if (!how.is_coupled && w.system.is_complete) {
+      if (newton_iterations > 0) w.system.multiply(x.V_0, x.AV_0);
       solve_complete(w);
       left = 0;
     } else {
       const bool seeks = pass_of<Seeking>(newton_iterations) != Pass::as_it_was;
+      const int allowed = how.is_coupled ? how.allowed(iterations) : seeks ? max_iterations_seeking : max_iterations;
       factorize(w.system);
-      iterations +=
-          iterate(seeks ? max_iterations_seeking : max_iterations, w.system, x,
-                  [&](std::uint32_t i, const SpatialVector& V) noexcept { return speed_sq(w.stages[i], V); });
-      left = largest_left(1, w);
+      const int taken =
+          iterate(allowed, how.tolerance, system, x,
+                  [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
+      converged = taken < allowed;
+      iterations += taken;
+      left = largest_left(1, system, w);
     }
     if (move_contacts(island, w)) {
       // those predicted solve nothing that could be lost
-      if (newton_iterations > 0) search_line(h, island, w);
-      left = scale_velocities(h, island, w);
+      if (newton_iterations > 0) search_line(h, island, system, w);
+      left = scale_velocities(h, island, system, w);
     }
-    done = settle_contacts(newton_iterations, island, w, most) &&
-           left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
-    w.system.each([&](std::uint32_t u) noexcept { x.V_0[u] = x.V[u]; });
+    done = settle_contacts(newton_iterations, island, w, most);
+    if (how.is_coupled) done = (done && converged) || iterations >= how.most_iterations;
+    else done = done && left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
+    system.each([&](auto u) noexcept { x.V_0[u] = x.V[u]; });
+  }
+  const Real residual = std::max(left / h, most.worst());
+  if constexpr (Contacts::has_net) {
+    if (how.is_coupled) {
+      w.net.report = {.iterations = iterations, .newton_iterations = newton_iterations, .residual = residual};
+      return;
+    }
   }
   w.report.num_without_room += w.system.is_complete ? 0 : 1;
-  w.report.residual = std::max({w.report.residual, left / h, most.worst()});
+  w.report.residual = std::max(w.report.residual, residual);
   w.report.newton_iterations = std::max(w.report.newton_iterations, newton_iterations);
   w.report.iterations = std::max(w.report.iterations, iterations);
 }
 
-/// The velocities of all bodies that touch anything; V_0: those they are predicted to have.
-template <class Contacts, std::size_t N>
+/// The velocities of all bodies that touch anything; V_0: those they are predicted to have. net: NetInput, or nothing.
+template <class Contacts, std::size_t N, class... Net>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w, const Net&... net) noexcept {
   find_contacts(par, before, num_bodies, h, w.finder, w.near);
+  (find_net_contacts(par, net, num_bodies, h, w), ...);
   find_pairs(num_bodies, w);
   begin_contacts(par, before, num_bodies, h, w);
+  (begin_net_contacts(par, net, h, w), ...);
   w.report = {.num_near = w.near.size};
-  for (std::size_t n = 0; n < w.graph.num_islands; ++n) solve_island(h, w.graph.islands[n], w);
+  for (std::size_t n = 0; n < w.graph.num_islands; ++n) {
+    const Island& island = w.graph.islands[n];
+    if (!island.has_net) solve_island(h, island, {}, w.system, w);
+  }
+  (solve_net(h, net, w), ...);
 }
 
 /// The contact forces of packs [first, end) on their body, about its centre of mass; what they say goes into the report.

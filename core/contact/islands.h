@@ -32,7 +32,7 @@ struct TouchingBody {
 /// Bodies that are near each other, and to none but these: a system of its own. Ranges of the order of TouchingGraph.
 struct Island {
   std::uint32_t first_body = 0, end_body = 0, first_pair = 0, end_pair = 0;
-  bool has_terms = false;
+  bool has_terms = false, has_net = false;
 };
 
 /// Scratch: undefined between steps.
@@ -103,10 +103,12 @@ void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed, ma
 }
 
 /// The islands, each with its bodies and pairs. touches[i]: body i touches anything.
-template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms>
+/// join_more(): joins what else acts on each other.
+template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms, class JoinMore>
 void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
-                  TouchingGraph<N, max_pairs, jointed, max_terms>& w) noexcept {
+                  TouchingGraph<N, max_pairs, jointed, max_terms>& w, JoinMore join_more) noexcept {
   join_bodies(num_bodies, w);
+  join_more();
   const auto is_alone = [&](std::uint32_t i) noexcept {
     if constexpr (jointed) {
       if (w.joints.joined[i]) return false;

@@ -276,7 +276,12 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
   each_term_impulse(w, [&](std::uint32_t u, const SpatialVector& J) noexcept {
     if (all.joined[u]) F[u] = F[u] - J;
   });
-  for (std::size_t i = 0; i < num_bodies(par); ++i)
+  if constexpr (Contacts::has_net) {
+    each_carried(w.net, [&](const NetRun& run) noexcept {
+      if (all.joined[run.body]) F[static_cast<std::uint32_t>(run.body)] = F[static_cast<std::uint32_t>(run.body)] - w.net.on_carriers[run.body];
+    });
+  }
+  for (std::uint32_t i = 0; i < num_bodies(par); ++i)
     if (all.joined[i]) w.x.V[i] = w.x.V[i] + all.V_p[i];
   for (std::size_t i = num_bodies(par); i-- > 0;) {
     const JointEdge& edge = all.edges[i];

@@ -13,10 +13,10 @@
 
 namespace godobject {
 
-/// f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island.
-template <class Contacts, std::size_t N, class F>
-void each_pack(const std::array<SpatialVector, N>& V, const Island& island,
-               BodyContactScratch<Contacts, N>& w, F f) noexcept {
+/// f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island. Those of nets are
+/// among them where V has their nodes.
+template <class Velocities, class Contacts, std::size_t N, class F>
+void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
     for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) f(w.packs[p], V[i]);
   });
@@ -24,6 +24,8 @@ void each_pack(const std::array<SpatialVector, N>& V, const Island& island,
     const SpatialVector V_rel = V[pair.child] - shifted(V[pair.parent], pair.d);
     for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) f(w.packs[p], V_rel);
   });
+  if constexpr (requires { V[NetNodeNumber{}]; })
+    if (island.has_net) each_net_pack(V, w.net, f);
 }
 
 template <class Contacts, std::size_t N, class F>
@@ -34,6 +36,9 @@ void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) no
   w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
     for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) f(w.packs[p]);
   });
+  if constexpr (Contacts::has_net)
+    if (island.has_net)
+      for (std::size_t p = 0; p < w.net.num_packs; ++p) f(w.net.packs[p]);
 }
 
 /// The slope of E along a line in velocities, at t: slope + t curvature with the cases that were solved for, and what
@@ -97,7 +102,7 @@ inline bool has_left_its_case(const ContactPack& c) noexcept {
 template <class Contacts, std::size_t N>
 bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool differs = false;
-  each_pack(w.x.V, island, w, [&](ContactPack& c, const SpatialVector& V) noexcept {
+  each_pack(w.x.V, island, w, [&](ContactPack& c, const auto& V) noexcept {
     c.v_n_0 = c.n.dot(c.v);
     move(c, V);
     differs = differs || has_left_its_case(c);
@@ -107,13 +112,14 @@ bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noe
 
 /// V on the way from V_0 to V where (29) is least. A V_0 = AV_0 and A V = b - r, with the cases that were solved for;
 /// so it is after.
-template <class Contacts, std::size_t N>
-void search_line(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+template <class System, class Contacts, std::size_t N>
+void search_line(Real h, const Island& island, const System& system,
+                 BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
-  const auto& b = w.system.b;
+  const auto& b = system.b;
   SpatialSum slope, end;
-  w.system.each([&](std::uint32_t u) noexcept {
-    const SpatialVector d = x.V[u] - x.V_0[u];
+  system.each([&](auto u) noexcept {
+    const auto d = x.V[u] - x.V_0[u];
     slope.add(d, x.AV_0[u] - b[u]);
     end.add(d, x.r[u]);
   });
@@ -124,20 +130,21 @@ void search_line(Real h, const Island& island, BodyContactScratch<Contacts, N>& 
   const Real t =
       where_flat(1, line_tolerance * -slope, [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
   if (t == 1) return;
-  w.system.each([&](std::uint32_t u) noexcept {
+  system.each([&](auto u) noexcept {
     x.V[u] = x.V_0[u] + (x.V[u] - x.V_0[u]) * t;
     x.r[u] = (b[u] - x.AV_0[u]) * (1 - t) + x.r[u] * t;
   });
-  each_pack(x.V, island, w, [](ContactPack& c, const SpatialVector& V) noexcept { move(c, V); });
+  each_pack(x.V, island, w, [](ContactPack& c, const auto& V) noexcept { move(c, V); });
 }
 
 /// The multiple of V where (29) is least. Returns the largest force that is left unbalanced, times h.
-template <class Contacts, std::size_t N>
-Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+template <class System, class Contacts, std::size_t N>
+Real scale_velocities(Real h, const Island& island, const System& system,
+                      BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
-  const auto& b = w.system.b;
+  const auto& b = system.b;
   SpatialSum VAV, Vb;
-  w.system.each([&](std::uint32_t u) noexcept {
+  system.each([&](auto u) noexcept {
     VAV.add(x.V[u], b[u] - x.r[u]);
     Vb.add(x.V[u], b[u]);
   });
@@ -147,9 +154,9 @@ Real scale_velocities(Real h, const Island& island, BodyContactScratch<Contacts,
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
   const Real s =
       where_flat(2, scale_tolerance * VAV, [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
-  w.system.each([&](std::uint32_t u) noexcept { x.V[u] = x.V[u] * s; });
+  system.each([&](auto u) noexcept { x.V[u] = x.V[u] * s; });
   each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
-  return largest_left(s, w);
+  return largest_left(s, system, w);
 }
 
 }  // namespace godobject

@@ -4,6 +4,7 @@
 #include "core/contact/find/find.h"
 #include "core/contact/islands.h"
 #include "core/contact/stage.h"
+#include "core/net/coupled_system.h"
 #include "core/system/conjugate_gradients.h"
 
 namespace godobject {
@@ -15,6 +16,7 @@ struct FixedContacts {
   static constexpr bool between_bodies = false;
   static constexpr bool jointed = false;                      // OnJoints
   static constexpr std::size_t max_nodes = 0, max_terms = 0;  // WithTerms
+  static constexpr bool has_net = false;                      // WithNet
   using Params = ContactParams<spheres_, surfaces_>;
   using State = ContactMemories<contacts_>;
   using Output = ContactReport;
@@ -34,6 +36,13 @@ template <class Contacts, class Terms_, std::size_t nodes>
 struct WithTerms : Contacts {
   using Terms = Terms_;
   static constexpr std::size_t max_nodes = nodes, max_terms = Terms::max_terms;
+};
+
+/// The contacts of a scene that has a net.
+template <class Contacts, class Net_>
+struct WithNet : Contacts {
+  using Net = Net_;
+  static constexpr bool has_net = true;
 };
 
 /// A body's stage, about its centre of mass, world axes. Its A has a skew part (11), which a solve by A = A^T cannot
@@ -71,6 +80,21 @@ struct LinePacks {
   std::size_t size = 0;
 };
 
+template <class Contacts, std::size_t N>
+constexpr std::size_t count_net_pairs() noexcept {
+  if constexpr (Contacts::has_net) return NetStage<typename Contacts::Net, N>::max_pairs;
+  return 0;
+}
+template <class Contacts, std::size_t N>
+inline constexpr std::size_t max_net_pairs = count_net_pairs<Contacts, N>();
+template <class Contacts>
+constexpr std::size_t count_net_packs() noexcept {
+  if constexpr (Contacts::has_net) return NetStage<typename Contacts::Net, 1>::max_packs;
+  return 0;
+}
+template <class Contacts>
+inline constexpr std::size_t max_net_packs = count_net_packs<Contacts>();
+
 template <class Contacts>
 struct TermStagesType {
   using type = Absent<19>;
@@ -78,6 +102,20 @@ struct TermStagesType {
 template <class Contacts>
 requires(Contacts::max_terms > 0) struct TermStagesType<Contacts> {
   using type = typename Contacts::Terms::Stages;
+};
+
+/// What a scene with a net has more, and what its systems are solved as.
+template <class Contacts, std::size_t N, class System>
+struct NetStageType {
+  using type = Absent<21>;
+  using Coupled = System;
+  using CoupledB = Absent<22>;
+};
+template <class Contacts, std::size_t N, class System>
+requires(Contacts::has_net) struct NetStageType<Contacts, N, System> {
+  using type = NetStage<typename Contacts::Net, N>;
+  using Coupled = CoupledSystem<System, type>;
+  using CoupledB = typename Coupled::Vector;
 };
 
 /// Scratch: undefined between steps. N: bodies and nodes.
@@ -92,20 +130,23 @@ struct BodyContactScratch {
                                           ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
                                           : N;
   static constexpr std::size_t max_entries =
-      std::max<std::size_t>(max_pairs + max_terms + (Contacts::jointed ? N : 0), 1);
-  using System =
-      BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room, Contacts::jointed>;
+      std::max<std::size_t>(max_pairs + max_terms + (Contacts::jointed ? N : 0) + max_net_pairs<Contacts, N>, 1);
+  using System = BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room, Contacts::jointed,
+                             Contacts::has_net>;
+  using OfNet = NetStageType<Contacts, N, System>;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;
   std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
   std::size_t num_groups = 0;
   std::array<BegunContact, max_contacts> begun;  // of the near ones
   std::array<ContactPack, max_packs> packs;      // each of one pair, or one body with the world
-  LinePacks<max_packs> line;                     // those that leave their cases on it
+  LinePacks<max_packs + max_net_packs<Contacts>> line;  // those that leave their cases on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename TermStagesType<Contacts>::type terms;
-  System system;            // of the island at hand
-  SystemVectors<System> x;  // V: velocities of all bodies; V_0: those predicted, then of the iteration before
+  System system;                                          // of the island at hand
+  SystemVectors<typename OfNet::Coupled> x;               // V: velocities of all bodies; V_0: those predicted, then of the iteration before
+  [[no_unique_address]] typename OfNet::type net;         // nodes of nets
+  [[no_unique_address]] typename OfNet::CoupledB coupled_b;  // b of bodies and nets
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;
   std::array<ContactMemories<max_contacts>, 2> memories;
@@ -114,6 +155,20 @@ struct BodyContactScratch {
   std::array<Wrench, N> wrenches;
   ContactReport report;
 };
+
+/// Joins the bodies that carry nodes of nets, and those that are touched by them.
+template <class Contacts, std::size_t N>
+void join_net(BodyContactScratch<Contacts, N>& w) noexcept {
+  const auto of_net = [&](std::uint32_t i) noexcept {
+    w.touches[i] = true;
+    if (w.net.first_body == w.net.no_body) w.net.first_body = i;
+    w.graph.join(i, w.net.first_body);
+  };
+  w.net.first_body = w.net.no_body;
+  each_carried(w.net, [&](const NetRun& run) noexcept { of_net(static_cast<std::uint32_t>(run.body)); });
+  for (std::size_t k = 0; k < w.net.near.size; ++k)
+    if (w.net.near.list[k].b < N) of_net(w.net.near.list[k].b);
+}
 
 /// Number of the near contact's pair, or that of its body with the world.
 inline std::uint32_t pair_of(const NearContact& near) noexcept {
@@ -150,7 +205,11 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
       if (term.is_between()) w.touches[term.i] = true;
     }
   }
-  make_islands(w.touches, num_bodies, w.graph);
+  make_islands(w.touches, num_bodies, w.graph, [&]() noexcept {
+    if constexpr (Contacts::has_net) join_net(w);
+  });
+  if constexpr (Contacts::has_net)
+    if (w.net.first_body != w.net.no_body) w.graph.island_with(w.net.first_body).has_net = true;
 }
 
 /// The normal force that a contact begins with: that of the stage before; of a new one, F_n at the predicted velocities.

@@ -96,6 +96,12 @@ inline void move(ContactPack& c, const SpatialVector& V) noexcept {
   c.v = V_v + V_w.cross(c.r);
 }
 
+/// The same of contacts that each have a velocity of their own.
+struct PackVelocity {
+  Vector3<Pack> v;
+};
+inline void move(ContactPack& c, const PackVelocity& V) noexcept { c.v = V.v; }
+
 /// A speed of slip that can be divided by.
 inline Pack speed_of(const Vector3<Pack>& s) noexcept {
   return max(sqrt(s.squaredNorm()), Pack(std::numeric_limits<Real>::min()));
@@ -149,8 +155,8 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most) noex
 }
 
 /// The cases of the first pass: at the normal forces that c.F foresees and the velocities of the contact points.
-template <bool tangents>
-void foresee(ContactPack& c, const SpatialVector& V) noexcept {
+template <bool tangents, class Velocity>
+void foresee(ContactPack& c, const Velocity& V) noexcept {
   move(c, V);
   const Pack F_n = c.n.dot(c.F);
   const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;

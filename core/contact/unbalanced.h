@@ -10,32 +10,47 @@ inline Real speed_sq(const BodyStage& stage, const SpatialVector& V) noexcept {
   return dot(V.v, V.v) + dot(V.w, stage.A_ww * V.w) / stage.M;
 }
 
+/// The same of unknown u; a node is its own centre of mass.
+template <class Stages>
+Real speed_sq_of(const Stages& stages, std::uint32_t u, const SpatialVector& V) noexcept {
+  return speed_sq(stages[u], V);
+}
+template <class Stages>
+Real speed_sq_of(const Stages&, NetNodeNumber, const Column& v) noexcept {
+  return dot(v, v);
+}
+
+inline Real force_sq(const SpatialVector& F) noexcept { return dot(F.v, F.v); }
+inline Real force_sq(const Column& F) noexcept { return dot(F, F); }
+
 /// The largest of the impulses F on the bodies of a system, about their centres of mass, that joints cannot bear;
 /// squared. F is used up. A torque tau about an axis counts as the force tau sqrt(m / I), alike in the energy that an
 /// impulse of it gives.
-template <class System, class Stages>
-Real largest_unborne_sq(const System& system, const Stages& stages, typename System::Vector& F) noexcept {
+template <class System, class Stages, class Vector>
+Real largest_unborne_sq(const System& system, const Stages& stages, Vector& F) noexcept {
   Real most = 0;
-  system.each([&](std::uint32_t u) noexcept {  // children before parents
+  system.each([&](auto u) noexcept {  // children before parents
     const BlockJoint* joint = system.joint_of(u);
     if (joint == nullptr) {
-      most = std::max(most, dot(F[u].v, F[u].v));
+      most = std::max(most, force_sq(F[u]));
       return;
     }
+    if constexpr (std::is_same_v<decltype(u), std::uint32_t>) {
     for (std::size_t a = 0; a < static_cast<std::size_t>(joint->num_axes); ++a) {
       const Real tau = dot(joint->s[a], F[u]);
       most = std::max(most, tau * tau / speed_sq(stages[u], joint->s[a]));
     }
     if (joint->hangs()) F[joint->parent] = F[joint->parent] + moved_wrench(F[u], joint->d);
+    }
   });
   return most;
 }
 
 /// The largest impulse that b (1 - s) + r s leaves unbalanced.
-template <class Contacts, std::size_t N>
-Real largest_left(Real s, BodyContactScratch<Contacts, N>& w) noexcept {
-  w.system.each([&](std::uint32_t u) noexcept { w.x.Ap[u] = w.system.b[u] * (1 - s) + w.x.r[u] * s; });
-  return std::sqrt(largest_unborne_sq(w.system, w.stages, w.x.Ap));
+template <class System, class Contacts, std::size_t N>
+Real largest_left(Real s, const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
+  system.each([&](auto u) noexcept { w.x.Ap[u] = system.b[u] * (1 - s) + w.x.r[u] * s; });
+  return std::sqrt(largest_unborne_sq(system, w.stages, w.x.Ap));
 }
 
 }  // namespace godobject

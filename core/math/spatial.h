@@ -33,6 +33,7 @@ inline Real dot(const SpatialVector& a, const SpatialVector& b) noexcept {
 class SpatialSum {
  public:
   void add(const SpatialVector& a, const SpatialVector& b) noexcept { sum_ += a.w.p * b.w.p + a.v.p * b.v.p; }
+  void add(const Column& a, const Column& b) noexcept { sum_ += a.p * b.p; }
   operator Real() const noexcept { return (sum_[0] + sum_[1]) + sum_[2]; }
 
  private:

@@ -2,9 +2,9 @@
 // them; each may hang by an anchor, a damped spring of zero length, on a point of its carrier, the rigid component of the
 // net, which is a body like any other (the god-object), or on a point of the world.
 //
-// The room: springs.h is what anchors and springs are in a stage and what acts on them, incomplete_factor.h the
-// preconditioner of the nodes, coupled_system.h bodies and nodes as one system, contacts.h the contacts of nodes,
-// stage.h nodes from stage to stage, setup.h what is derived and checked before the first step.
+// The room: springs.h is what anchors and springs are in a stage, incomplete_factor.h the preconditioner of the nodes,
+// coupled_system.h bodies and nodes as one system, find.h and contacts.h what nodes touch, stage.h nodes from stage to
+// stage, setup.h what is checked and put in order before the first step.
 #pragma once
 
 #include <array>
@@ -25,22 +25,31 @@ struct NetNode {
   MaterialId material = 0;
 };
 
-/// A spring between two nodes, i < j. With the ends x apart, l = |x|, u = x / l, the force on j is (36)
-/// F = -k (l - l_0) u - g (u . x') u.
+/// A spring between two nodes, i < j, with a rest length: (36).
 struct NetSpring {
   std::uint32_t i = 0, j = 0;
   Real k = 0, g = 0, l_0 = 0;  // N/m, N s/m, m
 };
 
-/// Constant while running. Springs are in the order of i, then j (order_net() in setup.h puts them so).
+/// Constant while running. Springs are in the order of i, then j (put_in_order() of setup.h).
 template <std::size_t max_nodes, std::size_t max_springs>
 struct NetParams {
   std::array<NetNode, max_nodes> nodes;
   std::size_t num_nodes = 0;
   std::array<NetSpring, max_springs> springs;
   std::size_t num_springs = 0;
-  int max_iterations = 12;   // of conjugate gradients in a stage
-  Real tolerance = 1e-4;     // m/s: an iteration that changes no velocity by more is the last
+  int max_iterations = 12;  // of conjugate gradients in a stage
+  Real tolerance = 1e-4;    // m/s: an iteration that changes no velocity by more is the last
+};
+
+/// What a step says of its nets, at the end of its last stage.
+struct NetReport {
+  int iterations = 0;            // of conjugate gradients
+  int newton_iterations = 0;     // over the modes of their contacts
+  Real residual = 0;             // the largest force on a node that is left unbalanced, N
+  std::size_t num_contacts = 0;  // of nodes, that bear a force
+  std::size_t num_near = 0;      // listed
+  Real deepest = 0;              // depth of the deepest node, m
 };
 
 /// The net part of a scene: all of its nets together. Capacities: nodes, springs, contacts of nodes at a time.
@@ -48,6 +57,12 @@ template <std::size_t nodes_, std::size_t springs_, std::size_t contacts_>
 struct MassSpringNet {
   static constexpr std::size_t max_nodes = nodes_, max_springs = springs_, max_contacts = contacts_;
   using Params = NetParams<nodes_, springs_>;
+  using Output = NetReport;
+};
+
+/// Number of a node among those of the nets, where bodies are numbered as well.
+struct NetNodeNumber {
+  std::uint32_t n = 0;
 };
 
 }  // namespace godobject

@@ -15,6 +15,11 @@ namespace godobject {
 
 enum class ShapeKind : std::uint8_t { plane, box, sphere, capsule, height_field, mesh };
 
+/// Kinds of shapes that a body may carry: convex and bounded.
+constexpr bool is_carried(ShapeKind kind) noexcept {
+  return kind == ShapeKind::box || kind == ShapeKind::sphere || kind == ShapeKind::capsule;
+}
+
 struct HeightField;   // core/shape/height_field.h
 struct TriangleMesh;  // core/shape/mesh.h
 

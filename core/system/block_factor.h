@@ -39,7 +39,7 @@ void leave_out(std::uint32_t i, std::uint32_t j, int rows_i, int rows_j, const S
   if (rows_i == 2 && rows_j == 2) leave(E.ww, a_i.w, a_j.w, A_ii.ww, A_jj.ww);
 }
 
-/// Keeps the system as it is, and leaves out what has no slot.
+/// Leaves out what has no slot.
 template <class System>
 void leave_out_entries(System& w) noexcept {
   const auto root = [](const Block& A) noexcept {
@@ -47,8 +47,7 @@ void leave_out_entries(System& w) noexcept {
         sqrt(diagonal(A.col[0].template all<0>(), A.col[1].template all<1>(), A.col[2].template all<2>()).p));
   };
   for (std::uint32_t k = 0; k < w.size; ++k) {
-    w.A[k] = w.A_kk[k];
-    w.root_diagonal[k] = {.w = root(w.A[k].ww), .v = root(w.A[k].vv)};
+    w.root_diagonal[k] = {.w = root(w.A_kk[k].ww), .v = root(w.A_kk[k].vv)};
   }
   for (std::uint32_t e = 0; e < w.num_entries; ++e) {
     const BlockEntry& entry = w.entries[e];
@@ -117,7 +116,10 @@ void eliminate_block(std::uint32_t k, std::uint32_t c, System& w) noexcept {
 /// (31) of a system that is ordered and loaded.
 template <class System>
 void factorize(System& w) noexcept {
-  if (!w.is_complete) leave_out_entries(w);
+  if (!w.is_complete) {
+    if constexpr (!System::always_keeps) w.keep();
+    leave_out_entries(w);
+  }
   for (std::uint32_t k = 0; k < w.size; ++k) {
     const std::uint32_t u = w.unknown[k];
     if (const BlockJoint* joint = w.joint_of(u)) take_by_axes(k, *joint, w);
@@ -137,8 +139,8 @@ void factorize(System& w) noexcept {
 }
 
 /// V = A^-1 b, or M^-1 b if blocks are left out. b is used up.
-template <class System>
-void solve(const System& w, typename System::Vector& b, typename System::Vector& V) noexcept {
+template <class System, class B, class OfV>
+void solve(const System& w, B& b, OfV& V) noexcept {
   for (std::uint32_t k = 0; k < w.size; ++k) {
     const std::uint32_t u = w.unknown[k];
     SpatialVector& b_k = b[u];
@@ -179,8 +181,8 @@ void solve(const System& w, typename System::Vector& b, typename System::Vector&
 
 /// V = A^-1 b of a system as it is loaded. A body by itself is solved by 3 x 3 blocks, which takes two divisions in a row
 /// and not six. b is used up.
-template <class System>
-void factorize_and_solve(System& w, typename System::Vector& b, typename System::Vector& V) noexcept {
+template <class System, class Vector>
+void factorize_and_solve(System& w, Vector& b, Vector& V) noexcept {
   const std::uint32_t u = w.unknown[0];
   if (w.size == 1 && w.joint_of(u) == nullptr && w.is_body(u)) {
     const SymmetricSpatialMatrix& A = w.A_kk[0];

@@ -43,12 +43,13 @@ struct BlockJoint {
 
 /// Scratch: undefined between steps. room: blocks beside the diagonal that the factor has room for. Of the unknowns the
 /// first max_bodies are bodies, the others nodes.
+/// always_keeps: what was loaded is kept however the system is solved.
 template <std::size_t max_bodies_, std::size_t max_nodes_, std::size_t max_entries_, std::size_t room_,
-          bool jointed_>
+          bool jointed_, bool always_keeps_ = false>
 struct BlockSystem {
   static constexpr std::size_t max_bodies = max_bodies_, max_unknowns = max_bodies_ + max_nodes_;
   static constexpr std::size_t max_entries = max_entries_, room = room_;
-  static constexpr bool has_nodes = max_nodes_ > 0, jointed = jointed_;
+  static constexpr bool has_nodes = max_nodes_ > 0, jointed = jointed_, always_keeps = always_keeps_;
   static_assert(max_unknowns < 0xfffe);
   static_assert(!jointed || room >= max_unknowns, "a joint needs its block");
   using Vector = std::array<SpatialVector, max_unknowns>;
@@ -89,6 +90,13 @@ struct BlockSystem {
     return nullptr;
   }
 
+  /// The system as it was loaded outlives its factor.
+  bool is_kept() const noexcept { return always_keeps || !is_complete; }
+  /// Keeps the diagonal as it is; entries are kept as they are loaded.
+  void keep() noexcept {
+    for (std::uint32_t k = 0; k < size; ++k) A[k] = A_kk[k];
+  }
+
   void clear() noexcept { size = num_entries = 0; }
   void add_unknown(std::uint32_t u) noexcept {
     number_of[u] = size;
@@ -106,7 +114,7 @@ struct BlockSystem {
   /// Before terms are loaded: nothing couples anything. Each unknown's own term is set(), others are added.
   void begin_loading() noexcept {
     for (std::uint32_t s = 0; s < first[size]; ++s) Z[s] = SpatialMatrix::zero();
-    if (is_complete) return;
+    if (!is_kept()) return;
     for (std::uint32_t e = 0; e < num_entries; ++e) entries[e].A = SpatialMatrix::zero();
   }
 
@@ -120,7 +128,12 @@ struct BlockSystem {
   void add_coupling(std::uint32_t entry, const SpatialMatrix& A_ij) noexcept {
     BlockEntry& e = entries[entry];
     if (e.slot != no_slot) Z[e.slot] += number_of[e.i] > number_of[e.j] ? A_ij : transposed(A_ij);
-    if (!is_complete) e.A += A_ij;
+    if (is_kept()) e.A += A_ij;
+  }
+  /// A_ij of an entry, for the factor alone: after keep().
+  void add_to_factor(std::uint32_t entry, const SpatialMatrix& A_ij) noexcept {
+    const BlockEntry& e = entries[entry];
+    if (e.slot != no_slot) Z[e.slot] += number_of[e.i] > number_of[e.j] ? A_ij : transposed(A_ij);
   }
   /// An impedance for the twist of body c against body p, d away, taken at c. entry: of (p, c).
   void add_between(std::uint32_t entry, const SymmetricSpatialMatrix& A_c, const Column& d) noexcept {
@@ -135,15 +148,16 @@ struct BlockSystem {
   void each(F f) const noexcept {
     for (std::uint32_t k = 0; k < size; ++k) f(unknown[k]);
   }
-  /// AV = A V; if the system is complete, before it is factored.
-  void multiply(const Vector& V, Vector& AV) const noexcept {
-    const auto& diagonal = is_complete ? A_kk : A;
+  /// AV = A V; if the system is not kept, before it is factored.
+  template <class OfV, class OfAV>
+  void multiply(const OfV& V, OfAV& AV) const noexcept {
+    const auto& diagonal = is_kept() ? A : A_kk;
     for (std::uint32_t k = 0; k < size; ++k) AV[unknown[k]] = diagonal[k] * V[unknown[k]];
     const auto add_product = [&](std::uint32_t i, std::uint32_t j, const SpatialMatrix& A_ij) noexcept {
       AV[i] = AV[i] + A_ij * V[j];
       AV[j] = AV[j] + times_transposed(A_ij, V[i]);
     };
-    if (is_complete) {
+    if (!is_kept()) {
       for (std::uint32_t k = 0; k < size; ++k)
         for (std::uint32_t s = first[k]; s < first[k + 1]; ++s)
           if (!is_fill[s]) add_product(unknown[row[s]], unknown[k], Z[s]);

@@ -15,16 +15,16 @@ struct SystemVectors {
 };
 
 /// (28) of V, A V = b - r, but for rounding: by the multiple of V that has it.
-template <class System>
-void keep_balance(const System& system, SystemVectors<System>& x) noexcept {
+template <class System, class Vectors>
+void keep_balance(const System& system, Vectors& x) noexcept {
   const auto& b = system.b;
   SpatialSum V_b, V_r;
-  system.each([&](std::uint32_t u) noexcept {
+  system.each([&](auto u) noexcept {
     V_b.add(x.V[u], b[u]);
     V_r.add(x.V[u], x.r[u]);
   });
   const Real V_A_V = V_b - V_r, balance = V_A_V > std::numeric_limits<Real>::min() ? V_b / V_A_V : 1;
-  system.each([&](std::uint32_t u) noexcept {
+  system.each([&](auto u) noexcept {
     x.V[u] = x.V[u] * balance;
     x.r[u] = b[u] * (1 - balance) + x.r[u] * balance;
   });
@@ -36,19 +36,20 @@ void keep_balance(const System& system, SystemVectors<System>& x) noexcept {
 ///
 /// the balance of energy of the exact solution, as it does from rest; what rounding takes of it is given back in the
 /// end. Every step is the best one along its direction. The system keeps what was loaded: is_complete is false.
-/// speed_sq(u, V): of unknown u at V, squared. Returns the number of iterations.
-template <class System, class Speed>
-int iterate(int most_iterations, const System& system, SystemVectors<System>& x, Speed speed_sq) noexcept {
+/// speed_sq(u, V): of unknown u at V, squared; below the tolerance, m/s, for all of them the iteration ends. Returns the
+/// number of iterations.
+template <class System, class Vectors, class Speed>
+int iterate(int most_iterations, Real tolerance, const System& system, Vectors& x, Speed speed_sq) noexcept {
   constexpr Real tiny = std::numeric_limits<Real>::min();
   const auto& b = system.b;
   system.multiply(x.V_0, x.AV_0);
   SpatialSum V_0_A_V_0, V_0_b;
-  system.each([&](std::uint32_t u) noexcept {
+  system.each([&](auto u) noexcept {
     V_0_A_V_0.add(x.V_0[u], x.AV_0[u]);
     V_0_b.add(x.V_0[u], b[u]);
   });
   const Real norm_0 = std::max<Real>(V_0_A_V_0, tiny), scale = V_0_b / norm_0;
-  system.each([&](std::uint32_t u) noexcept {
+  system.each([&](auto u) noexcept {
     x.V[u] = x.V_0[u] * scale;
     x.r[u] = x.Ap[u] = b[u] - x.AV_0[u] * scale;
   });
@@ -59,33 +60,33 @@ int iterate(int most_iterations, const System& system, SystemVectors<System>& x,
     solve(system, x.Ap, x.z);
     Real error_sq = 0;
     SpatialSum rz, AV_0_z;
-    system.each([&](std::uint32_t u) noexcept {
+    system.each([&](auto u) noexcept {
       error_sq = std::max(error_sq, speed_sq(u, x.z[u]));
       rz.add(x.r[u], x.z[u]);
       AV_0_z.add(x.AV_0[u], x.z[u]);
     });
-    converged = iterations > 0 && error_sq <= velocity_tolerance * velocity_tolerance;
+    converged = iterations > 0 && error_sq <= tolerance * tolerance;
     if (converged || !(rz > 0)) break;  // otherwise the factor has lost its last digits: no direction is left
     const Real mu = AV_0_z / norm_0, beta = rz / last;
     last = rz;
-    system.each([&](std::uint32_t u) noexcept {
+    system.each([&](auto u) noexcept {
       x.p[u] = (iterations == 0 ? x.z[u] : x.z[u] + x.p[u] * beta) - x.V_0[u] * mu;
     });
     system.multiply(x.p, x.Ap);
     SpatialSum pr, pAp;
-    system.each([&](std::uint32_t u) noexcept {
+    system.each([&](auto u) noexcept {
       pr.add(x.p[u], x.r[u]);
       pAp.add(x.p[u], x.Ap[u]);
     });
     const Real alpha = pr / std::max<Real>(pAp, tiny);
-    system.each([&](std::uint32_t u) noexcept {
+    system.each([&](auto u) noexcept {
       x.V[u] = x.V[u] + x.p[u] * alpha;
       x.r[u] = x.Ap[u] = x.r[u] - x.Ap[u] * alpha;
     });
   }
   if (!converged) {  // r of the recurrence may have drifted
     system.multiply(x.V, x.Ap);
-    system.each([&](std::uint32_t u) noexcept { x.r[u] = b[u] - x.Ap[u]; });
+    system.each([&](auto u) noexcept { x.r[u] = b[u] - x.Ap[u]; });
   }
   keep_balance(system, x);
   return iterations;

@@ -1,0 +1,232 @@
+// Contacts of nodes of nets in a stage: (24) as for bodies, each with a velocity of its own, and what they are in the system.
+#pragma once
+
+#include "core/contact/pairs.h"
+#include "core/net/find.h"
+
+namespace godobject {
+
+/// What a stage is told of nets: constants, and what contacts carried over.
+template <class Net>
+struct NetInput {
+  const typename Net::Params& par;
+  const ContactMemories<Net::max_contacts>& before;
+  Vec3 gravity_W;
+};
+
+template <class Contacts, class Net>
+const ContactLaw& law_of(const typename Contacts::Params& contacts, const typename Net::Params& net,
+                         const NearContact& near) noexcept {
+  constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
+  const MaterialId other = near.on < max_surfaces ? contacts.surfaces[near.on].material
+                                                  : contacts.spheres[near.on - max_surfaces].material;
+  return contacts.law(net.nodes[near.a].material, other);
+}
+
+/// f(pack, velocities of its nodes against what they touch) of all contacts of nets.
+template <class V, class Stage, class F>
+void each_net_pack(const V& of, Stage& w, F f) noexcept {
+  for (std::size_t p = 0; p < w.num_packs; ++p) {
+    ContactPack& c = w.packs[p];
+    PackVelocity velocity{Vector3<Pack>::Constant(Pack(0))};
+    for (std::size_t j = 0; j < 4 && 4 * p + j < w.near.size; ++j) {
+      const NearContact& near = w.near.list[4 * p + j];
+      Column v = of[NetNodeNumber{near.a}];
+      if (near.b != NetContactImpedance::on_world) v -= shifted(of[near.b], Column(lane(c.r, j))).v;
+      set_lane(velocity.v, j, v.vec());
+    }
+    f(c, velocity);
+  }
+}
+
+/// (24) of the near contacts of nets, and the bodies of which one carries what touches the other.
+template <class Contacts, std::size_t N>
+void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& net, Real h,
+                        BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& of = w.net;
+  Recall of_step(net.before), of_stage(of.memories[of.last]);
+  const Real moved = w.stage.t_0 + w.stage.t_1;
+  of.num_packs = (of.near.size + 3) / 4;
+  of.num_pairs = 0;
+  for (std::size_t i = 0; i < of.near.size; ++i) {
+    const NearContact& near = of.near.list[i];
+    const bool on_world = near.b == NetContactImpedance::on_world;
+    Real m = net.par.nodes[near.a].m;
+    if (!on_world) m = std::min(m, w.stages[near.b].M);
+    const GroupLaw law(law_of<Contacts, typename Contacts::Net>(par, net.par, near), m, h);
+    const Real d_0 = near.d + h * near.v_n;
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    const BegunContact& begun = of.begun[i] =
+        recalled(*law.of, w.stage, of_step.find(near.key),
+                 w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
+                 {.d_0 = d_0,
+                  .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
+                  .max_relaxed = law.max_relaxed,
+                  .most = on_world ? infinity : law.most(w.stage),
+                  .max_stored_penetration = law.max_stored_penetration});
+    ContactPack& pack = of.packs[i / 4];
+    const Vec3 r = on_world ? Vec3(Vec3::Zero()) : Vec3(near.p_W - w.finder.at[near.b].p_W);
+    set_contact(law.stage, begun.e, d_0, r, near.n_W, begun.xi_W, pack, i % 4);
+    set_lane(pack.F, i % 4, near.n_W * foreseen(begun, pack.F_0[i % 4] - pack.eta_n[i % 4] * near.v_n));
+    if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[near.a].body), near.b, of);
+  }
+  for (std::size_t i = of.near.size; i % 4 != 0; ++i) put_nothing(of.packs[i / 4], i % 4);
+}
+
+/// Says that nodes of a carrier touch a body.
+template <class Net, std::size_t N>
+void find_pair(std::uint32_t carrier, std::uint32_t touched, NetStage<Net, N>& w) noexcept {
+  if (carrier >= N) return;  // the world
+  for (std::size_t k = w.num_pairs; k-- > 0;)
+    if (w.pairs[k].carrier == carrier && w.pairs[k].touched == touched) return;
+  // without it the preconditioner is less good, no more
+  if (w.num_pairs < w.max_pairs) w.pairs[w.num_pairs++] = {.carrier = carrier, .touched = touched};
+}
+
+/// Anchors and contacts for velocities against V_p of bodies on joints.
+template <class Twists, class Net, std::size_t N>
+void shift_net(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
+  each_carried(w, [&](const NetRun& run) noexcept {
+    for (std::uint32_t n = run.first; n < run.end; ++n) {
+      const Column J = shifted(V_p[run.body], w.r[n]).v * w.kappa[n];
+      w.J_anchor[n] += J;
+      w.b[n] += J;
+    }
+  });
+  for (std::size_t i = 0; i < w.near.size; ++i) {
+    const NearContact& near = w.near.list[i];
+    if (near.b == NetContactImpedance::on_world) continue;
+    ContactPack& c = w.packs[i / 4];
+    const std::size_t j = i % 4;
+    const Vec3 v = -shifted(V_p[near.b], Column(lane(c.r, j))).v.vec();
+    const Real v_n = near.n_W.dot(v);
+    c.d_0.set(j, c.d_0[j] - h * v_n);
+    c.F_0.set(j, c.F_0[j] - c.eta_n[j] * v_n);
+    set_lane(c.v_xi, j, lane(c.v_xi, j) + v - near.n_W * v_n);
+  }
+}
+
+/// The contacts of nets for the modes they are in, as impedances and impulses.
+template <class Net, std::size_t N>
+void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
+  w.num_contacts = 0;
+  for (std::size_t i = 0; i < w.near.size; ++i) {
+    const ContactPack& c = w.packs[i / 4];
+    const std::size_t j = i % 4;
+    const Real a = h * c.eta_t[j], b = h * (c.touching[j] * c.eta_n[j] - c.eta_t[j]);
+    if (!(a > 0) && !(c.touching[j] > 0)) continue;
+    const Vec3 n = lane(c.n, j);
+    w.contacts[w.num_contacts++] = {.node = w.near.list[i].a,
+                                    .body = w.near.list[i].b,
+                                    .n = Column(n),
+                                    .r = Column(lane(c.r, j)),
+                                    .a = a,
+                                    .b = b,
+                                    .J = Column(Vec3(n * (h * c.touching[j] * c.F_0[j]) - lane(c.v_xi, j) * a))};
+  }
+}
+
+/// b of bodies and nodes.
+template <class Contacts, std::size_t N>
+void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& b = w.coupled_b;
+  w.system.each([&](std::uint32_t u) noexcept { b.bodies[u] = w.system.b[u]; });
+  std::copy_n(w.net.b.begin(), w.net.num_nodes, b.nodes.begin());
+  const auto on_body = [&](std::size_t u, const Column& J, const Column& r) noexcept {
+    b.bodies[u] = b.bodies[u] - moved_wrench({.w = Column(Pack(0)), .v = J}, r);
+  };
+  each_carried(w.net, [&](const NetRun& run) noexcept {
+    for (std::uint32_t n = run.first; n < run.end; ++n) on_body(run.body, w.net.J_anchor[n], w.net.r[n]);
+  });
+  for (std::size_t c = 0; c < w.net.num_contacts; ++c) {
+    const NetContactImpedance& contact = w.net.contacts[c];
+    b.nodes[contact.node] += contact.J;
+    if (contact.body != NetContactImpedance::on_world) on_body(contact.body, contact.J, contact.r);
+  }
+}
+
+/// E of (44): the bodies with all that rides on them.
+template <class Contacts, std::size_t N>
+void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& net = w.net;
+  const auto on_point = [](const Block& A_vv, const Column& r) noexcept {
+    SymmetricSpatialMatrix A{.ww = Block::zero(), .wv = Block::zero(), .vv = Block::zero()};
+    add_to_parent({.ww = Block::zero(), .wv = Block::zero(), .vv = A_vv}, r, A);
+    return A;
+  };
+  each_carried(net, [&](const NetRun& run) noexcept {
+    SymmetricSpatialMatrix A = net.prestress[run.body];
+    for (std::uint32_t n = run.first; n < run.end; ++n) {
+      const Column &r = net.r[n], mr = r * net.m[n];
+      A.ww += Block::identity() * dot(r, mr);
+      A.ww -= outer(mr, r);
+      A.wv += cross(mr, Block::identity());
+      A.vv += Block::identity() * net.m[n];
+    }
+    w.system.add(static_cast<std::uint32_t>(run.body), A);
+  });
+  for (std::size_t c = 0; c < net.num_contacts; ++c) {
+    const NetContactImpedance& contact = net.contacts[c];
+    const Block A = Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
+    const std::size_t carrier = carrier_of(contact.node, net);
+    if (carrier != world) w.system.add(static_cast<std::uint32_t>(carrier), on_point(A, net.r[contact.node]));
+    if (contact.body == NetContactImpedance::on_world) continue;
+    w.system.add(contact.body, on_point(A, contact.r));
+    if (carrier == world) continue;
+    for (std::size_t k = 0; k < net.num_pairs; ++k) {
+      const NetPair& pair = net.pairs[k];
+      if (pair.carrier != carrier || pair.touched != contact.body || pair.entry == no_slot) continue;
+      // of the carrier's point against the body's
+      const SymmetricSpatialMatrix at_end{.ww = Block::zero(), .wv = Block::zero(), .vv = A};
+      w.system.add_to_factor(pair.entry, shifted(coupling(at_end, net.r[contact.node]), contact.r));
+    }
+  }
+}
+
+template <class Net, std::size_t N>
+std::size_t carrier_of(std::uint32_t node, const NetStage<Net, N>& w) noexcept {
+  for (std::size_t k = 0; k < w.num_runs; ++k)
+    if (node < w.runs[k].end) return w.runs[k].body;
+  return world;
+}
+
+/// What contacts of nets carry over, their forces on bodies and what they say.
+template <class Contacts, std::size_t N>
+void end_net(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& in, Real h,
+             BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& net = w.net;
+  net.last = 1 - net.last;
+  auto& next = net.memories[net.last];
+  next.size = 0;
+  NetReport& report = net.report;
+  report.num_near = net.near.size;
+  for (std::size_t i = 0; i < net.near.size; ++i) {
+    const NearContact& near = net.near.list[i];
+    const ContactPack& pack = net.packs[i / 4];
+    const std::size_t j = i % 4;
+    const Vec3 F = lane(pack.F, j);
+    const Real depth = pack.d_0[j] - h * near.n_W.dot(lane(pack.v, j));
+    report.deepest = std::max(report.deepest, depth);
+    const bool bears = near.n_W.dot(F) > 0;
+    if (bears) ++report.num_contacts;
+    if (bears && near.b != NetContactImpedance::on_world) {
+      Wrench& on_body = w.wrenches[near.b];
+      on_body.f -= F;
+      on_body.tau -= lane(pack.r, j).cross(F);
+    }
+    if (!bears && !(depth > 0)) continue;
+    next.list[next.size++] =
+        carried_over(law_of<Contacts, typename Contacts::Net>(par, in.par, near), near.key, net.begun[i], h,
+                     near.n_W, depth, F);
+  }
+  each_carried(net, [&](const NetRun& run) noexcept {
+    SpatialVector& sum = net.on_carriers[run.body] = SpatialVector::zero();
+    const SpatialVector& V_b = w.x.V.bodies[run.body];
+    for (std::uint32_t n = run.first; n < run.end; ++n) {
+      const Column J = net.J_anchor[n] - (w.x.V.nodes[n] - shifted(V_b, net.r[n]).v) * net.kappa[n];
+      sum = sum - moved_wrench({.w = Column(Pack(0)), .v = J}, net.r[n]);
+    }
+  });
+}
+
+}  // namespace godobject

@@ -1,0 +1,155 @@
+// What nodes of nets are near: surfaces of the world, shapes on bodies, spheres of bodies that have no shapes.
+//
+// Bound: for each four nodes a query of each surface of the world, and of each surface or sphere of a body whose box they
+// are in. Nodes do not touch each other, nor bodies of the tree that their carrier is of.
+#pragma once
+
+#include "core/contact/find/find.h"
+#include "core/net/scratch.h"
+
+namespace godobject {
+
+/// The nodes where the stage is predicted to end, four to a pack; and how far each of the four may move.
+template <class Net, std::size_t N>
+void place_nodes(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
+  for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
+    SpherePack& pack = w.spheres[n / 4];
+    set_lane(pack.p_W, n % 4, w.p[n].vec());
+    pack.r.set(n % 4, par.nodes[n].radius);
+  }
+  for (std::uint32_t n = static_cast<std::uint32_t>(w.num_nodes); n % 4 != 0; ++n) {
+    set_lane(w.spheres[n / 4].p_W, n % 4, w.p[w.num_nodes - 1].vec());
+    w.spheres[n / 4].r.set(n % 4, 0);
+  }
+}
+
+/// The search of one stage.
+template <class Contacts, std::size_t N, class Net>
+class NetFinder {
+ public:
+  NetFinder(const typename Contacts::Params& contacts, const typename Net::Params& net, Real h,
+            const ContactFinder<Contacts, N>& bodies, NetStage<Net, N>& w) noexcept
+      : contacts_(contacts), net_(net), h_(h), bodies_(bodies), w_(w) {}
+
+  /// In the order of the keys: what is touched, then the node.
+  void find(std::size_t num_bodies) noexcept {
+    w_.near.clear();
+    if (w_.num_nodes == 0) return;
+    place_nodes<Net>(net_, w_);
+    const auto num_packs = static_cast<std::uint32_t>((w_.num_nodes + 3) / 4);
+    for (std::uint32_t k = 0; k < num_packs; ++k) travel_[k] = travel(k);
+    for (std::uint32_t o = 0; o < contacts_.num_surfaces; ++o) find_on_surface(o, num_packs);
+    for (std::uint32_t i = 0; i < num_bodies; ++i) {
+      const auto& owned = bodies_.owned[i];
+      if (!owned.has_surfaces())
+        for (std::uint32_t s = owned.first_sphere; s < owned.end_sphere; ++s) find_on_sphere(i, s, num_packs);
+    }
+    w_.near.put_in_order();
+  }
+
+ private:
+  static constexpr std::uint32_t on_world = NetContactImpedance::on_world;
+
+  /// Bound of how far the nodes of a pack move in the stage; nodes that touch nothing are nowhere.
+  Real travel(std::uint32_t k) const noexcept {
+    Real most = 0;
+    for (std::uint32_t n = 4 * k; n < std::min<std::size_t>(4 * k + 4, w_.num_nodes); ++n) {
+      const Vec3 v = w_.v[n].vec();
+      most = std::max(most, v.cwiseAbs().sum());
+    }
+    return h_ * most;
+  }
+
+  void find_on_surface(std::uint32_t o, std::uint32_t num_packs) noexcept {
+    const ShapeParams& shape = bodies_.posed[o];
+    const Mat3& R_WS = bodies_.R_WS[o];
+    const std::size_t body = contacts_.surfaces[o].body;
+    const std::uint32_t b = body == world ? on_world : static_cast<std::uint32_t>(body);
+    const Real body_travel = b == on_world ? 0 : bodies_.owned[b].travel;
+    const bool bounded = is_carried(shape.kind);
+    const Real size = bounded ? half_extents(shape).norm() : 0;
+    for (std::uint32_t k = 0; k < num_packs; ++k) {
+      const SpherePack& pack = w_.spheres[k];
+      const Real travel = travel_[k] + body_travel;
+      Pack d;
+      Vector3<Pack> n_W;
+      std::uint32_t hits = bits(Pack(0) < pack.r);
+      if (shape.kind == ShapeKind::plane) {
+        hits &= near_plane(shape, R_WS, pack, travel, d, n_W);
+        for (; hits != 0; hits &= hits - 1) {
+          const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+          add(4 * k + j, b, o, d[j], lane(n_W, j));
+        }
+        continue;
+      }
+      if (bounded) hits &= within(shape.X_WS.p, pack, size + travel);
+      for (; hits != 0; hits &= hits - 1) {
+        const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+        const Real radius = pack.r[j], reach = contact_reach * radius + travel;
+        const SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
+        if (radius - surface.distance > -reach) add(4 * k + j, b, o, radius - surface.distance, surface.n);
+      }
+    }
+  }
+
+  /// A sphere of body i.
+  void find_on_sphere(std::uint32_t i, std::uint32_t s, std::uint32_t num_packs) noexcept {
+    const auto& owned = bodies_.owned[i];
+    const Sphere other = sphere(&bodies_.packs[owned.first_pack], s - owned.first_sphere);
+    for (std::uint32_t k = 0; k < num_packs; ++k) {
+      const SpherePack& pack = w_.spheres[k];
+      std::uint32_t hits = bits(Pack(0) < pack.r) & within(other.p_W, pack, other.r + travel_[k] + owned.travel);
+      for (; hits != 0; hits &= hits - 1) {
+        const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+        const Vec3 apart = lane(pack.p_W, j) - other.p_W;
+        const Real distance = apart.norm();
+        add(4 * k + j, i, static_cast<std::uint32_t>(ContactFinder<Contacts, N>::max_surfaces) + s,
+            pack.r[j] + other.r - distance, direction(apart, distance, Vec3::UnitZ()));
+      }
+    }
+  }
+
+  /// Bit j: node j of a pack may touch what is within `size` of p.
+  static std::uint32_t within(const Vec3& p, const SpherePack& pack, Real size) noexcept {
+    Pack distance_sq = 0;
+    for (int c = 0; c < 3; ++c) {
+      const Pack a = pack.p_W[c] - p[c];
+      distance_sq += a * a;
+    }
+    const Pack reach = pack.r * (1 + contact_reach) + size;
+    return bits(distance_sq < reach * reach);
+  }
+
+  /// touched: number of a surface or, after all of them, a sphere.
+  void add(std::uint32_t n, std::uint32_t b, std::uint32_t touched, Real d, const Vec3& n_W) noexcept {
+    const std::size_t carrier = net_.nodes[n].body;
+    if (b != on_world && carrier != world && bodies_.owned[b].tree == bodies_.owned[carrier].tree) return;
+    const Real radius = net_.nodes[n].radius;
+    const Vec3 p_W = w_.p[n].vec() - radius * n_W;
+    Vec3 v = w_.v[n].vec();
+    if (b != on_world) {
+      const TreePlace& at = bodies_.at[b];
+      v -= at.V.v + at.V.w.cross(p_W - at.a_W);
+    }
+    const Real v_n = n_W.dot(v);
+    if (!(std::max(d, d + h_ * v_n) > -contact_reach * radius)) return;
+    w_.near.add({.key = std::uint64_t(touched) << 32 | n,
+                 .of = n,
+                 .on = touched,
+                 .a = n,
+                 .b = b,
+                 .d = d,
+                 .v_n = v_n,
+                 .p_W = p_W,
+                 .n_W = n_W});
+  }
+
+  const typename Contacts::Params& contacts_;
+  const typename Net::Params& net_;
+  Real h_;
+  const ContactFinder<Contacts, N>& bodies_;
+  NetStage<Net, N>& w_;
+  std::array<Real, (Net::max_nodes + 3) / 4> travel_;
+};
+
+}  // namespace godobject

@@ -1,0 +1,76 @@
+// What a step works on of nets. Scratch: undefined between steps.
+#pragma once
+
+#include "core/contact/candidates.h"
+#include "core/contact/find/sphere_pack.h"
+#include "core/contact/stage.h"
+#include "core/net/net.h"
+
+namespace godobject {
+
+/// Nodes [first, end) that have one carrier.
+struct NetRun {
+  std::size_t body = world;
+  std::uint32_t first = 0, end = 0;
+};
+
+/// A contact of a node in the system: the impedance a 1 + b n n^T of the node against the body, at r from its centre of mass.
+struct NetContactImpedance {
+  static constexpr std::uint32_t on_world = ~std::uint32_t(0);
+  std::uint32_t node = 0, body = on_world;
+  Column n, r;
+  Real a = 0, b = 0;
+  Column J;  // impulse on the node were it at rest against the body
+};
+
+/// Bodies of which the nodes that one carries touch the other.
+struct NetPair {
+  std::uint32_t carrier = 0, touched = 0, entry = 0;  // entry: of the system of their island
+};
+
+/// Of a stage. N: bodies.
+template <class Net, std::size_t N>
+struct NetStage {
+  static constexpr std::size_t max_nodes = Net::max_nodes, max_packs = (Net::max_contacts + 3) / 4;
+  static constexpr std::size_t max_runs = N + 1, max_pairs = 4 * N;
+
+  std::array<NetRun, max_runs> runs;
+  std::size_t num_runs = 0, num_nodes = 0;
+  static constexpr std::uint32_t no_body = ~std::uint32_t(0);
+  std::uint32_t first_body = no_body;  // one of the bodies in its island
+
+  // by node, where the stage is predicted to end
+  std::array<Column, max_nodes> p, v, r;  // r: from the carrier's centre of mass
+  std::array<Real, max_nodes> m, kappa;   // mass; impedance of the anchor
+  std::array<Column, max_nodes> J_anchor;
+  std::array<Column, max_nodes> b;  // impulses of all but contacts
+
+  // by spring: q, and a in the fourth place, of its impedance a 1 + q q^T
+  std::array<Pack, Net::max_springs> q_a;
+  std::array<std::uint32_t, Net::max_springs> other;       // its second node
+  std::array<std::uint32_t, Net::max_nodes + 1> first_of;  // springs of node i: [first_of[i], first_of[i + 1])
+  std::array<SymmetricSpatialMatrix, N> prestress;         // what springs that pull resist of their carrier's turning
+
+  // contacts, four to a pack, each of a node of its own
+  std::array<SpherePack, (max_nodes + 3) / 4> spheres;
+  NearContacts<Net::max_contacts> near;
+  std::array<BegunContact, Net::max_contacts> begun;
+  std::array<ContactPack, max_packs> packs;  // r: on the body that is touched
+  std::size_t num_packs = 0;
+  std::array<NetContactImpedance, Net::max_contacts> contacts;
+  std::size_t num_contacts = 0;
+  std::array<NetPair, max_pairs> pairs;
+  std::size_t num_pairs = 0;
+  std::array<ContactMemories<Net::max_contacts>, 2> memories;
+  std::size_t last = 0;
+
+  // the incomplete factor of the nodes, and what bodies with all that rides on them are asked
+  std::array<Block, max_nodes> D_inverse;
+  using OfBodies = std::array<SpatialVector, N>;
+  OfBodies riding, delta, c_1, riding_AV;
+
+  OfBodies on_carriers;  // impulses of anchors on bodies, at the end
+  NetReport report;
+};
+
+}  // namespace godobject

@@ -1,0 +1,62 @@
+// Nets before the first step: put in order, checked, placed.
+#pragma once
+
+#include <algorithm>
+
+#include "core/math/so3.h"
+#include "core/net/net.h"
+
+namespace godobject {
+
+/// Springs in the order that a step needs: i < j, by i, then j.
+template <std::size_t max_nodes, std::size_t max_springs>
+void put_in_order(NetParams<max_nodes, max_springs>& par) noexcept {
+  for (std::size_t s = 0; s < par.num_springs; ++s)
+    if (par.springs[s].j < par.springs[s].i) std::swap(par.springs[s].i, par.springs[s].j);
+  std::sort(par.springs.begin(), par.springs.begin() + static_cast<std::ptrdiff_t>(par.num_springs),
+            [](const NetSpring& a, const NetSpring& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
+}
+
+/// Nodes of one carrier are in a row, springs in order, numbers positive where they must be. Bodies are below num_bodies.
+template <std::size_t max_nodes, std::size_t max_springs>
+bool is_valid_net(const NetParams<max_nodes, max_springs>& par, std::size_t num_bodies) noexcept {
+  const auto is_number = [](Real a) noexcept { return a >= 0 && a - a == 0; };
+  if (par.num_nodes > max_nodes || par.num_springs > max_springs || par.max_iterations < 1) return false;
+  if (!is_number(par.tolerance)) return false;
+  for (std::size_t n = 0; n < par.num_nodes; ++n) {
+    const NetNode& node = par.nodes[n];
+    if (node.body != world && node.body >= num_bodies) return false;
+    for (std::size_t before = 0; n > 0 && node.body != par.nodes[n - 1].body && before < n; ++before)
+      if (par.nodes[before].body == node.body) return false;
+    const Real p = node.p_B.sum();
+    if (!(node.m > 0) || !is_number(node.m) || !is_number(node.k) || !is_number(node.g) || !is_number(node.radius) ||
+        p - p != 0 || node.material >= max_materials)
+      return false;
+  }
+  for (std::size_t s = 0; s < par.num_springs; ++s) {
+    const NetSpring& spring = par.springs[s];
+    if (spring.i >= spring.j || spring.j >= par.num_nodes) return false;
+    if (s > 0 && (spring.i < par.springs[s - 1].i || (spring.i == par.springs[s - 1].i && spring.j <= par.springs[s - 1].j)))
+      return false;
+    if (!is_number(spring.k) || !is_number(spring.g) || !is_number(spring.l_0)) return false;
+  }
+  return true;
+}
+
+/// Every node at its anchor, moving with its carrier.
+template <class State, std::size_t max_nodes, std::size_t max_springs>
+void place_net(const NetParams<max_nodes, max_springs>& par, State& x) noexcept {
+  for (std::size_t n = 0; n < par.num_nodes; ++n) {
+    const NetNode& node = par.nodes[n];
+    auto& at = x.net.nodes[n];
+    at = {};
+    at.p_W = node.p_B;
+    if (node.body == world) continue;
+    const auto& body = x.bodies[node.body].x;
+    const Vec3 r = to_world(body.X_WB.q, node.p_B);
+    at.p_W = body.X_WB.p + r;
+    at.v_W = body.v_W + to_world(body.X_WB.q, body.w_B).cross(r);
+  }
+}
+
+}  // namespace godobject
