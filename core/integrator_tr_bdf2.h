@@ -180,7 +180,7 @@ struct TrBdf2 {
     if constexpr (uses<ContactsOf<S>>)
       calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
     if constexpr (uses<NetOf<S>>)
-      calm = calm && touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
+      calm = calm && w.contacts.net.is_calm && touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
     return calm;
   }
 

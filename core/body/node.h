@@ -17,7 +17,7 @@ template <class Memory>
 struct NodeStateOf {
   Vec3 p_W = Vec3::Zero();  // m
   Vec3 v_W = Vec3::Zero();  // m/s
-  [[no_unique_address]] Memory memory;
+  [[no_unique_address]] Memory memory = Memory();
 };
 
 /// The nodes part of a scene.

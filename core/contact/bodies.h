@@ -77,9 +77,10 @@ void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noex
   order(w.system);
 }
 
-/// The terms of the system of an island: stages (10), (11), (34), contacts (24), stops (19).
+/// first: of the Newton iterations. The terms of the system of an island: stages (10), (11), (34), contacts (24), stops (19).
 template <class Contacts, std::size_t N>
-void load_system([[maybe_unused]] Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Island& island,
+                 BodyContactScratch<Contacts, N>& w) noexcept {
   auto& system = w.system;
   system.begin_loading();
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
@@ -99,10 +100,12 @@ void load_system([[maybe_unused]] Real h, const Island& island, BodyContactScrat
   if constexpr (Contacts::has_net) {
     w.system.keep();
     if (!island.has_net) return;
+    if (!first) take_contacts_out(w.net);
     gather_net_contacts(h, w.net);
     load_impulses(w);
     load_riding(w);
-    factor_nodes(w.net);
+    if (first) factor_nodes(w.net);
+    else put_contacts_in(w.net);
   }
 }
 
@@ -156,7 +159,6 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
                   BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
   using Seeking = SeekingOf<Contacts>;
-  if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);
   ContactResidual most;
   each_pack(x.V_0, island, w,
             [](ContactPack& c, const auto& V) noexcept { foresee<Seeking::tangents>(c, V); });
@@ -165,7 +167,7 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
   int newton_iterations = 0, iterations = 0;
   for (bool done = false; !done && newton_iterations < most_iterations; ++newton_iterations) {
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
-    load_system(h, island, w);
+    load_system(h, newton_iterations == 0, island, w);
     bool converged = true;
     if (!how.is_coupled && w.system.is_complete) {
       if (newton_iterations > 0) w.system.multiply(x.V_0, x.AV_0);
@@ -178,11 +180,12 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
       const int taken =
           iterate(allowed, how.tolerance, system, x,
                   [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
-      converged = taken < allowed;
+      converged = taken < allowed;  // or in the last one
       iterations += taken;
       left = largest_left(1, system, w);
     }
     if (move_contacts(island, w)) {
+      if constexpr (System::is_coupled) compute_residual(system, x);
       // those predicted solve nothing that could be lost
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
@@ -217,6 +220,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   w.report = {.num_near = w.near.size};
   for (std::size_t n = 0; n < w.graph.num_islands; ++n) {
     const Island& island = w.graph.islands[n];
+    if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);
     if (!island.has_net) solve_island(h, island, {}, w.system, w);
   }
   (solve_net(h, net, w), ...);

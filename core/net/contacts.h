@@ -32,6 +32,8 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
     for (std::size_t j = 0; j < 4 && 4 * p + j < w.near.size; ++j) {
       const NearContact& near = w.near.list[4 * p + j];
       Column v = of[NetNodeNumber{near.a}];
+      const std::size_t carrier = w.carrier[4 * p + j];
+      if (carrier != world) v += shifted(of[static_cast<std::uint32_t>(carrier)], w.r[near.a]).v;
       if (near.b != NetContactImpedance::on_world) v -= shifted(of[near.b], Column(lane(c.r, j))).v;
       set_lane(velocity.v, j, v.vec());
     }
@@ -64,6 +66,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
                   .max_relaxed = law.max_relaxed,
                   .most = on_world ? infinity : law.most(w.stage),
                   .max_stored_penetration = law.max_stored_penetration});
+    of.carrier[i] = net.par.nodes[near.a].body;
     ContactPack& pack = of.packs[i / 4];
     const Vec3 r = on_world ? Vec3(Vec3::Zero()) : Vec3(near.p_W - w.finder.at[near.b].p_W);
     set_contact(law.stage, begun.e, d_0, r, near.n_W, begun.xi_W, pack, i % 4);
@@ -83,9 +86,9 @@ void find_pair(std::uint32_t carrier, std::uint32_t touched, NetStage<Net, N>& w
   if (w.num_pairs < w.max_pairs) w.pairs[w.num_pairs++] = {.carrier = carrier, .touched = touched};
 }
 
-/// Anchors and contacts for velocities against V_p of bodies on joints.
+/// Anchors for velocities against V_p of bodies on joints.
 template <class Twists, class Net, std::size_t N>
-void shift_net(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
+void shift_anchors(const Twists& V_p, NetStage<Net, N>& w) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
     for (std::uint32_t n = run.first; n < run.end; ++n) {
       const Column J = shifted(V_p[run.body], w.r[n]).v * w.kappa[n];
@@ -93,6 +96,10 @@ void shift_net(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
       w.b[n] += J;
     }
   });
+}
+/// And contacts.
+template <class Twists, class Net, std::size_t N>
+void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t i = 0; i < w.near.size; ++i) {
     const NearContact& near = w.near.list[i];
     if (near.b == NetContactImpedance::on_world) continue;
@@ -118,6 +125,7 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
     const Vec3 n = lane(c.n, j);
     w.contacts[w.num_contacts++] = {.node = w.near.list[i].a,
                                     .body = w.near.list[i].b,
+                                    .carrier = w.carrier[i],
                                     .n = Column(n),
                                     .r = Column(lane(c.r, j)),
                                     .a = a,
@@ -126,23 +134,26 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// b of bodies and nodes.
+/// b of bodies, with what rides on them, and nodes.
 template <class Contacts, std::size_t N>
 void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
   auto& b = w.coupled_b;
+  auto& net = w.net;
   w.system.each([&](std::uint32_t u) noexcept { b.bodies[u] = w.system.b[u]; });
-  std::copy_n(w.net.b.begin(), w.net.num_nodes, b.nodes.begin());
-  const auto on_body = [&](std::size_t u, const Column& J, const Column& r) noexcept {
-    b.bodies[u] = b.bodies[u] - moved_wrench({.w = Column(Pack(0)), .v = J}, r);
-  };
-  each_carried(w.net, [&](const NetRun& run) noexcept {
-    for (std::uint32_t n = run.first; n < run.end; ++n) on_body(run.body, w.net.J_anchor[n], w.net.r[n]);
-  });
-  for (std::size_t c = 0; c < w.net.num_contacts; ++c) {
-    const NetContactImpedance& contact = w.net.contacts[c];
+  std::copy_n(net.b.begin(), net.num_nodes, b.nodes.begin());
+  for (std::size_t c = 0; c < net.num_contacts; ++c) {
+    const NetContactImpedance& contact = net.contacts[c];
     b.nodes[contact.node] += contact.J;
-    if (contact.body != NetContactImpedance::on_world) on_body(contact.body, contact.J, contact.r);
+    if (contact.body != NetContactImpedance::on_world)
+      b.bodies[contact.body] =
+          b.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = contact.J}, contact.r);
   }
+  each_carried(net, [&](const NetRun& run) noexcept {
+    SpatialVector sum = SpatialVector::zero();
+    for (std::uint32_t n = run.first; n < run.end; ++n)
+      sum = sum + moved_wrench({.w = Column(Pack(0)), .v = b.nodes[n] - net.J_anchor[n]}, net.r[n]);
+    b.bodies[run.body] = b.bodies[run.body] + sum;
+  });
 }
 
 /// E of (44): the bodies with all that rides on them.
@@ -168,7 +179,7 @@ void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
   for (std::size_t c = 0; c < net.num_contacts; ++c) {
     const NetContactImpedance& contact = net.contacts[c];
     const Block A = Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
-    const std::size_t carrier = carrier_of(contact.node, net);
+    const std::size_t carrier = contact.carrier;
     if (carrier != world) w.system.add(static_cast<std::uint32_t>(carrier), on_point(A, net.r[contact.node]));
     if (contact.body == NetContactImpedance::on_world) continue;
     w.system.add(contact.body, on_point(A, contact.r));
@@ -183,11 +194,18 @@ void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
   }
 }
 
-template <class Net, std::size_t N>
-std::size_t carrier_of(std::uint32_t node, const NetStage<Net, N>& w) noexcept {
-  for (std::size_t k = 0; k < w.num_runs; ++k)
-    if (node < w.runs[k].end) return w.runs[k].body;
-  return world;
+/// Velocities of the nodes against their carriers, from those against the world and those of the carriers; and back.
+template <class Net, std::size_t N, class Vector>
+void ride(const NetStage<Net, N>& w, Vector& V) noexcept {
+  each_carried(w, [&](const NetRun& run) noexcept {
+    for (std::uint32_t n = run.first; n < run.end; ++n) V.nodes[n] -= shifted(V.bodies[run.body], w.r[n]).v;
+  });
+}
+template <class Net, std::size_t N, class Vector>
+void get_off(const NetStage<Net, N>& w, Vector& V) noexcept {
+  each_carried(w, [&](const NetRun& run) noexcept {
+    for (std::uint32_t n = run.first; n < run.end; ++n) V.nodes[n] += shifted(V.bodies[run.body], w.r[n]).v;
+  });
 }
 
 /// What contacts of nets carry over, their forces on bodies and what they say.
@@ -221,9 +239,9 @@ void end_net(const typename Contacts::Params& par, const NetInput<typename Conta
   }
   each_carried(net, [&](const NetRun& run) noexcept {
     SpatialVector& sum = net.on_carriers[run.body] = SpatialVector::zero();
-    const SpatialVector& V_b = w.x.V.bodies[run.body];
     for (std::uint32_t n = run.first; n < run.end; ++n) {
-      const Column J = net.J_anchor[n] - (w.x.V.nodes[n] - shifted(V_b, net.r[n]).v) * net.kappa[n];
+      const Column u = w.x.V.nodes[n] - shifted(w.x.V.bodies[run.body], net.r[n]).v;
+      const Column J = net.J_anchor[n] - u * net.kappa[n];
       sum = sum - moved_wrench({.w = Column(Pack(0)), .v = J}, net.r[n]);
     }
   });

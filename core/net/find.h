@@ -82,7 +82,8 @@ class NetFinder {
         }
         continue;
       }
-      if (bounded) hits &= within(shape.X_WS.p, pack, size + travel);
+      if (shape.kind == ShapeKind::capsule) hits &= within_capsule(shape, R_WS, pack, travel);
+      else if (bounded) hits &= within(shape.X_WS.p, pack, size + travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
@@ -118,6 +119,18 @@ class NetFinder {
     }
     const Pack reach = pack.r * (1 + contact_reach) + size;
     return bits(distance_sq < reach * reach);
+  }
+
+  /// The same of a capsule.
+  static std::uint32_t within_capsule(const ShapeParams& shape, const Mat3& R_WS, const SpherePack& pack,
+                                      Real travel) noexcept {
+    Vector3<Pack> a = pack.p_W;
+    for (int c = 0; c < 3; ++c) a[c] -= shape.X_WS.p[c];
+    const Pack z = a[0] * R_WS(0, 2) + a[1] * R_WS(1, 2) + a[2] * R_WS(2, 2);
+    const Pack along = max(min(z, Pack(shape.half_length)), Pack(-shape.half_length));
+    for (int c = 0; c < 3; ++c) a[c] -= along * R_WS(c, 2);
+    const Pack reach = pack.r * (1 + contact_reach) + (shape.radius + travel);
+    return bits(a.squaredNorm() < reach * reach);
   }
 
   /// touched: number of a surface or, after all of them, a sphere.

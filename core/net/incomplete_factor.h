@@ -11,14 +11,27 @@
 
 namespace godobject {
 
-/// D -= K E K, K = a 1 + q q^T.
-inline void subtract_between(const Pack& q_a, const Block& E, Block& D) noexcept {
+/// K of a spring.
+inline Block impedance(const Pack& q_a) noexcept {
+  const Column q(q_a);
+  Block K = outer(q, q);
+  if (q_a[3] > 0) K += Block::identity() * q_a[3];
+  return K;
+}
+/// D += K - K E K, K = a 1 + q q^T.
+inline void add_eliminated(const Pack& q_a, const Block& E, Block& D) noexcept {
   const Column q(q_a), e = E * q;
   const Real a = q_a[3];
-  D -= outer(q * dot(q, e), q);
+  D += outer(q * (1 - dot(q, e)), q);
   if (!(a > 0)) return;
+  D += Block::identity() * a;
   D -= E * (a * a);
   D -= outer(e * a, q) + outer(q * a, e);
+}
+
+/// Of a contact.
+inline Block impedance(const NetContactImpedance& contact) noexcept {
+  return Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
 }
 
 /// Factors the nodes as their springs, anchors and contacts are.
@@ -26,36 +39,42 @@ template <class Net, std::size_t N>
 void factor_nodes(NetStage<Net, N>& w) noexcept {
   auto& D = w.D_inverse;
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) D[n] = Block::identity() * (w.m[n] + w.kappa[n]);
-  for (std::size_t c = 0; c < w.num_contacts; ++c) {
-    const NetContactImpedance& contact = w.contacts[c];
-    D[contact.node] += Block::identity() * contact.a;
-    D[contact.node] += outer(contact.n * contact.b, contact.n);
+  for (std::size_t c = 0; c < w.num_contacts; ++c) D[w.contacts[c].node] += impedance(w.contacts[c]);
+  for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
+    Block D_i = D[i];
+    for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) D_i += impedance(w.q_a[s]);
+    D_i = D[i] = inverse(D_i);
+    for (std::uint32_t t = w.first_of[i]; t < s; ++t) add_eliminated(w.q_a[t], D_i, D[w.other[t]]);
   }
-  each_spring(w, [&](std::uint32_t i, std::uint32_t j, std::uint32_t s) noexcept {
-    const Column q(w.q_a[s]);
-    Block K = outer(q, q);
-    if (w.q_a[s][3] > 0) K += Block::identity() * w.q_a[s][3];
-    D[i] += K;
-    D[j] += K;
-  });
-  for (std::uint32_t i = 0; i < w.num_nodes; ++i) {
-    D[i] = inverse(D[i]);
-    for (std::uint32_t s = w.first_of[i]; s < w.first_of[i + 1]; ++s)
-      subtract_between(w.q_a[s], D[i], D[w.other[s]]);
+}
+
+/// The contacts of nodes, out of their D and into it: what they change elsewhere is left as it was factored, a
+/// preconditioner all the same, since D_j is never less than the contacts of j.
+template <class Net, std::size_t N>
+void take_contacts_out(NetStage<Net, N>& w) noexcept {
+  for (std::size_t c = 0; c < w.num_contacts; ++c) {
+    Block& D = w.D_inverse[w.contacts[c].node];
+    D = inverse(inverse(D) - impedance(w.contacts[c]));
+  }
+}
+template <class Net, std::size_t N>
+void put_contacts_in(NetStage<Net, N>& w) noexcept {
+  for (std::size_t c = 0; c < w.num_contacts; ++c) {
+    Block& D = w.D_inverse[w.contacts[c].node];
+    D = inverse(inverse(D) + impedance(w.contacts[c]));
   }
 }
 
 /// z = M^-1 r; r is used up.
 template <class Net, std::size_t N, class Vector>
 void solve_nodes(const NetStage<Net, N>& w, Vector& r, Vector& z) noexcept {
-  for (std::uint32_t i = 0; i < w.num_nodes; ++i) {
-    z[i] = w.D_inverse[i] * r[i];
-    for (std::uint32_t s = w.first_of[i]; s < w.first_of[i + 1]; ++s)
-      r[w.other[s]] += spring_product(w.q_a[s], z[i]);
+  for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
+    const Column z_i = z[i] = w.D_inverse[i] * r[i];
+    for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s)
+      r[w.other[s]] += spring_product(w.q_a[s], z_i);
   }
   for (std::uint32_t i = static_cast<std::uint32_t>(w.num_nodes); i-- > 0;) {
-    if (w.first_of[i] == w.first_of[i + 1]) continue;
-    Column sum = Column(Pack(0));
+    Column sum(Pack(0));
     for (std::uint32_t s = w.first_of[i]; s < w.first_of[i + 1]; ++s)
       sum += spring_product(w.q_a[s], z[w.other[s]]);
     z[i] += w.D_inverse[i] * sum;

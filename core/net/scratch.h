@@ -18,6 +18,7 @@ struct NetRun {
 struct NetContactImpedance {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
   std::uint32_t node = 0, body = on_world;
+  std::size_t carrier = world;  // of the node
   Column n, r;
   Real a = 0, b = 0;
   Column J;  // impulse on the node were it at rest against the body
@@ -41,6 +42,7 @@ struct NetStage {
 
   // by node, where the stage is predicted to end
   std::array<Column, max_nodes> p, v, r;  // r: from the carrier's centre of mass
+  std::array<Column, max_nodes> v_free;   // velocities by gravity alone
   std::array<Real, max_nodes> m, kappa;   // mass; impedance of the anchor
   std::array<Column, max_nodes> J_anchor;
   std::array<Column, max_nodes> b;  // impulses of all but contacts
@@ -55,6 +57,7 @@ struct NetStage {
   std::array<SpherePack, (max_nodes + 3) / 4> spheres;
   NearContacts<Net::max_contacts> near;
   std::array<BegunContact, Net::max_contacts> begun;
+  std::array<std::size_t, Net::max_contacts> carrier;
   std::array<ContactPack, max_packs> packs;  // r: on the body that is touched
   std::size_t num_packs = 0;
   std::array<NetContactImpedance, Net::max_contacts> contacts;
@@ -64,12 +67,12 @@ struct NetStage {
   std::array<ContactMemories<Net::max_contacts>, 2> memories;
   std::size_t last = 0;
 
-  // the incomplete factor of the nodes, and what bodies with all that rides on them are asked
-  std::array<Block, max_nodes> D_inverse;
+  std::array<Block, max_nodes> D_inverse;    // of the incomplete factor of the nodes
+  std::array<Column, max_nodes> riding_v;    // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;
-  OfBodies riding, delta, c_1, riding_AV;
-
+  OfBodies delta, c_1;   // (45)
   OfBodies on_carriers;  // impulses of anchors on bodies, at the end
+  bool is_calm = true;  // false: springs had to be taken again, and accelerations say nothing of the next step
   NetReport report;
 };
 

@@ -6,21 +6,24 @@
 
 namespace godobject {
 
-/// Anchors and springs where the stage is predicted to end. The bodies are in w.finder.at.
+/// Anchors and springs, linear from where the nodes are led. The bodies are in w.finder.at.
+template <class Contacts, std::size_t N>
+void linearise_net(const NetInput<typename Contacts::Net>& in, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& net = w.net;
+  for (std::size_t k = 0; k < net.num_runs; ++k) {
+    const NetRun& run = net.runs[k];
+    begin_anchors<typename Contacts::Net>(in.par, run, run.body == world ? TreePlace{} : w.finder.at[run.body], h, net);
+  }
+  begin_springs<typename Contacts::Net>(in.par, h, net);
+}
+
+/// The nets where the stage is predicted to end.
 template <class Contacts, std::size_t N, class Bases>
 void begin_net(const NetInput<typename Contacts::Net>& in, const Bases& bases, Real h,
                BodyContactScratch<Contacts, N>& w) noexcept {
-  auto& net = w.net;
-  index_net<typename Contacts::Net>(in.par, net);
-  for (std::size_t k = 0; k < net.num_runs; ++k) {
-    const NetRun& run = net.runs[k];
-    begin_anchors<typename Contacts::Net>(in.par, run, run.body == world ? TreePlace{} : w.finder.at[run.body], bases,
-                                          in.gravity_W, h, net);
-  }
-  begin_springs<typename Contacts::Net>(in.par, h, net);
-  sum_prestress(net);
-  std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
-  std::copy_n(net.v.begin(), net.num_nodes, w.x.V.nodes.begin());
+  index_net<typename Contacts::Net>(in.par, w.net);
+  predict_nodes(bases, in.gravity_W, h, w.net);
+  linearise_net(in, h, w);
 }
 
 template <class Contacts, std::size_t N>
@@ -31,20 +34,53 @@ void find_net_contacts(const typename Contacts::Params& par, const NetInput<type
 
 /// The velocities of nodes and of the bodies that carry and touch them.
 template <class Contacts, std::size_t N>
-void solve_net(Real h, const NetInput<typename Contacts::Net>& in, BodyContactScratch<Contacts, N>& w) noexcept {
-  if (w.net.num_nodes == 0) return;
-  if constexpr (Contacts::jointed) shift_net(w.graph.joints.V_p, h, w.net);
+void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
+                          BodyContactScratch<Contacts, N>& w) noexcept {
+  if constexpr (Contacts::jointed) shift_anchors(w.graph.joints.V_p, w.net);
+  ride(w.net, w.x.V_0);
   using Scratch = BodyContactScratch<Contacts, N>;
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};
   const Solving how{.is_coupled = true,
                     .has_contacts = w.net.near.size > 0 || w.near.size > 0,
                     .most_iterations = in.par.max_iterations,
                     .tolerance = in.par.tolerance};
-  for (std::size_t n = 0; n < w.graph.num_islands; ++n)
-    if (w.graph.islands[n].has_net) return solve_island(h, w.graph.islands[n], how, system, w);
-  Island alone;  // no body carries or touches the nodes
-  alone.has_net = true;
-  solve_island(h, alone, how, system, w);
+  const auto solve = [&]() noexcept {
+    for (std::size_t n = 0; n < w.graph.num_islands; ++n)
+      if (w.graph.islands[n].has_net) return solve_island(h, w.graph.islands[n], how, system, w);
+    Island alone;  // no body carries or touches the nodes
+    alone.has_net = true;
+    solve_island(h, alone, how, system, w);
+  };
+  solve();
+  get_off(w.net, w.x.V);
+}
+
+/// (46)  The same, with the springs taken where the nodes are led to until they hold.
+template <class Contacts, std::size_t N>
+void solve_net(Real h, const NetInput<typename Contacts::Net>& in, BodyContactScratch<Contacts, N>& w) noexcept {
+  using Net = typename Contacts::Net;
+  auto& net = w.net;
+  net.is_calm = true;
+  if (net.num_nodes == 0) return;
+  if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
+  std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
+  solve_linearised_net(h, in, w);
+  int linearisations = 1;
+  for (; linearisations < max_linearisations; ++linearisations) {
+    const SpringMiss miss = spring_miss<Net>(in.par, w.x.V.nodes, h, net);
+    if (miss.missed <= max_spring_miss * miss.kinetic) break;
+    // from where they are on their carriers, then from where that leads
+    if (net.is_calm) {
+      for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));
+      get_off(net, w.x.V);
+    }
+    net.is_calm = false;
+    lead_nodes(w.x.V.nodes, h, net);
+    linearise_net(in, h, w);
+    std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
+    solve_linearised_net(h, in, w);
+  }
+  net.report.linearisations = linearisations;
 }
 
 }  // namespace godobject

@@ -14,7 +14,7 @@
 namespace godobject {
 
 /// (x, y, z) and what is given for the fourth place.
-inline Pack with_fourth(const Vec3& a, Real fourth) noexcept { return {a.x(), a.y(), a.z(), fourth}; }
+inline Pack with_fourth(const Column& a, Real fourth) noexcept { return {a.x(), a.y(), a.z(), fourth}; }
 
 /// K d of a spring.
 inline Column spring_product(const Pack& q_a, const Column& d) noexcept {
@@ -23,11 +23,20 @@ inline Column spring_product(const Pack& q_a, const Column& d) noexcept {
   return Column(d.p * shuffled<3, 3, 3, 3>(q_a, q_a) + q_a * q_d);
 }
 
-/// f(i, j, s) of all springs.
-template <class Net, std::size_t N, class F>
-void each_spring(const NetStage<Net, N>& w, F f) noexcept {
-  for (std::uint32_t i = 0; i < w.num_nodes; ++i)
-    for (std::uint32_t s = w.first_of[i]; s < w.first_of[i + 1]; ++s) f(i, w.other[s], s);
+/// y += A_springs v.
+template <class Net, std::size_t N, class Vector>
+void add_springs_product(const NetStage<Net, N>& w, const Vector& v, Vector& y) noexcept {
+  for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
+    const Column v_i = v[i];
+    Column on_i(Pack(0));
+    for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) {
+      const std::uint32_t j = w.other[s];
+      const Column J = spring_product(w.q_a[s], v[j] - v_i);
+      y[j] += J;
+      on_i += J;
+    }
+    y[i] -= on_i;
+  }
 }
 
 /// Who carries whom, and which springs are of which node.
@@ -47,66 +56,104 @@ void index_net(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
   for (s = 0; s < par.num_springs; ++s) w.other[s] = par.springs[s].j;
 }
 
-/// The nodes of a run where the stage is predicted to end, with their anchors. at: of the carrier. bases: where the stage
-/// starts.
+/// Where the nodes are predicted to be at the end of the stage: where their bases lead them.
 template <class Net, std::size_t N, class Bases>
-void begin_anchors(const typename Net::Params& par, const NetRun& run, const TreePlace& at, const Bases& bases,
-                   const Vec3& gravity_W, Real h, NetStage<Net, N>& w) noexcept {
+void predict_nodes(const Bases& bases, const Vec3& gravity_W, Real h, NetStage<Net, N>& w) noexcept {
+  const Column by_gravity(Vec3(h * gravity_W));
+  for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
+    w.v_free[n] = w.v[n] = Column(bases[n].v_W) + by_gravity;
+    w.p[n] = Column(bases[n].p_W) + w.v[n] * h;
+  }
+}
+/// (46)  Or where velocities v lead them.
+template <class Net, std::size_t N, class Velocities>
+void lead_nodes(const Velocities& v, Real h, NetStage<Net, N>& w) noexcept {
+  for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
+    w.p[n] += (v[n] - w.v[n]) * h;
+    w.v[n] = v[n];
+  }
+}
+
+/// The anchors of a run. at: of the carrier.
+template <class Net, std::size_t N>
+void begin_anchors(const typename Net::Params& par, const NetRun& run, const TreePlace& at, Real h,
+                   NetStage<Net, N>& w) noexcept {
   const Column p_b(at.p_W), V_w(at.V.w), V_v(Vec3(at.V.v + at.V.w.cross(at.p_W - at.a_W)));
   const Block R{{Column(Vec3(at.R_WB.col(0))), Column(Vec3(at.R_WB.col(1))), Column(Vec3(at.R_WB.col(2)))}};
-  const Column by_gravity(Vec3(h * gravity_W));
   for (std::uint32_t n = run.first; n < run.end; ++n) {
     const NetNode& node = par.nodes[n];
-    const Column v = Column(bases[n].v_W) + by_gravity, p = Column(bases[n].p_W) + v * h, r = p - p_b;
-    const Column x = r - R * Column(node.p_B), x_dot = v - V_v - cross(V_w, r);
-    w.p[n] = p;
-    w.v[n] = v;
+    const Column r = w.p[n] - p_b, x = r - R * Column(node.p_B), x_dot = w.v[n] - V_v - cross(V_w, r);
+    const Real h_k = h * node.k;
     w.r[n] = r;
     w.m[n] = node.m;
-    w.kappa[n] = h * (h * node.k + node.g);
-    w.J_anchor[n] = x_dot * (h * h * node.k) - x * (h * node.k);
-    w.b[n] = v * node.m + w.J_anchor[n];
+    w.kappa[n] = h * (h_k + node.g);
+    w.J_anchor[n] = (x_dot * h - x) * h_k;
+    w.b[n] = w.v_free[n] * node.m + w.J_anchor[n];
   }
 }
 
-/// The springs; b of their nodes.
+/// The springs; b of their nodes. Of springs that pull, what they resist of the turning of the carrier that both ends ride on:
+/// sum a (x^2 1 - x x^T).
 template <class Net, std::size_t N>
 void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
-  each_spring(w, [&](std::uint32_t i, std::uint32_t j, std::uint32_t s) noexcept {
-    const NetSpring& spring = par.springs[s];
-    const Column x = w.p[j] - w.p[i];
-    const Real l = std::sqrt(dot(x, x)), h_k = h * spring.k;
-    const Column u = l > 0 ? x * (1 / l) : Column(Vec3::UnitZ());
-    const Real across = l > spring.l_0 ? h * h_k * (1 - spring.l_0 / l) : 0;
-    const Real along = h * h_k + h * spring.g - across;
-    const Column q = u * std::sqrt(std::max(along, Real(0)));
-    w.q_a[s] = with_fourth(q.vec(), across);
-    // J = K x' - h (k (l - l_0) + g u . x') u: the force of the law at the predicted velocities
-    const Column x_dot = w.v[j] - w.v[i];
-    const Column J = spring_product(w.q_a[s], x_dot) - u * (h_k * (l - spring.l_0) + h * spring.g * dot(u, x_dot));
-    w.b[j] += J;
-    w.b[i] -= J;
-  });
-}
-
-/// What springs that pull resist of the turning of the carrier that both ends ride on: sum a (x^2 1 - x x^T).
-template <class Net, std::size_t N>
-void sum_prestress(NetStage<Net, N>& w) noexcept {
   for (std::size_t k = 0; k < w.num_runs; ++k) {
     const NetRun& run = w.runs[k];
-    if (run.body == world) continue;
-    Block A = Block::zero();
-    for (std::uint32_t i = run.first; i < run.end; ++i) {
-      for (std::uint32_t s = w.first_of[i]; s < w.first_of[i + 1]; ++s) {
-        const Real a = w.q_a[s][3];
-        if (!(a > 0) || w.other[s] >= run.end) continue;
-        const Column x = w.p[w.other[s]] - w.p[i];
-        A += Block::identity() * (a * dot(x, x));
-        A -= outer(x * a, x);
+    Block prestress = Block::zero();
+    for (std::uint32_t i = run.first, s = w.first_of[i]; i < run.end; ++i) {
+      const Column p_i = w.p[i], v_i = w.v[i];
+      Column on_i(Pack(0));
+      for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) {
+        const NetSpring& spring = par.springs[s];
+        const std::uint32_t j = w.other[s];
+        const Column x = w.p[j] - p_i, x_dot = w.v[j] - v_i;
+        const Real l = std::sqrt(dot(x, x)), r = 1 / l, h_k = h * spring.k, h_g = h * spring.g;
+        const Column u = l > 0 ? x * r : Column(Vec3::UnitZ());
+        const Real across = l > spring.l_0 ? h * h_k * (1 - spring.l_0 * r) : 0;
+        const Real along = h * h_k + h_g - across, u_x_dot = dot(u, x_dot);
+        const Column q = u * std::sqrt(std::max(along, Real(0)));
+        w.q_a[s] = with_fourth(q, across);
+        // J = K x' - h (k (l - l_0) + g u . x') u: the force of the law at the predicted velocities
+        const Column J = x_dot * across + u * (along * u_x_dot - h_k * (l - spring.l_0) - h_g * u_x_dot);
+        w.b[j] += J;
+        on_i += J;
+        if (across > 0 && j < run.end) {
+          prestress += Block::identity() * (across * l * l);
+          prestress -= outer(x * across, x);
+        }
       }
+      w.b[i] -= on_i;
     }
-    w.prestress[run.body] = {.ww = A, .wv = Block::zero(), .vv = Block::zero()};
+    if (run.body != world) w.prestress[run.body] = {.ww = prestress, .wv = Block::zero(), .vv = Block::zero()};
   }
+}
+
+/// What (41) misses of the springs' forces where velocities v lead, as velocities that this gives to nodes of the mass of the
+/// first, and that the next stage, in which a stiff spring takes back what it can, makes of it; and the velocities
+/// themselves: both squared and times mass.
+struct SpringMiss {
+  Real missed = 0, kinetic = 0;
+};
+template <class Net, std::size_t N, class Velocities>
+SpringMiss spring_miss(const typename Net::Params& par, const Velocities& v, Real h, const NetStage<Net, N>& w) noexcept {
+  SpringMiss sum;
+  for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
+    const Column v_i = v[i], p_i = w.p[i], d_i = v_i - w.v[i];
+    sum.kinetic += w.m[i] * dot(v_i, v_i);
+    for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) {
+      const NetSpring& spring = par.springs[s];
+      const std::uint32_t j = w.other[s];
+      const Column x = w.p[j] - p_i, x_dot = w.v[j] - w.v[i], d = v[j] - w.v[j] - d_i;
+      const Real l = std::sqrt(dot(x, x)), r = 1 / l;
+      const Column x_1 = x + d * h, x_dot_1 = x_dot + d;
+      const Real l_1 = std::sqrt(dot(x_1, x_1)), r_1 = 1 / l_1;
+      const Column F = x * (spring.k * (1 - spring.l_0 * r) + spring.g * dot(x, x_dot) * r * r);
+      const Column F_1 = x_1 * (spring.k * (1 - spring.l_0 * r_1) + spring.g * dot(x_1, x_dot_1) * r_1 * r_1);
+      const Column miss = (F_1 - F) * h - spring_product(w.q_a[s], d);
+      const Real h_k_h = h * (h * spring.k + spring.g);
+      if (l > 0 && l_1 > 0) sum.missed += dot(miss, miss) * w.m[i] / ((w.m[i] + h_k_h) * (w.m[i] + h_k_h));
+    }
+  }
+  return sum;
 }
 
 }  // namespace godobject

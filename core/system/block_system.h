@@ -50,6 +50,7 @@ struct BlockSystem {
   static constexpr std::size_t max_bodies = max_bodies_, max_unknowns = max_bodies_ + max_nodes_;
   static constexpr std::size_t max_entries = max_entries_, room = room_;
   static constexpr bool has_nodes = max_nodes_ > 0, jointed = jointed_, always_keeps = always_keeps_;
+  static constexpr bool is_coupled = false;  // with nodes of nets
   static_assert(max_unknowns < 0xfffe);
   static_assert(!jointed || room >= max_unknowns, "a joint needs its block");
   using Vector = std::array<SpatialVector, max_unknowns>;

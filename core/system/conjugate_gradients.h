@@ -61,11 +61,11 @@ int iterate(int most_iterations, Real tolerance, const System& system, Vectors& 
     Real error_sq = 0;
     SpatialSum rz, AV_0_z;
     system.each([&](auto u) noexcept {
-      error_sq = std::max(error_sq, speed_sq(u, x.z[u]));
+      if constexpr (!System::is_coupled) error_sq = std::max(error_sq, speed_sq(u, x.z[u]));
       rz.add(x.r[u], x.z[u]);
       AV_0_z.add(x.AV_0[u], x.z[u]);
     });
-    converged = iterations > 0 && error_sq <= tolerance * tolerance;
+    if (!System::is_coupled) converged = iterations > 0 && error_sq <= tolerance * tolerance;
     if (converged || !(rz > 0)) break;  // otherwise the factor has lost its last digits: no direction is left
     const Real mu = AV_0_z / norm_0, beta = rz / last;
     last = rz;
@@ -79,12 +79,20 @@ int iterate(int most_iterations, Real tolerance, const System& system, Vectors& 
       pAp.add(x.p[u], x.Ap[u]);
     });
     const Real alpha = pr / std::max<Real>(pAp, tiny);
+    Real change_sq = 0;
     system.each([&](auto u) noexcept {
       x.V[u] = x.V[u] + x.p[u] * alpha;
       x.r[u] = x.Ap[u] = x.r[u] - x.Ap[u] * alpha;
+      if constexpr (System::is_coupled) change_sq = std::max(change_sq, speed_sq(u, x.p[u]));
     });
+    // where a solve by the preconditioner is dear, the iteration's own step says when it is the last
+    if (System::is_coupled && alpha * alpha * change_sq <= tolerance * tolerance) {
+      converged = true;
+      ++iterations;
+      break;
+    }
   }
-  if (!converged) {  // r of the recurrence may have drifted
+  if (!System::is_coupled && !converged) {  // r of the recurrence may have drifted
     system.multiply(x.V, x.Ap);
     system.each([&](auto u) noexcept { x.r[u] = b[u] - x.Ap[u]; });
   }
