@@ -55,6 +55,10 @@ inline constexpr Real same_normal = 0.995;
 /// The sine between edges below which they are parallel.
 inline constexpr Real min_edge_sine = 0.01;
 
+/// Of the thinnest half extent: boxes that are deeper in each other are sunk, and part along one axis.
+/// test_touching_overlap.cc, sunk pairs.
+inline constexpr Real sunk = 0.5;
+
 // Rest penetration (35).
 
 /// Of the largest stored penetration: by so much a body's is relaxed in a stage at most. Bodies that are locked into each

@@ -84,20 +84,30 @@ inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::ui
   return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
 }
 inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
+/// Of bodies that are sunk in each other: along which axis they part.
+inline std::uint64_t sinking_key(std::uint32_t axis) noexcept { return std::uint64_t(1) << 30 | axis; }
+inline bool is_of_sinking(std::uint64_t key) noexcept { return (key >> 30 & 3) == 1; }
 
-/// Says of pairs of bodies that come in rising order whether they were deep in each other by their rest penetration.
+/// How a pair of bodies was in each other in the step before.
+struct DeepPair {
+  bool spheres = false;                    // some by their rest penetration
+  std::uint32_t axis = SinkingAxis::none;  // along which they were sunk
+};
+
+/// Says of pairs of bodies that come in rising order how deep in each other they were.
 template <class Contacts>
 class RecallDeepPairs {
  public:
   RecallDeepPairs(const typename Contacts::Params& par, const typename Contacts::State& of) noexcept
       : par_(par), of_(of) {}
-  bool find(std::uint64_t pair) noexcept {
+  DeepPair find(std::uint64_t pair) noexcept {
     while (at_ < of_.size && of_.list[at_].key < pair) ++at_;
-    bool deep = false;
+    DeepPair deep;
     for (; at_ < of_.size && of_.list[at_].key >> 32 == pair >> 32; ++at_) {
       const ContactMemory& m = of_.list[at_];
       if (is_of_edges(m.key)) continue;
-      deep = deep || m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
+      if (is_of_sinking(m.key)) deep.axis = static_cast<std::uint32_t>(m.key) & ((1u << 30) - 1);
+      else deep.spheres |= m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
     }
     return deep;
   }
@@ -183,36 +193,57 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
   return false;
 }
 
-/// The boxes of body a against the boxes [first, end) of body b, or the world.
+/// The boxes of body a against the boxes [first, end) of body b, or the world. True: two are sunk in each other.
 template <class Contacts, std::size_t N>
-void find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
+bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                    std::uint32_t first, std::uint32_t end,
                    NearContacts<Contacts::max_contacts>& near) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const auto& on_a = w.owned[a];
+  bool are_sunk = false;
   for (std::uint32_t o = on_a.first_surface; o < on_a.end_surface; ++o) {
     for (std::uint32_t q = first; q < end; ++q) {
       if (w.posed[o].kind != ShapeKind::box || w.posed[q].kind != ShapeKind::box) continue;
-      each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], [&](const EdgeCrossing& crossing) noexcept {
-        add_near(w,
-                 {.key = pair | edges_key(o - on_a.first_surface, q - first, crossing.edges),
-                  .of = o,
-                  .on = q,
-                  .a = a,
-                  .b = b,
-                  .d = crossing.d,
-                  .p_W = crossing.p_W,
-                  .n_W = crossing.n_W},
-                 infinity, near);
-      });
+      are_sunk |= each_crossing(
+          w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], [&](const EdgeCrossing& crossing) noexcept {
+            add_near(w,
+                     {.key = pair | edges_key(o - on_a.first_surface, q - first, crossing.edges),
+                      .of = o,
+                      .on = q,
+                      .a = a,
+                      .b = b,
+                      .d = crossing.d,
+                      .p_W = crossing.p_W,
+                      .n_W = crossing.n_W},
+                     infinity, near);
+          });
     }
   }
+  return are_sunk;
+}
+
+/// Bodies that are sunk in each other: one contact along one axis, the same until they are out, between their centres of
+/// mass, since no point says where they touch.
+template <class Contacts, std::size_t N>
+void find_sunk(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
+               std::uint32_t before, NearContacts<Contacts::max_contacts>& near) noexcept {
+  const SinkingAxis axis = sinking_axis(w, a, b, before);
+  add_near(w,
+           {.key = pair | sinking_key(axis.number),
+            .of = w.owned[a].first_surface,
+            .on = w.owned[b].first_surface,
+            .a = a,
+            .b = b,
+            .d = axis.depth,
+            .p_W = 0.5 * (w.at[a].p_W + w.at[b].p_W),
+            .n_W = axis.n_W},
+           std::numeric_limits<Real>::infinity(), near);
 }
 
 /// Two bodies, one at least with shapes. were_deep: in each other, in the step before.
 template <class Contacts, std::size_t N>
 void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
-                    bool were_deep, NearContacts<Contacts::max_contacts>& near) noexcept {
+                    const DeepPair& were_deep, NearContacts<Contacts::max_contacts>& near) noexcept {
   const auto &on_a = w.owned[a], &on_b = w.owned[b];
   const auto find = [&](const Vec3* a_leaves, const Vec3* b_leaves) noexcept {
     return find_on_surfaces(w, a, b, pair, on_b.first_surface, on_b.end_surface, a_leaves, near) ||
@@ -220,12 +251,14 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
                             b_leaves, near);
   };
   const std::size_t before = near.size;
-  if (were_deep || find(nullptr, nullptr)) {
+  if (were_deep.spheres || find(nullptr, nullptr)) {
     near.forget_from(before);
     const Vec3 a_leaves = parting(w, a, b), b_leaves = -a_leaves;
     find(&a_leaves, &b_leaves);
   }
-  find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near);
+  if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;
+  near.forget_from(before);
+  find_sunk(w, a, b, pair, were_deep.axis, near);
 }
 
 /// Spheres of both bodies.
