@@ -184,15 +184,22 @@ void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const 
   }
 }
 
-/// f(crossing) for the edges of box a that touch edges of box b, or are near to. True: the boxes are sunk in each other.
+/// How two boxes are in each other, within the reach of their edges.
+enum class BoxesAre { apart, near, sunk };
+
+inline Real reach_of_edges(const ShapeParams& a, const ShapeParams& b) noexcept {
+  return edge_reach * std::min(a.half_extents.minCoeff(), b.half_extents.minCoeff());
+}
+
+/// f(crossing) for the edges of box a that touch edges of box b, or are near to; none where the boxes are sunk, if they may be.
 template <class F>
-bool each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB,
-                   F f) noexcept {
+BoxesAre each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB,
+                       bool may_be_sunk, F f) noexcept {
   const BoxOnBox w(a, R_WA, b, R_WB);
-  const Real thinnest = std::min(w.h_a.minCoeff(), w.h_b.minCoeff()), reach = edge_reach * thinnest;
+  const Real reach = reach_of_edges(a, b), too_deep = sunk / edge_reach * reach;
   const LeastFace face = least_face(w);
-  if (face.depth <= -reach) return false;
-  if (face.depth > sunk * thinnest && deeper_along_edges(w, sunk * thinnest)) return true;
+  if (face.depth <= -reach) return BoxesAre::apart;
+  if (may_be_sunk && face.depth > too_deep && deeper_along_edges(w, too_deep)) return BoxesAre::sunk;
   const Real most = (1 + deeper_than_faces) * std::max(face.depth, Real(0)) + deeper_than_reach * reach;
   for (int i = 0; i < 3; ++i)
     each_crossing_along(
@@ -200,7 +207,7 @@ bool each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b,
         [&](std::uint32_t edges, Real d, const Vec3& p_A, const Vec3& n_A) noexcept {
           f(EdgeCrossing{.edges = edges, .d = d, .p_W = a.X_WS.p + R_WA * p_A, .n_W = R_WA * n_A});
         });
-  return false;
+  return BoxesAre::near;
 }
 
 }  // namespace godobject
