@@ -12,8 +12,8 @@
 
 namespace godobject {
 
-/// A page sends a sample at least so often.
-inline constexpr Nanoseconds pointer_period_ns = 33'333'333, pointer_stale_ns = 3 * pointer_period_ns;
+/// A page sends a sample at least so often, and mostly 60 times a second: one that draws without a graphics card is slow.
+inline constexpr Nanoseconds pointer_period_ns = 100'000'000, pointer_stale_ns = 3 * pointer_period_ns;
 /// Faster a pointer does not move its target: the rest of a shift or turn is left out.
 inline constexpr double max_pointer_speed = 1, max_pointer_turn_rate = 10;  // m/s, rad/s
 

@@ -70,7 +70,7 @@ export class Strips {
     const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name);
     const axis = { stroke: () => colour("--soft"), grid: { stroke: () => colour("--line"), width: 1 }, ticks: { show: false }, font: "10px system-ui" };
     return new uPlot({
-      title: strip.title, width: 276, height: 118, cursor: { show: false }, legend: { show: false },
+      title: strip.title, width: 258, height: 118, cursor: { show: false }, legend: { show: false },
       scales: { x: { time: false } },
       axes: [{ ...axis, size: 22 }, { ...axis, size: 46 }],
       series: [{}, ...strip.series.map(([stroke, , dash]) => ({ stroke, dash, width: 1.2, points: { show: false } }))],

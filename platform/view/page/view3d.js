@@ -2,7 +2,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { arrowGeometry, geometryOf, setPose, span, triangles } from "./solids.js";
-import { NONE, bodyPose, couplingForce, feedbackForce, targetPose } from "./wire.js";
+import { bodyPose, couplingForce, feedbackForce, targetPose } from "./wire.js";
 
 export const COLOURS = {
   tool: 0xd5452c, body: 0x7e9fc7, obstacle: 0xa9a294, ghost: 0xe08a1e, calm: 0x2c9c5a, loaded: 0xd5261c,
@@ -13,7 +13,7 @@ const THEMES = { light: { back: 0xf4f5f7, grid: 0xc4c9d2 }, dark: { back: 0x1418
 
 export class View {
   constructor(canvas) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.001, 100);
     this.camera.up.set(0, 0, 1);
@@ -38,7 +38,8 @@ export class View {
     this.world.traverse((object) => { object.geometry?.dispose(); });
     this.world.clear();
     this.about = about;
-    this.extent = extentOf(about);
+    this.bounds = boundsOf(about);
+    this.extent = Math.max(0.01, 0.5 * this.bounds.getSize(new THREE.Vector3()).length());
     this.driven = about.driven;
     this.bodies = about.bodies.map((body, i) => this.addBody(body, i));
     this.spheres = [];
@@ -161,11 +162,9 @@ export class View {
   }
 
   lookAtAll() {
-    const box = new THREE.Box3();
-    for (const body of this.bodies) box.expandByPoint(body.position);
-    const centre = box.getCenter(new THREE.Vector3());
+    const centre = this.bounds.getCenter(new THREE.Vector3());
     this.controls.target.copy(centre);
-    this.camera.position.copy(centre).add(new THREE.Vector3(0.9, -1.9, 1.1).multiplyScalar(1.25 * this.extent));
+    this.camera.position.copy(centre).add(new THREE.Vector3(-0.38, -0.8, 0.46).multiplyScalar(2.6 * this.extent));
     this.camera.near = this.extent / 200;
     this.camera.far = this.extent * 50;
     this.camera.updateProjectionMatrix();
@@ -198,7 +197,7 @@ export class View {
     const tool = this.bodies[ghost.body].position, target = ghost.group.position;
     const apart = tool.distanceTo(target) / (0.02 * this.extent);
     ghost.material.opacity = Math.min(1, 0.35 + 0.65 * apart);
-    if (this.show.ghost) span(ghost.line, tool, target, 0.004 * this.extent * (1 + load));
+    if (this.show.ghost) span(ghost.line, tool, target, 0.006 * this.extent * (1 + load));
     ghost.line.material.color.set(COLOURS.calm).lerp(new THREE.Color(COLOURS.loaded), load);
     const force = this.about.takes_hold ? frame.handForce : feedbackForce(frame, i);
     if (this.show.arrows) this.pointArrow(ghost.force, target, force);
@@ -274,13 +273,19 @@ const lowDetail = (mesh) => {
   return mesh.geometry;
 };
 
-// Half the size of what moves: that of the largest body, or of the space between them.
-function extentOf(about) {
-  const box = new THREE.Box3();
-  let largest = 0.01;
-  for (const body of about.bodies) box.expandByPoint(new THREE.Vector3(...body.pose.slice(0, 3)));
-  for (const { body, kind, role, size } of about.solids)
-    if (body !== null && role !== "contact") largest = Math.max(largest, kind === "box" ? Math.max(...size) : size[0] + size[1]);
-  return Math.max(0.5 * box.getSize(new THREE.Vector3()).length(), largest);
+// What there is to look at: all bodies and obstacles that have an end, as the scene begins.
+function boundsOf(about) {
+  const box = new THREE.Box3(), at = new THREE.Vector3(), turn = new THREE.Quaternion(), object = new THREE.Object3D(), inBody = new THREE.Object3D();
+  for (const solid of about.solids) {
+    if (solid.kind === "plane" || solid.role === "contact") continue;
+    setPose(object, solid.body === null ? [0, 0, 0, 0, 0, 0, 1] : about.bodies[solid.body].pose);
+    setPose(inBody, solid.pose);
+    at.copy(inBody.position).applyQuaternion(turn.copy(object.quaternion)).add(object.position);
+    const [a, b, c] = solid.size, reach = solid.kind === "box" ? Math.hypot(a, b, c) : a + b;
+    for (const side of [-1, 1]) box.expandByPoint(at.clone().addScalar(side * reach / Math.sqrt(3)));
+    if (solid.kind !== "mesh") continue;
+    const { vertices } = about.meshes[solid.mesh];
+    for (let i = 0; i < vertices.length; i += 3) box.expandByPoint(new THREE.Vector3(...vertices.slice(i, i + 3)).applyQuaternion(inBody.quaternion).add(inBody.position));
+  }
+  return box.isEmpty() ? box.expandByPoint(at) : box;
 }
-export { NONE };
