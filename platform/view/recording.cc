@@ -1,20 +1,23 @@
 #include "platform/view/recording.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <fstream>
+#include <span>
+#include <string_view>
 
-#include "platform/scene/text/csv.h"
 #include "platform/session/trace.h"
 
 namespace godobject {
 namespace {
 
-/// The columns of a row one after the other, as TraceWriter writes them.
+/// The numbers of a row one after the other, as TraceWriter writes them.
 class Row {
  public:
-  Row(const CsvTable& table, std::size_t row) noexcept : table_(table), row_(row) {}
+  explicit Row(std::span<const double> numbers) noexcept : numbers_(numbers) {}
 
-  double number() { return table_.at(row_, column_++); }
+  double number() { return numbers_[column_++]; }
   Vec3 vector() {
     const double x = number(), y = number(), z = number();
     return {x, y, z};
@@ -30,12 +33,12 @@ class Row {
     const Vec3 f = vector();
     return {.tau = vector(), .f = f};
   }
-  std::uint32_t bits() { return static_cast<std::uint32_t>(number()); }
+  std::uint32_t bits() { return saturate_to<std::uint32_t>(number()); }
   void skip_to(std::size_t column) noexcept { column_ = column; }
 
  private:
-  const CsvTable& table_;
-  std::size_t row_, column_ = 0;
+  std::span<const double> numbers_;
+  std::size_t column_ = 0;
 };
 
 /// Where the columns of a trace are that are not one after the other.
@@ -45,16 +48,20 @@ struct Columns {
   std::vector<std::size_t> body;     // that body
 };
 
-Columns columns_of(const CsvTable& table, const SceneConfig& scene, const std::vector<std::size_t>& driven) {
-  Columns columns{.first_target = driven.empty() ? std::nullopt : table.find(scene.bodies[driven.front()].name + ".target.x"),
-                  .held = table.find("held"),
-                  .penetration = table.find("penetration"),
-                  .contacts = table.find("contacts"),
-                  .energy = table.find("energy"),
+Columns columns_of(const std::vector<std::string>& names, const SceneConfig& scene, const std::vector<std::size_t>& driven) {
+  const auto find = [&](const std::string& name) -> std::optional<std::size_t> {
+    const auto found = std::ranges::find(names, name);
+    return found == names.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - names.begin()));
+  };
+  Columns columns{.first_target = driven.empty() ? std::nullopt : find(scene.bodies[driven.front()].name + ".target.x"),
+                  .held = find("held"),
+                  .penetration = find("penetration"),
+                  .contacts = find("contacts"),
+                  .energy = find("energy"),
                   .contact = {},
                   .body = {}};
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-    if (const auto column = table.find(scene.bodies[i].name + ".contact.fx")) {
+    if (const auto column = find(scene.bodies[i].name + ".contact.fx")) {
       columns.contact.push_back(*column);
       columns.body.push_back(i);
     }
@@ -70,12 +77,11 @@ void add_contact(std::size_t body, const Wrench& F_W, ViewSample& sample) {
   sample.num_touching = sample.touching.size();
 }
 
-ViewSample sample_of(const CsvTable& table, std::size_t number, const std::vector<std::size_t>& driven,
-                     std::size_t num_bodies, const Columns& columns) {
-  Row row(table, number);
+ViewSample sample_of(std::span<const double> numbers, const std::vector<std::size_t>& driven, std::size_t num_bodies,
+                     const Columns& columns) {
+  Row row(numbers);
   ViewSample sample{.record = {}, .phase = RunPhase::running, .counters = {}, .touching = {}};
   CycleRecord& record = sample.record;
-  record.cycle = number;
   record.t = row.number();
   record.bodies.resize(num_bodies);
   for (BodyView& body : record.bodies) {
@@ -97,13 +103,13 @@ ViewSample sample_of(const CsvTable& table, std::size_t number, const std::vecto
   if (columns.held) {
     row.skip_to(*columns.held);
     const double held = row.number();
-    if (held >= 0) record.held = static_cast<std::size_t>(held);
+    if (held >= 0 && held < static_cast<double>(num_bodies)) record.held = static_cast<std::size_t>(held);
     record.hand_W = row.wrench();
     record.engaged = record.held.has_value();
   }
   row.skip_to(*columns.penetration);
   record.contacts.deepest = row.number();
-  if (columns.contacts) record.contacts.num_contacts = static_cast<std::size_t>(row.number());
+  if (columns.contacts) record.contacts.num_contacts = row.bits();
   row.skip_to(*columns.energy);
   record.energy.total = row.number();
   record.energy.balance = row.number();
@@ -113,34 +119,79 @@ ViewSample sample_of(const CsvTable& table, std::size_t number, const std::vecto
   return sample;
 }
 
-/// Rows that are shown: evenly over time, the first and the last among them.
-std::vector<std::size_t> shown_rows(const CsvTable& table) {
-  const std::size_t n = table.num_rows();
-  const double span = table.at(n - 1, 0) - table.at(0, 0);
-  const double period = std::max(1 / recorded_rate_hz, span / static_cast<double>(max_recorded - 2));
-  std::vector<std::size_t> rows;
-  double due = table.at(0, 0);
-  constexpr double rounding = 1e-9;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (table.at(i, 0) < due - rounding && i + 1 < n) continue;
-    rows.push_back(i);
-    due += period * std::max(1.0, std::ceil((table.at(i, 0) - due + rounding) / period));
+std::vector<std::string> split(std::string_view line) {
+  std::vector<std::string> parts;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    parts.emplace_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return parts;
+    line.remove_prefix(comma + 1);
   }
-  return rows;
 }
 
-std::string why_not_of(const CsvTable& table, const SceneConfig& scene, const std::string& path) {
-  const std::vector<std::string> expected = trace_columns(scene);
-  if (table.num_rows() == 0) return path + ": the trace has no rows";
-  const std::size_t common = std::min(expected.size(), table.columns().size());
-  for (std::size_t i = 0; i < common; ++i)
-    if (table.columns()[i] != expected[i])
-      return path + ": column " + std::to_string(i + 1) + " is '" + table.columns()[i] + "', and a trace of scene '" +
-             scene.name + "' has '" + expected[i] + "' there: is it of another scene? Give its file with --scene";
-  if (table.columns().size() == expected.size()) return "";
-  return path + ": " + std::to_string(table.columns().size()) + " columns, and a trace of scene '" + scene.name +
-         "' has " + std::to_string(expected.size()) + ": is it of another scene, or version? Give the scene's file with --scene";
+/// False: not as many numbers as there is room for.
+bool read_numbers(std::string_view line, std::span<double> numbers) {
+  const char *at = line.data(), *const end = at + line.size();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const auto [next, error] = std::from_chars(at, end, numbers[i]);
+    const bool is_last = i + 1 == numbers.size();
+    if (error != std::errc() || (is_last ? next != end : next == end || *next != ',')) return false;
+    at = next + 1;
+  }
+  return true;
 }
+
+std::string why_not_of(const std::vector<std::string>& names, const SceneConfig& scene, const std::string& path) {
+  const std::vector<std::string> expected = trace_columns(scene);
+  const std::size_t common = std::min(expected.size(), names.size());
+  for (std::size_t i = 0; i < common; ++i)
+    if (names[i] != expected[i])
+      return path + ":1: column " + std::to_string(i + 1) + " is '" + names[i].substr(0, 64) + "', and a trace of scene '" +
+             scene.name + "' has '" + expected[i] + "' there: is it of another scene? Give its file with --scene";
+  if (names.size() == expected.size()) return "";
+  return path + ":1: " + std::to_string(names.size()) + " columns, and a trace of scene '" + scene.name + "' has " +
+         std::to_string(expected.size()) + ": is it of another scene, or version? Give the scene's file with --scene";
+}
+
+/// Takes the rows that are shown, however long the trace is.
+class TraceReader {
+ public:
+  TraceReader(const SceneConfig& scene, const std::vector<std::string>& names)
+      : num_bodies_(scene.bodies.size()),
+        driven_(driven_bodies(scene)),
+        columns_(columns_of(names, scene, driven_)),
+        numbers_(names.size()) {}
+
+  /// False: it is no row of the trace.
+  bool add(const std::string& line) {
+    double t = 0;
+    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), t);
+    if (error != std::errc() || !std::isfinite(t)) return false;
+    constexpr double rounding = 1e-9;
+    if (!samples.empty() && t < due_ - rounding) return true;
+    if (!read_numbers(line, numbers_)) return false;
+    samples.push_back(sample_of(numbers_, driven_, num_bodies_, columns_));
+    due_ = t + period_;
+    if (samples.size() == max_recorded) thin_out();
+    return true;
+  }
+
+  std::vector<ViewSample> samples;
+
+ private:
+  /// Every other one is enough, also from here on.
+  void thin_out() {
+    for (std::size_t i = 0; 2 * i < samples.size(); ++i) samples[i] = samples[2 * i];
+    samples.resize((samples.size() + 1) / 2);
+    period_ *= 2;
+  }
+
+  std::size_t num_bodies_;
+  std::vector<std::size_t> driven_;
+  Columns columns_;
+  std::vector<double> numbers_;
+  double due_ = 0, period_ = 1 / recorded_rate_hz;
+};
 
 }  // namespace
 
@@ -156,19 +207,25 @@ Recording recording_of(const SceneConfig& scene) {
 
 RecordingResult read_trace(const std::string& path, const SceneConfig& scene) {
   RecordingResult result;
-  CsvResult csv = read_csv(path);
-  result.errors = std::move(csv.errors);
-  if (!csv.table) return result;
-  if (std::string why_not = why_not_of(*csv.table, scene, path); !why_not.empty()) {
-    result.errors.push_back(std::move(why_not));
+  const auto fail = [&](std::string why) {
+    result.errors.push_back(std::move(why));
     return result;
+  };
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  if (!in || !std::getline(in, line)) return fail(path + ": cannot be read, or is empty");
+  const std::vector<std::string> names = split(line);
+  if (std::string why_not = why_not_of(names, scene, path); !why_not.empty()) return fail(std::move(why_not));
+  TraceReader reader(scene, names);
+  std::size_t number = 1;
+  while (std::getline(in, line)) {
+    ++number;
+    if (in.eof()) break;  // without a line end: a run that was killed was about to write it
+    if (!reader.add(line))
+      return fail(path + ":" + std::to_string(number) + ": not the " + std::to_string(names.size()) + " numbers of a trace's row");
   }
-  const std::vector<std::size_t> driven = driven_bodies(scene);
-  const Columns columns = columns_of(*csv.table, scene, driven);
-  Recording recording{.scene = scene, .samples = {}};
-  for (const std::size_t row : shown_rows(*csv.table))
-    recording.samples.push_back(sample_of(*csv.table, row, driven, scene.bodies.size(), columns));
-  result.recording = std::move(recording);
+  if (reader.samples.empty()) return fail(path + ": the trace has no rows");
+  result.recording = Recording{.scene = scene, .samples = std::move(reader.samples)};
   return result;
 }
 

@@ -19,7 +19,7 @@ struct Recording {
   std::vector<ViewSample> samples;  // at least one, in the order of time
 };
 
-/// A page plays so many instants a second, and gets so many at most; what lies between them is left out.
+/// A page plays so many instants a second, or fewer, and gets so many at most; what lies between them is left out.
 inline constexpr double recorded_rate_hz = 100;
 inline constexpr std::size_t max_recorded = 20000;
 

@@ -46,9 +46,9 @@ std::string RunView::start(const RunOptions& options, PreparedRun& prepared) {
   return why_not;
 }
 
-std::vector<std::string> RunView::announcement() const {
-  std::vector<std::string> lines{"view: " + server_->url()};
-  if (const std::string warning = view_warning(address_); !warning.empty()) lines.push_back("view: WARNING: " + warning);
+std::vector<std::string> view_lines(const std::string& url, const std::string& address) {
+  std::vector<std::string> lines{"view: " + url};
+  if (const std::string warning = view_warning(address); !warning.empty()) lines.push_back("view: WARNING: " + warning);
   if (!has_page())
     lines.push_back("view: this program was built without its page, which needs npm and esbuild: ./dev setup view, then build again");
   return lines;
