@@ -16,7 +16,11 @@ bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, cons
     const Vector3<T>& w_B = w.velocities[g].w_B;
     const T change_sq = (w_B - from(g)).squaredNorm();
     const T bend_sq = change_sq * (change_sq + w_B.squaredNorm());
-    for (std::size_t j = 0; j < lanes<S> && g * lanes<S> + j < num_bodies(par); ++j) sum += lane(bend_sq, j);
+    for (std::size_t j = 0; j < lanes<S> && g * lanes<S> + j < num_bodies(par); ++j) {
+      if constexpr (uses<ContactsOf<S>>)
+        if (!w.contacts.graph.joints.joined[g * lanes<S> + j]) continue;
+      sum += lane(bend_sq, j);
+    }
   }
   return (h * h) * (h * h) * sum <= max_bend * max_bend;
 }
@@ -24,13 +28,21 @@ bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, cons
 /// A stop is linear where it is predicted once, and does not gain; taken again it may go to and fro.
 inline constexpr int met_a_stop = -1;
 
+/// The stage from the bases again: its contacts begin where they began.
+template <Solve which, Scene S, class TargetOfGroup>
+void solve_anew(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+                Scratch<S>& w) noexcept {
+  if constexpr (uses<ContactsOf<S>>) w.contacts.last = 1 - w.contacts.last;
+  solve_once<which>(par, x, h, target_of, w);
+}
+
 /// (39)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
 template <Scene S, class TargetOfGroup>
 int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                    Scratch<S>& w) noexcept {
   for (int k = 1; k <= max_joint_iterations; ++k) {
     w.iteration.linearised = w.velocities;
-    solve_once<Solve::again>(par, x, h, target_of, w);
+    solve_anew<Solve::again>(par, x, h, target_of, w);
     if (w.tree.stop_acts) return met_a_stop;
     const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
     if (joints_hold(par, h, from, w)) return k;
@@ -62,6 +74,34 @@ bool joints_start_shut(const Params<S>& par, const State<S>& x) noexcept {
   return shut;
 }
 
+/// What contacts carry over from part to part of a stage that was solved in one.
+template <Scene S>
+class ContactParts {
+ public:
+  explicit ContactParts(Scratch<S>& w) noexcept {
+    if constexpr (uses<ContactsOf<S>>) {
+      stage_ = w.contacts.stage;
+      last_ = 1 - w.contacts.last;
+      if constexpr (has_stages<S>) w.iteration.of_stage_before.assign(w.contacts.memories[last_]);
+    }
+  }
+  /// Before part k.
+  void begin([[maybe_unused]] int k, [[maybe_unused]] int parts,
+             [[maybe_unused]] Scratch<S>& w) const noexcept {
+    if constexpr (uses<ContactsOf<S>>) {
+      w.contacts.stage = k == 0 ? stage_ : ContactStage{.goes_on = true, .follows = true};
+      w.contacts.stage.relaxing = stage_.relaxing / parts;
+      if (k > 0) return;
+      w.contacts.last = last_;
+      if constexpr (has_stages<S>) w.contacts.memories[last_].assign(w.iteration.of_stage_before);
+    }
+  }
+
+ private:
+  ContactStage stage_;
+  std::size_t last_ = 0;
+};
+
 /// (39)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
 /// w.velocities are those of the last.
 template <Scene S, class TargetOfGroup>
@@ -69,6 +109,7 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
                     Scratch<S>& w) noexcept {
   const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
   w.iteration.starts = w.bases;
+  ContactParts<S> contacts(w);
   for (int parts = part_ratio;; parts *= part_ratio) {
     const Real t = h / parts;
     const bool last_try = parts == max_parts;
@@ -76,14 +117,12 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
     for (int k = 0; k < parts && (hold || last_try); ++k) {
       if (k > 0)
         for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], t);
-      const auto solve = [&]() noexcept {
-        if (k == 0) solve_once(par, x, t, target_of, w);
-        else solve_once<Solve::first_of_part>(par, x, t, target_of, w);
-      };
-      solve();
+      contacts.begin(k, parts, w);
+      if (k == 0) solve_once(par, x, t, target_of, w);
+      else solve_once<Solve::first_of_part>(par, x, t, target_of, w);
       if (joints_hold(par, t, base, w) || w.tree.stop_acts) continue;
       const int iterations = iterate_joints(par, x, t, target_of, w);
-      if (iterations == met_a_stop) solve();
+      if (iterations == met_a_stop) solve_anew<Solve::first_of_part>(par, x, t, target_of, w);
       hold = iterations <= max_joint_iterations;
     }
     if (hold || last_try) return t;
@@ -107,10 +146,11 @@ template <Scene S, class TargetOfGroup>
   if (w.tree.stop_acts || !joints_start_shut(par, x)) return {.h = h};
   const int iterations = iterate_joints(par, x, h, target_of, w);
   if (iterations == met_a_stop) {
-    solve_once(par, x, h, target_of, w);
+    solve_anew<Solve::first>(par, x, h, target_of, w);
     return {.h = h};
   }
   if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
+  if constexpr (uses<NodesOf<S>>) return {.calm = false, .h = h};
   if (!may_part) return {.solved = false, .calm = false, .h = h};
   return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
 }

@@ -89,18 +89,30 @@ struct ExpectedTurns {
 template <class S>
 inline constexpr bool expects_turns = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 
-/// (39)  Stages of bodies on joints, without contacts, are iterated.
+/// (39)  Stages of bodies on joints are iterated.
 template <class S>
 constexpr bool takes_joints_again() noexcept {
-  if constexpr (uses<typename S::Joints> && !uses<ContactsOf<S>>) return !S::Joints::Stabilisation::uses_base;
+  if constexpr (uses<typename S::Joints>) return !S::Joints::Stabilisation::uses_base;
   return false;
 }
 template <class S>
 inline constexpr bool iterates_joints = takes_joints_again<S>();
+/// A step has more than one stage, and contacts that each carries over.
+template <class S>
+inline constexpr bool has_stages = uses<ContactsOf<S>>&& S::Integrator::order > 1;
+template <class S>
+struct MemoriesOf {
+  using type = Absent<21>;
+};
+template <class S>
+requires(has_stages<S>) struct MemoriesOf<S> {
+  using type = typename ContactsOf<S>::State;
+};
 template <class S>
 struct Iteration {
-  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;     // bases of the stage
-  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;  // where the joints were taken
+  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;        // bases of the stage
+  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;     // where the joints were taken
+  [[no_unique_address]] typename MemoriesOf<S>::type of_stage_before;  // contacts
 };
 
 /// The nodes of nets: where the stage starts, and where it ends.
@@ -165,8 +177,9 @@ void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) 
 template <Scene S, class T>
 void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
                  const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
-                 [[maybe_unused]] const Vector3<T>& F_W, Real h, Scratch<S>& w) noexcept {
-  const TreePlaceOf<T> at = place<T>(Vector3<T>::Zero(), predicted(base, h));
+                 [[maybe_unused]] const Vector3<T>& F_W, Real h, Scratch<S>& w,
+                 Real max_turn = max_predicted_turn) noexcept {
+  const TreePlaceOf<T> at = place<T>(Vector3<T>::Zero(), predicted(base, h, max_turn));
   const Matrix3<T>& R = at.R_WB;
   const Matrix3<T> A_W = R * rotation.A_B * R.transpose();
   const Vector3<T> b_w = R * rotation.b_B;
@@ -217,10 +230,11 @@ void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
 
 /// The same, with what they touch and what else acts on them.
 template <Scene S>
-void solve_touching(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
+void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which, Real h,
+                    Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
   if constexpr (uses<NodesOf<S>>) load_nodes(par, h, w);
-  if constexpr (uses<typename S::Joints>) begin_joints(par, x, h, w.tree, contacts);
+  if constexpr (uses<typename S::Joints>) begin_joints(par, x, which == Solve::first, h, w.tree, contacts);
   if constexpr (uses<TermsOf<S>>) begin_terms(par.terms, h, contacts);
   if constexpr (uses<NetOf<S>>) {
     const NetInput<NetOf<S>> net{par.net, x.net.contacts, par.gravity_W};
@@ -245,14 +259,14 @@ void solve_touching(const Params<S>& par, const State<S>& x, Real h, Scratch<S>&
 }
 /// Compiled once for all stages of a step; that of a few contacts with the world as one function.
 template <Scene S>
-[[gnu::noinline]] void solve_among_bodies(const Params<S>& par, const State<S>& x, Real h,
+[[gnu::noinline]] void solve_among_bodies(const Params<S>& par, const State<S>& x, Solve which, Real h,
                                           Scratch<S>& w) noexcept {
-  solve_touching(par, x, h, w);
+  solve_touching(par, x, which, h, w);
 }
 template <Scene S>
-GODOBJECT_FLATTEN [[gnu::noinline]] void solve_on_world(const Params<S>& par, const State<S>& x, Real h,
-                                                        Scratch<S>& w) noexcept {
-  solve_touching(par, x, h, w);
+GODOBJECT_FLATTEN [[gnu::noinline]] void solve_on_world(const Params<S>& par, const State<S>& x, Solve which,
+                                                        Real h, Scratch<S>& w) noexcept {
+  solve_touching(par, x, which, h, w);
 }
 
 /// What a stage starts from: contacts dragged on for t_0 at the rate of the step, t_1 at that of the stage before.
@@ -306,12 +320,16 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
     const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // where the stage starts
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
+    const auto led = [&]() noexcept -> RigidBodyStateOf<T> {
+      return {base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
+    };
     if constexpr (uses<ContactsOf<S>>) {
-      load_bodies(par, g, base, translation, rotation, F_0, h, w);
+      if constexpr (which == Solve::again)
+        load_bodies(par, g, led(), translation, rotation, F_0, h, w, max_iterated_turn);
+      else load_bodies(par, g, base, translation, rotation, F_0, h, w);
     } else if constexpr (uses<typename S::Joints>) {
       if constexpr (which == Solve::again) {
-        const RigidBodyStateOf<T> led = {base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
-        load(par, g, led, translation, rotation, F_0, h, w.tree, max_iterated_turn);
+        load(par, g, led(), translation, rotation, F_0, h, w.tree, max_iterated_turn);
       } else {
         load(par, g, base, translation, rotation, F_0, h, w.tree);
       }
@@ -321,8 +339,8 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
     }
   }
   if constexpr (uses<ContactsOf<S>>) {
-    if constexpr (ContactsOf<S>::between_bodies) solve_among_bodies(par, x, h, w);
-    else solve_on_world(par, x, h, w);
+    if constexpr (ContactsOf<S>::between_bodies) solve_among_bodies(par, x, which, h, w);
+    else solve_on_world(par, x, which, h, w);
   } else if constexpr (uses<typename S::Joints>) {
     solve_tree<which>(par, x, h, w);
   }

@@ -55,6 +55,14 @@ inline constexpr Real same_normal = 0.995;
 /// The sine between edges below which they are parallel.
 inline constexpr Real min_edge_sine = 0.01;
 
+/// What moves farther in a stage than it is large is swept: steps of its way, and what is in touch, of the radius or of the
+/// reach of edges. tests/contacts/test_tunnelling.cc.
+inline constexpr int max_advances = 32;
+inline constexpr Real sweep_tolerance = 0.01, edge_touch = 0.2;
+/// Of the thinnest half extent: boxes that are deeper in each other are sunk, and part along one axis.
+/// test_touching_overlap.cc, sunk pairs.
+inline constexpr Real sunk = 0.5;
+
 // Rest penetration (35).
 
 /// Of the largest stored penetration: by so much a body's is relaxed in a stage at most. Bodies that are locked into each

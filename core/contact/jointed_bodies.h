@@ -28,6 +28,7 @@ struct TouchingJoints {
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
   bool is_stiff =
       false;  // a stop or a force of a joint may have turned something round within the last stage
+  bool stop_acts = false;  // a coordinate was within a stop in the last stage
 };
 
 /// The same with its anchor at a_W.
@@ -211,13 +212,14 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
   });
 }
 
-/// The joints where the stage is predicted to end, and the bodies' stages for V - V_p.
+/// The joints where the stage is predicted to end, and the bodies' stages for V - V_p. first: their forces (21) are those of
+/// the step before, otherwise those of the solve before.
 template <Scene S, class Contacts>
-void begin_joints(const Params<S>& par, const State<S>& x, Real h,
+void begin_joints(const Params<S>& par, const State<S>& x, bool first, Real h,
                   TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                   BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
   auto& all = w.graph.joints;
-  tree.is_stiff = false;
+  tree.is_stiff = tree.stop_acts = false;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const typename S::Joints::Params& joint = par.bodies[i].joint;
     const TreePlace& at = w.finder.at[i];
@@ -238,7 +240,8 @@ void begin_joints(const Params<S>& par, const State<S>& x, Real h,
   }
   for (std::size_t i = 0; i < num_bodies(par); ++i)
     if (all.edges[i].kind != JointKind::free)
-      begin_joint(par, i, x.bodies[i].joint.F_C, x.contacts.size > 0, h, tree, w);
+      begin_joint(par, i, first ? x.bodies[i].joint.F_C : Wrench(tree.nodes[i].F_C), x.contacts.size > 0, h,
+                  tree, w);
   for (std::size_t i = 0; i < num_bodies(par); ++i)
     if (all.joined[i]) add_impulse(times(w.stages[i], all.V_p[i]) * -1, w.stages[i]);
 }
@@ -270,8 +273,11 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     F[i] = times(stage, w.x.V[i]) - SpatialVector{.w = stage.b_w + Column(on_contacts.tau) * h,
                                                   .v = stage.b_v + Column(on_contacts.f) * h};
     if (all.edges[i].kind == JointKind::free) continue;
-    for (std::size_t k = 0; k < 2; ++k)
-      tree.is_stiff |= all.edges[i].stop_D[k] * w.system.joints[i].D_inverse[k] > stiff_stop_share;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Real D = all.edges[i].stop_D[k];
+      tree.is_stiff |= D * w.system.joints[i].D_inverse[k] > stiff_stop_share;
+      tree.stop_acts |= D > 0;
+    }
   }
   each_term_impulse(w, [&](std::uint32_t u, const SpatialVector& J) noexcept {
     if (all.joined[u]) F[u] = F[u] - J;

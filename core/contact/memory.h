@@ -67,9 +67,10 @@ struct ContactStage {
   Real relaxing = 0;      // s, for which e is relaxed
   bool goes_on =
       false;  // after another stage of the step; otherwise that one's memories are none of this step
+  bool follows = false;  // it starts where that stage has ended
 
-  /// It starts where the step before has ended.
-  bool is_of_base() const noexcept { return t_0 == 0 && !goes_on; }
+  /// It starts where another stage has ended, of this step or the one before.
+  bool starts_at_an_end() const noexcept { return follows || (t_0 == 0 && !goes_on); }
 };
 
 /// (35)  Largest penetration stored without measured approach, m: its spring holds the energy
@@ -119,10 +120,11 @@ inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, c
   Vec3 xi = Vec3::Zero();
   if (of_step != nullptr) xi = of_step->xi_W + stage.t_0 * of_step->xi_dot_W;
   if (of_stage != nullptr) xi += stage.t_1 * of_stage->xi_dot_W;
+  if (of_stage != nullptr && stage.follows) xi = of_stage->xi_W;
   const ContactMemory& last = of_stage != nullptr ? *of_stage : *of_step;
   c.e =
       relax_offset(last.e, start.d_0, std::min(stage.relaxing * law.push_out, start.max_relaxed), start.most);
-  if (stage.is_of_base())
+  if (stage.starts_at_an_end())
     c.e += std::max(start.d_0 - last.e - last.pressed - start.max_stored_penetration, Real(0));
   c.xi_W = xi - n_W * n_W.dot(xi);
   c.F_n = std::max(last.n_W.dot(last.F_W), Real(0));

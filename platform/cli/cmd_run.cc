@@ -11,6 +11,7 @@
 #include "platform/cli/run/loop.h"
 #include "platform/cli/run/options.h"
 #include "platform/cli/run/report.h"
+#include "platform/cli/run/run_view.h"
 #include "platform/cli/run/stop_signals.h"
 #include "platform/cli/verbs.h"
 #include "platform/rt/background_file.h"
@@ -71,12 +72,18 @@ ExitCode run(RunOptions options) {
   }
   Session& session = *prepared.session;
   std::optional<RunLink> real;
-  if (session.bus() == BusChoice::real) options.realtime = true;
+  if (session.bus() == BusChoice::real || (options.view && !options.fast)) options.realtime = true;
   if (prepared.link) {
     real.emplace(*prepared.link, prepared.buses, *session.scene().device->rig, prepared.profiles);
     const std::vector<std::string> closed = open_buses(real->link, real->plan, real->rig);
     print_lines(stderr, "", closed);
     if (!closed.empty()) return ExitCode::not_available;
+  }
+  RunView view;
+  if (options.view) {
+    const std::string why_not = view.start(options, prepared);
+    print_lines(stderr, "", why_not.empty() ? view.announcement() : std::vector{why_not});
+    if (!why_not.empty()) return ExitCode::not_available;
   }
   RunFiles files(options.files, session.scene(), real ? log_origin_ns() : 0);
   const std::optional<RunResult> result =
@@ -170,6 +177,20 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("--report", options.report,
                   "JSON to write: everything the summary shows, and the histograms")
       ->type_name("FILE");
+  verb.add_option_function<std::string>(
+          "--view",
+          [&options](const std::string& port) { options.view = static_cast<std::uint16_t>(std::stoul("0" + port)); },
+          "serve a page that shows the run, at the address that is printed, on this machine alone; port: 7780, or the "
+          "next free one. The run is in wall time, unless --fast is given. See docs/view.md")
+      ->type_name("[PORT]")
+      ->expected(0, 1)
+      ->check(port_number());
+  verb.add_option("--view-address", options.view_address,
+                  "listen on this address instead of 127.0.0.1: whoever reaches it and has the token sees the run")
+      ->type_name("ADDRESS");
+  verb.add_flag("--view-input", options.view_input,
+                "the pointer in the page is the device: it takes hold of coupled bodies and moves them; without "
+                "buses, until the run is stopped");
   verb.add_flag("--quiet", options.quiet, "print only warnings and faults; the exit code says the rest");
 }
 

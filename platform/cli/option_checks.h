@@ -9,5 +9,7 @@ namespace godobject {
 CLI::Validator number_in(double min, double max);
 /// A number above min and up to max.
 CLI::Validator number_above(double min, double max);
+/// A port of TCP, or nothing.
+CLI::Validator port_number();
 
 }  // namespace godobject

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "core/math/so3.h"
 #include "platform/scene/joint_kinds.h"
 #include "platform/scene/joint_params.h"
 #include "platform/scene/joint_tree.h"
@@ -89,7 +90,7 @@ void visit_joint_frames(V& v, JointConfig& j) {
     v.check(std::abs(axis.norm() - 1) <= 1e-6, "axis", "must have length 1");
     v.check(!v.has("parent_orientation_wxyz") && !v.has("child_orientation_wxyz"), "axis",
             "and the orientations of the frames say the same thing: remove one of them");
-    j.X_BP.q = j.X_BC.q = Quat::FromTwoVectors(Vec3::UnitZ(), axis);
+    j.X_BP.q = j.X_BC.q = turn_from_z(axis);
   }
   visit_pose(
       v, "parent_position", "parent_orientation_wxyz",

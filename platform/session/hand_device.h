@@ -2,10 +2,12 @@
 // more.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "hal/can/frame.h"
 #include "platform/engine/engine.h"
+#include "platform/session/motion.h"
 
 namespace godobject {
 
@@ -39,6 +41,9 @@ class HandDevice {
 
   /// Writes what it knows of the hand into the bodies' samples, over what the devices before it have written.
   virtual void read(Period& period, std::span<BodySample> samples) noexcept = 0;
+
+  /// Where the device takes hold of bodies: which it wants. Nothing: what the motion says.
+  virtual std::optional<HoldWish> hold() const noexcept { return std::nullopt; }
 };
 
 }  // namespace godobject

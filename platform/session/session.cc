@@ -121,7 +121,9 @@ void Session::measure(CycleRecord& record) const noexcept {
 void Session::take_hold() noexcept {
   const BodySample device = samples_[driven_.front()];
   const bool has_button = rig_ && rig_->rig().has_button(ButtonUse::hold);
-  grip_->update(motion_.hold(period_.t), !has_button && motion_.button(period_.t), device.X_WD.p, *engine_);
+  HoldWish wish = motion_.hold(period_.t);
+  for (const HandDevice* const of : devices_) wish = of->hold().value_or(wish);
+  grip_->update(wish, !has_button && motion_.button(period_.t), device.X_WD.p, *engine_);
   if (rig_ && rig_->hold_pressed()) grip_->press(device.X_WD.p, *engine_);
   for (const std::size_t body : driven_) {
     samples_[body] = device;

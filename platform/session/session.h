@@ -62,6 +62,9 @@ class Session {
   static Made make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses);
   static Made make(const SceneConfig& scene, Motion motion, DeviceParts device);
 
+  /// One more device, which writes over what the others say. Before start(); it outlives the session. Allocates.
+  void add(HandDevice& device) { devices_.push_back(&device); }
+
   /// off -> booting, given up after `limit_s` of bus time, or that of the slowest tracker; without a bus and a
   /// tracker -> running.
   void start(double limit_s) noexcept;

@@ -92,7 +92,7 @@ void print_piles() {
 }  // namespace
 
 study::InstructionCounter& counter() {
-  static study::InstructionCounter instance((study::default_probe_directory() / "godobject_probe").string());
+  static study::InstructionCounter instance(study::probe_program(study::default_probe_directory(), false));
   return instance;
 }
 

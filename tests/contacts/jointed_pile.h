@@ -22,8 +22,7 @@ inline const Vec3 y_axis = Vec3::UnitY(), z_axis = Vec3::UnitZ();
 
 /// A frame whose z is this axis of its body.
 inline JointFrame frame(const Vec3& p, const Vec3& axis = z_axis) {
-  const Quat turn = Quat(Eigen::Quaternion<Real>::FromTwoVectors(z_axis, axis));
-  return {.p = p, .R = turn.toRotationMatrix()};
+  return {.p = p, .R = turn_from_z(axis).toRotationMatrix()};
 }
 
 class JointedPile : public Pile<Jointed> {

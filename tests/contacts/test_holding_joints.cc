@@ -23,8 +23,7 @@ struct LiddedBox : Pile<Box<I>> {
     this->add_brick({.X_WB = godobject::at(Vec3(0, 0, z)), .V_WB = {}}, 10 * brick_mass);
     this->add_brick({.X_WB = godobject::at(Vec3(0, 0, 3 * z)), .V_WB = {}});
     auto& joint = this->par.bodies[1].joint;
-    const Mat3 about_y =
-        Quat(Eigen::Quaternion<Real>::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY())).toRotationMatrix();
+    const Mat3 about_y = turn_from_z(Vec3::UnitY()).toRotationMatrix();
     joint.kind = JointKind::hinge;
     joint.parent = 0;
     joint.P = {.p = Vec3(-brick_half.x(), 0, z), .R = about_y};

@@ -47,8 +47,7 @@ struct Rig : Running<S> {
     auto& joint = par.bodies[1].joint;
     joint.kind = JointKind::hinge;
     joint.parent = 0;
-    const Mat3 about_y =
-        Eigen::Quaternion<Real>::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY()).toRotationMatrix();
+    const Mat3 about_y = turn_from_z(Vec3::UnitY()).toRotationMatrix();
     joint.P = {.p = Vec3(link / 2, 0, 0), .R = about_y};
     joint.C = {.p = Vec3(-link / 2, 0, 0), .R = about_y};
     par.bodies[0].joint.kind = JointKind::free;

@@ -43,7 +43,7 @@ std::vector<Vec3> swayed(Real h) {
     joint.kind = JointKind::hinge;
     joint.parent = 0;
     const Real apart = pile->p(1).z() - pile->p(0).z();
-    const Quat about_y = Quat(Eigen::Quaternion<Real>::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY()));
+    const Quat about_y = turn_from_z(Vec3::UnitY());
     joint.P = {.p = Vec3(0, 0, apart / 2), .R = about_y.toRotationMatrix()};
     joint.C = {.p = Vec3(0, 0, -apart / 2), .R = about_y.toRotationMatrix()};
   }

@@ -1,6 +1,8 @@
 #!/bin/sh
-# Builds state_hash_probe.cc with every compiler at hand and every optimisation level, with the flags of the
+# Builds state_hash_probe.cc with every compiler at hand, without optimisation and with all of it, with the flags of the
 # `deterministic` preset and for wider vectors, and demands that all print the same. With one compiler only: exit 77, not compared.
+# Every compiler at every level where GODOBJECT_EVERY_LEVEL is set (./dev nightly); else three builds that have each compiler,
+# level and width once or twice (docs/decisions/041).
 #   compare.sh SOURCE_DIR EIGEN_INCLUDE_DIR WORK_DIR
 set -eu
 source_dir=$1 eigen=$2 work=$3
@@ -14,9 +16,19 @@ mkdir -p "$work"
 wide=""
 if grep -qw avx2 /proc/cpuinfo 2> /dev/null; then wide="-O3_-mavx2"; fi
 
-# All levels of one compiler, each leaving its output in a file of its own.
-run_all_levels() {
-  for level in -O0 -O3 $wide; do
+levels_of() {
+  if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then
+    echo -O0 -O3 $wide
+  elif [ "$1" = g++ ]; then
+    echo -O0 -O3
+  else
+    echo "${wide:--O3}"
+  fi
+}
+
+# The levels of one compiler, each leaving its output in a file of its own.
+run_levels() {
+  for level in $(levels_of "$1"); do
     name=$work/$1$level
     # shellcheck disable=SC2046,SC2086
     $launcher "$1" $flags $(echo $level | tr _ ' ') -I "$source_dir" -isystem "$eigen" \
@@ -30,7 +42,7 @@ running=""
 incomplete=0
 for compiler in g++ clang++; do
   if command -v "$compiler" > /dev/null; then
-    run_all_levels "$compiler" &
+    run_levels "$compiler" &
     running="$running $!"
   else
     echo "$compiler: not on this machine, left out"

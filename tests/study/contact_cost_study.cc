@@ -8,7 +8,7 @@ std::vector<ContactCostRow> study_contact_costs(const std::filesystem::path& pro
                                                 InstructionCounter& counter, const Progress& progress,
                                                 std::string& why_not) {
   std::vector<ContactCostRow> rows;
-  for (const FootprintRow& size : list_compositions(probe_directory, Family::touching, why_not)) {
+  for (const FootprintRow& size : list_compositions(probe_directory, quick, Family::touching, why_not)) {
     if (size.composition.starts_with("bricks")) rows.push_back({size, "s4", {}});
     else rows.push_back({size, "s2", {}});
     if (size.composition.starts_with("pressed-contacts")) rows.push_back({size, "s2-smooth", {}});

@@ -44,11 +44,12 @@ void measure_code(const std::filesystem::path& probe_directory, FootprintRow& ro
 
 }  // namespace
 
-std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, Family family,
-                                            std::string& why_not) {
+std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, bool quick,
+                                            Family family, std::string& why_not) {
   std::vector<FootprintRow> rows;
-  const ToolResult list = run_tool({(probe_directory / "godobject_probe").string()});
-  if (!list.ok()) why_not = "the probe program is not built (target godobject_probe)";
+  const std::filesystem::path program = probe_program(probe_directory, quick);
+  const ToolResult list = run_tool({program.string()});
+  if (!list.ok()) why_not = "the probe program is not built (target " + program.filename().string() + ")";
   std::istringstream lines(list.ok() ? list.output : "");
   for (std::string line; std::getline(lines, line);) {
     FootprintRow row;
@@ -62,7 +63,7 @@ std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_d
 std::vector<FootprintRow> study_footprint(const std::filesystem::path& probe_directory, bool quick,
                                           InstructionCounter& counter, const Progress& progress,
                                           std::string& why_not) {
-  std::vector<FootprintRow> rows = list_compositions(probe_directory, Family::rigid, why_not);
+  std::vector<FootprintRow> rows = list_compositions(probe_directory, quick, Family::rigid, why_not);
   if (quick) std::erase_if(rows, [](const FootprintRow& r) { return r.max_bodies > 1; });
   for (FootprintRow& row : rows) {
     progress("footprint: " + row.composition);

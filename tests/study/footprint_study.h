@@ -28,10 +28,10 @@ enum class Family : std::uint8_t {
   touching,     // "pressed...", "bricks...", with contacts and without
 };
 
-/// Every composition of a family that the probe program has, with its bytes. Empty, with the reason in `why_not`, where
+/// Every composition of a family that the probe program has (the quick one has few), with its bytes. Empty, with the reason in `why_not`, where
 /// it is not built.
-std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, Family family,
-                                            std::string& why_not);
+std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, bool quick,
+                                            Family family, std::string& why_not);
 
 /// Every rigid composition the probe program has. Empty, with the reason in `why_not`, where it is not built;
 /// numbers whose tool is missing are absent. `quick`: only compositions with one body.

@@ -6,8 +6,9 @@
 
 namespace godobject::study {
 
-InstructionCounter::InstructionCounter(std::string probe) : probe_(std::move(probe)) {
-  if (!std::filesystem::exists(probe_)) why_not_ = "the probe program is not built (target godobject_probe)";
+InstructionCounter::InstructionCounter(std::filesystem::path probe) : probe_(std::move(probe)) {
+  if (!std::filesystem::exists(probe_))
+    why_not_ = "the probe program is not built (target " + probe_.filename().string() + ")";
   else if (!tool_exists("valgrind")) why_not_ = "valgrind is not installed";
 }
 
@@ -27,9 +28,9 @@ std::optional<double> InstructionCounter::per_step(const std::string& compositio
 
 std::optional<double> InstructionCounter::collected(const std::string& composition, const std::string& motion,
                                                     std::size_t steps) {
-  const ToolResult run =
-      run_tool({"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
-                "--toggle-collect=*probe_step*", probe_, composition, std::to_string(steps), motion});
+  const ToolResult run = run_tool({"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
+                                   "--toggle-collect=*probe_step*", probe_.string(), composition,
+                                   std::to_string(steps), motion});
   // "==123== Collected : 45678"
   const std::string label = "Collected : ";
   const std::size_t at = run.output.find(label);
@@ -40,5 +41,8 @@ std::optional<double> InstructionCounter::collected(const std::string& compositi
 }
 
 std::filesystem::path default_probe_directory() { return GODOBJECT_PROBE_DIRECTORY; }
+std::filesystem::path probe_program(const std::filesystem::path& probe_directory, bool quick) {
+  return probe_directory / (quick ? "godobject_quick_probe" : "godobject_probe");
+}
 
 }  // namespace godobject::study

@@ -9,13 +9,15 @@
 
 namespace godobject::study {
 
-/// Where the build puts the probe program and the archives.
+/// Where the build puts the probe programs and the archives.
 std::filesystem::path default_probe_directory();
+/// The program with every composition in such a folder, or that with those of a quick study.
+std::filesystem::path probe_program(const std::filesystem::path& probe_directory, bool quick);
 
 class InstructionCounter {
  public:
-  /// `probe`: path of the probe program.
-  explicit InstructionCounter(std::string probe);
+  /// `probe`: the probe program.
+  explicit InstructionCounter(std::filesystem::path probe);
 
   /// Why nothing can be counted; empty when it can.
   const std::string& why_not() const { return why_not_; }
@@ -28,7 +30,7 @@ class InstructionCounter {
   std::optional<double> collected(const std::string& composition, const std::string& motion,
                                   std::size_t steps);
 
-  std::string probe_;
+  std::filesystem::path probe_;
   std::string why_not_;
   std::map<std::string, std::optional<double>> known_;
 };

@@ -71,7 +71,8 @@ std::vector<PartBytes> parts_of() {
 
 JointCosts study_joint_costs(const std::filesystem::path& probe_directory, bool quick,
                              InstructionCounter& counter, const Progress& progress, std::string& why_not) {
-  const std::vector<FootprintRow> sizes = list_compositions(probe_directory, Family::articulated, why_not);
+  const std::vector<FootprintRow> sizes =
+      list_compositions(probe_directory, quick, Family::articulated, why_not);
   JointCosts costs{.compositions = compositions_of(sizes), .kinds = kinds_of(sizes), .parts = parts_of()};
   if (quick) return costs;
   for (JointCostRow& row : costs.compositions)

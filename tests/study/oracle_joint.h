@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/joint/joint.h"
+#include "core/math/so3.h"
 #include "tests/oracle/case.h"
 
 namespace godobject {
@@ -33,7 +34,7 @@ inline JointParams joint_params(const oracle::Joint& joint) {
     R.col(2) = joint.axis_P.cross(joint.axis_C);
     axes = Eigen::Quaterniond(R);
   } else {
-    axes.setFromTwoVectors(Vec3::UnitZ(), joint.axis_P);
+    axes = turn_from_z(joint.axis_P);
   }
   const Eigen::Quaterniond on_child = joint.q_PC.conjugate() * axes;
   par.P = {.p = joint.anchor_P, .R = axes.toRotationMatrix()};

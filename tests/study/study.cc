@@ -20,7 +20,7 @@ class Study {
       : options_(options),
         progress_(progress),
         probes_(options.probe_directory.empty() ? default_probe_directory() : options.probe_directory),
-        counter_((probes_ / "godobject_probe").string()),
+        counter_(probe_program(probes_, options.quick)),
         can_draw_(tool_exists("gnuplot")) {
     fs::create_directories(options.out);
     if (!can_draw_) results_.notes.emplace_back("no figures: gnuplot is not installed");

@@ -145,7 +145,7 @@ TEST(ImposedStudy, SaysWhatItCannotRead) {
 }
 
 TEST(ContactCosts, ContactsCostDataAndOnlyWhereTheyAre) {
-  InstructionCounter counter({});
+  InstructionCounter counter("/nowhere");
   std::string why_not;
   const std::vector<ContactCostRow> rows =
       study_contact_costs(default_probe_directory(), true, counter, say_nothing, why_not);

@@ -165,14 +165,14 @@ TEST(Study, QuickRunWritesTablesFiguresAndReport) {
 
 /// The compositions with one body; instructions are counted by the probe at `counted`.
 std::vector<FootprintRow> quick_footprint(const fs::path& counted) {
-  InstructionCounter counter(counted.string());
+  InstructionCounter counter(counted);
   std::string why_not;
   return study_footprint(default_probe_directory(), true, counter, say_nothing, why_not);
 }
 
 TEST(FootprintStudy, LeavingAPartOutLeavesItsDataAndCodeOut) {
-  const std::vector<FootprintRow> rows = quick_footprint(default_probe_directory() / "godobject_probe");
-  if (rows.empty()) GTEST_SKIP() << "target godobject_probe is not built";
+  const std::vector<FootprintRow> rows = quick_footprint(probe_program(default_probe_directory(), true));
+  if (rows.empty()) GTEST_SKIP() << "target godobject_quick_probe is not built";
   const FootprintRow* smaller = nullptr;
   for (const char* name : {"free-1 tr-bdf2", "device-1 tr-bdf2", "pose-1 tr-bdf2", "haptic-1 tr-bdf2"}) {
     const FootprintRow* const row = find(rows, name);
@@ -244,7 +244,7 @@ TEST(InstructionCount, SaysWhyThereIsNone) {
 }
 
 TEST(InstructionCount, DependsOnTheMotionForGeometricStiffnessAlone) {
-  InstructionCounter counter((default_probe_directory() / "godobject_probe").string());
+  InstructionCounter counter(probe_program(default_probe_directory(), true));
   if (!counter.why_not().empty()) GTEST_SKIP() << counter.why_not();
   for (const auto& [composition, motion] : {std::pair{"pose-joints-4 implicit-euler", "s3"},
                                             {"pose-joints-4 tr-bdf2", "s3"},

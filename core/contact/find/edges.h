@@ -101,6 +101,31 @@ struct EdgesToSide {
   }
 };
 
+/// (32)  a_i x b_j = -R_lj a_k + R_kj a_l for all j: its length, and how deep the boxes are in each other along it.
+inline Pack edge_sine(const Pack& R_k, const Pack& R_l) noexcept {
+  return max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
+}
+inline Pack depth_along_edges(const BoxOnBox& w, int i, int k, int l, const Pack& sine,
+                              const Pack& between) noexcept {
+  const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
+  const Pack& E_i = row_of(w.E, i);
+  return (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + next(E_i) * h_B2 + next(next(E_i)) * h_B1 -
+          abs(between)) /
+         sine;
+}
+
+/// The boxes are deeper in each other than that along all axes that may separate them.
+inline bool deeper_along_edges(const BoxOnBox& w, Real depth) noexcept {
+  for (int i = 0; i < 3; ++i) {
+    const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
+    const Pack &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), sine = edge_sine(R_k, R_l);
+    const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);
+    const Pack d = depth_along_edges(w, i, k, l, sine, between);
+    if ((bits(Pack(min_edge_sine) < sine) & bits(d <= Pack(depth)) & 7) != 0) return false;
+  }
+  return true;
+}
+
 /// f(crossing) for the edges along axis i of box a that cross edges of box b, deeper than -reach; along normals (32) along
 /// which the boxes are no farther from each other than the reach and no deeper than `most`, or that are those of the face.
 template <class F>
@@ -108,12 +133,9 @@ void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const 
   const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
   const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), &E_i = row_of(w.E, i);
   const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
-  // a_i x b_j = -R_lj a_k + R_kj a_l
-  const Pack sine = max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
+  const Pack sine = edge_sine(R_k, R_l);
   const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);  // a and b, times the sine
-  const Pack d = (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + next(E_i) * h_B2 +
-                  next(next(E_i)) * h_B1 - abs(between)) /
-                 sine;
+  const Pack d = depth_along_edges(w, i, k, l, sine, between);
   const Pack along_face = abs(R_k * face_A[l] - R_l * face_A[k]);  // the cosine, times the sine
   const std::uint32_t near = bits((Pack(min_edge_sine) < sine) & (Pack(-reach) < d)) &
                              (bits(d <= Pack(most)) | bits(same_normal * sine < along_face)) & 7;
@@ -162,14 +184,22 @@ void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const 
   }
 }
 
-/// f(crossing) for the edges of box a that touch edges of box b, or are near to.
+/// How two boxes are in each other, within the reach of their edges.
+enum class BoxesAre { apart, near, sunk };
+
+inline Real reach_of_edges(const ShapeParams& a, const ShapeParams& b) noexcept {
+  return edge_reach * std::min(a.half_extents.minCoeff(), b.half_extents.minCoeff());
+}
+
+/// f(crossing) for the edges of box a that touch edges of box b, or are near to; none where the boxes are sunk, if they may be.
 template <class F>
-void each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB,
-                   F f) noexcept {
+BoxesAre each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB,
+                       bool may_be_sunk, F f) noexcept {
   const BoxOnBox w(a, R_WA, b, R_WB);
-  const Real reach = edge_reach * std::min(w.h_a.minCoeff(), w.h_b.minCoeff());
+  const Real reach = reach_of_edges(a, b), too_deep = sunk / edge_reach * reach;
   const LeastFace face = least_face(w);
-  if (face.depth <= -reach) return;
+  if (face.depth <= -reach) return BoxesAre::apart;
+  if (may_be_sunk && face.depth > too_deep && deeper_along_edges(w, too_deep)) return BoxesAre::sunk;
   const Real most = (1 + deeper_than_faces) * std::max(face.depth, Real(0)) + deeper_than_reach * reach;
   for (int i = 0; i < 3; ++i)
     each_crossing_along(
@@ -177,6 +207,7 @@ void each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b,
         [&](std::uint32_t edges, Real d, const Vec3& p_A, const Vec3& n_A) noexcept {
           f(EdgeCrossing{.edges = edges, .d = d, .p_W = a.X_WS.p + R_WA * p_A, .n_W = R_WA * n_A});
         });
+  return BoxesAre::near;
 }
 
 }  // namespace godobject

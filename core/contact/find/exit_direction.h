@@ -65,6 +65,50 @@ Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t
   return a_moves.distance <= b_moves.distance ? a_moves.n_W : Vec3(-b_moves.n_W);
 }
 
+/// Which way two bodies leave each other whose boxes are sunk in each other: the normal of a face of a box of theirs, off
+/// that body. Spheres and edges see nothing of such a pair, or push it all ways.
+struct SinkingAxis {
+  static constexpr std::uint32_t none = ~std::uint32_t(0);
+  std::uint32_t number = none;  // of the box among those of its body, whose body, and which face
+  Vec3 n_W = Vec3::UnitZ();     // from b to a
+  Real depth = std::numeric_limits<Real>::infinity();
+
+  static constexpr std::uint32_t of(std::uint32_t box, bool of_a, int face) noexcept {
+    return box << 4 | (of_a ? 8u : 0u) | static_cast<std::uint32_t>(face);
+  }
+};
+
+/// How far a body reaches in a direction, with its spheres and shapes.
+template <class Contacts, std::size_t N>
+Real reach_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& n_W) noexcept {
+  const auto& owned = w.owned[body];
+  Real reach = -lowest_along(-n_W, &w.packs[owned.first_pack], owned.num_packs());
+  for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o)
+    reach = std::max(reach, reach_along(n_W, w.posed[o], w.R_WS[o]));
+  return reach;
+}
+
+/// The axis along which bodies a and b are least deep in each other; that with this number, if there is one.
+template <class Contacts, std::size_t N>
+SinkingAxis sinking_axis(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+                         std::uint32_t number) noexcept {
+  SinkingAxis least;
+  for (const bool of_a : {true, false}) {
+    const auto& owned = w.owned[of_a ? a : b];
+    for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o) {
+      for (int face = 0; face < 6 && w.posed[o].kind == ShapeKind::box; ++face) {
+        const std::uint32_t one = SinkingAxis::of(o - owned.first_surface, of_a, face);
+        if (number != SinkingAxis::none && one != number) continue;
+        const bool positive = (face % 2 == 0) != of_a;
+        const Vec3 n_W = positive ? w.R_WS[o].col(face / 2) : Vec3(-w.R_WS[o].col(face / 2));
+        const Real depth = reach_along(w, b, n_W) + reach_along(w, a, -n_W);
+        if (depth < least.depth) least = {.number = one, .n_W = n_W, .depth = depth};
+      }
+    }
+  }
+  return least;
+}
+
 /// The face of a box that looks most in this direction: its normal, in the box's frame.
 inline Vec3 face_along(const Mat3& R_WS, const Vec3& n_W) noexcept {
   const Vec3 n_S = R_WS.transpose() * n_W;

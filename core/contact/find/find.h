@@ -7,6 +7,7 @@
 
 #include "core/contact/find/edges.h"
 #include "core/contact/find/exit_direction.h"
+#include "core/contact/find/sweep.h"
 
 namespace godobject {
 
@@ -15,12 +16,7 @@ namespace godobject {
 template <class Contacts, std::size_t N>
 void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
               NearContacts<Contacts::max_contacts>& near) noexcept {
-  const auto velocity = [&](std::uint32_t body, const Vec3& p) noexcept -> Vec3 {
-    if (body >= N) return Vec3::Zero();
-    const TreePlace& place = w.at[body];
-    return place.V.v + place.V.w.cross(p - place.a_W);
-  };
-  at.v_n = at.n_W.dot(velocity(at.a, at.p_W) - velocity(at.b, at.p_W));
+  at.v_n = at.n_W.dot(velocity_at(w, at.a, at.p_W) - velocity_at(w, at.b, at.p_W));
   if (std::max(at.d, at.d + w.h * at.v_n) > -reach) near.add(at);
 }
 
@@ -84,20 +80,30 @@ inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::ui
   return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
 }
 inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
+/// Of bodies that are sunk in each other: along which axis they part.
+inline std::uint64_t sinking_key(std::uint32_t axis) noexcept { return std::uint64_t(1) << 30 | axis; }
+inline bool is_of_sinking(std::uint64_t key) noexcept { return (key >> 30 & 3) == 1; }
 
-/// Says of pairs of bodies that come in rising order whether they were deep in each other by their rest penetration.
+/// How a pair of bodies was in each other in the step before.
+struct DeepPair {
+  bool spheres = false;                    // some by their rest penetration
+  std::uint32_t axis = SinkingAxis::none;  // along which they were sunk
+};
+
+/// Says of pairs of bodies that come in rising order how deep in each other they were.
 template <class Contacts>
 class RecallDeepPairs {
  public:
   RecallDeepPairs(const typename Contacts::Params& par, const typename Contacts::State& of) noexcept
       : par_(par), of_(of) {}
-  bool find(std::uint64_t pair) noexcept {
+  DeepPair find(std::uint64_t pair) noexcept {
     while (at_ < of_.size && of_.list[at_].key < pair) ++at_;
-    bool deep = false;
+    DeepPair deep;
     for (; at_ < of_.size && of_.list[at_].key >> 32 == pair >> 32; ++at_) {
       const ContactMemory& m = of_.list[at_];
       if (is_of_edges(m.key)) continue;
-      deep = deep || m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
+      if (is_of_sinking(m.key)) deep.axis = static_cast<std::uint32_t>(m.key) & ((1u << 30) - 1);
+      else deep.spheres |= m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
     }
     return deep;
   }
@@ -107,6 +113,21 @@ class RecallDeepPairs {
   const typename Contacts::State& of_;
   std::size_t at_ = 0;
 };
+
+/// The point p inside a box, behind the face through which the contact pressed in the step before; if there was none,
+/// behind the nearest one.
+template <class Contacts, std::size_t N>
+SurfacePoint behind_face_before(const ContactFinder<Contacts, N>& w, std::uint64_t key,
+                                const ShapeParams& box, const Mat3& R_WS, const Vec3& p_W,
+                                const SurfacePoint& nearest) noexcept {
+  const auto end = w.before->list.begin() + static_cast<std::ptrdiff_t>(w.before->size);
+  const auto at =
+      std::lower_bound(w.before->list.begin(), end, key,
+                       [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
+  if (at == end || at->key != key) return nearest;
+  const Vec3 n_S = face_along(R_WS, at->n_W), n_W = R_WS * n_S;
+  return {.distance = n_W.dot(p_W - box.X_WS.p) - box.half_extents.dot(n_S.cwiseAbs()), .n = n_W};
+}
 
 /// Spheres of body a against the surfaces [first, end) of body b. Those of a body with shapes that are deep in a box of the
 /// world leave it through one face. leaving_W: the way by which all spheres of a leave b, if they are deep in each other.
@@ -148,6 +169,10 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           found(j, d[j], lane(n_W, j));
         }
       };
+      const auto first_touch = [&](std::uint32_t j) noexcept {
+        const Vec3 p_W = lane(pack.p_W, j);
+        return swept(shape, R_WS, p_W, -w.h * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)), pack.r[j]);
+      };
       Pack d;
       Vector3<Pack> n_W;
       if (shape.kind == ShapeKind::plane) {
@@ -161,6 +186,14 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           hits = sought & behind_face(shape, R_WS, pack, face_along(R_WS, *leaving_W), d, n_W);
         } else {
           hits = sought & near_box(shape, R_WS, pack, travel, nullptr, d, n_W);
+          std::uint32_t fast = hits & (bits(pack.r < travel) | bits(pack.r <= d));
+          for (; fast != 0; fast &= fast - 1) {
+            const auto j = static_cast<std::uint32_t>(std::countr_zero(fast));
+            const SweptContact first = first_touch(j);
+            if (!first.touches) continue;
+            found(j, first.depth, first.n_W);
+            hits &= ~(1u << j);
+          }
           if ((hits & bits(pack.r <= d)) != 0) {
             if (b < N) return true;
             const Vec3 face = face_along(R_WS, way_out(w, o, o + 1, a).n_W);
@@ -173,7 +206,16 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       for (std::uint32_t hits = sought; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
-        const SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
+        SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
+        if (leaving_W == nullptr && (travel > radius || surface.distance < 0)) {
+          if (const SweptContact first = first_touch(j); first.touches) {
+            found(j, first.depth, first.n_W);
+            continue;
+          }
+        }
+        if (shape.kind == ShapeKind::box && surface.distance < 0)
+          surface =
+              behind_face_before(w, pair | touch_key(s + j, o), shape, R_WS, lane(pack.p_W, j), surface);
         const Real depth = radius - surface.distance;
         if (depth <= -reach || (leaving_W != nullptr && leaving_W->dot(surface.n) < 0)) continue;
         found(j, depth, surface.n);
@@ -183,36 +225,88 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
   return false;
 }
 
-/// The boxes of body a against the boxes [first, end) of body b, or the world.
+/// Box o of body a against box q of body b, or the world. Edges that are deep where the stage is predicted to end, and were
+/// where it starts, are not those that touched first: where the boxes were apart then, they are taken where they touch.
 template <class Contacts, std::size_t N>
-void find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
+BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o,
+                        std::uint32_t b, std::uint32_t q, std::uint64_t key,
+                        NearContacts<Contacts::max_contacts>& near) noexcept {
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  const Real travel = w.owned[a].travel + (b < N ? w.owned[b].travel : 0),
+             reach = reach_of_edges(w.posed[o], w.posed[q]);
+  const std::size_t before = near.size;
+  Real before_end = 0;
+  bool was_apart = false;
+  const auto add = [&](const EdgeCrossing& crossing) noexcept {
+    NearContact at{.key = key | crossing.edges,
+                   .of = o,
+                   .on = q,
+                   .a = a,
+                   .b = b,
+                   .p_W = crossing.p_W,
+                   .n_W = crossing.n_W};
+    const Vec3 v_a = velocity_at(w, a, at.p_W);
+    const Real v_n = at.n_W.dot(v_a - velocity_at(w, b, at.p_W));
+    at.d = crossing.d - before_end * v_n;
+    at.p_W += before_end * v_a;
+    was_apart |= at.d + w.h * v_n <= reach;
+    add_near(w, at, infinity, near);
+  };
+  const auto add_end = [&](bool may_be_sunk) noexcept {
+    return each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], may_be_sunk, add);
+  };
+  const BoxesAre at_end = add_end(true);
+  if (!(travel > reach) || was_apart || (at_end == BoxesAre::apart && !(travel > sunk / edge_reach * reach)))
+    return at_end;
+  before_end = time_from_touch(w, a, o, b, q, travel, reach);
+  if (!(before_end > 0)) return at_end;
+  near.forget_from(before);
+  const EarlierBox on_a(w, a, o, before_end), on_b(w, b, q, before_end);
+  each_crossing(on_a.shape, on_a.R_WS, on_b.shape, on_b.R_WS, false, add);
+  before_end = 0;
+  if (near.size == before) add_end(false);
+  return BoxesAre::near;
+}
+
+/// The boxes of body a against the boxes [first, end) of body b, or the world. True: two are sunk in each other.
+template <class Contacts, std::size_t N>
+bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                    std::uint32_t first, std::uint32_t end,
                    NearContacts<Contacts::max_contacts>& near) noexcept {
-  constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const auto& on_a = w.owned[a];
+  bool are_sunk = false;
   for (std::uint32_t o = on_a.first_surface; o < on_a.end_surface; ++o) {
     for (std::uint32_t q = first; q < end; ++q) {
       if (w.posed[o].kind != ShapeKind::box || w.posed[q].kind != ShapeKind::box) continue;
-      each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], [&](const EdgeCrossing& crossing) noexcept {
-        add_near(w,
-                 {.key = pair | edges_key(o - on_a.first_surface, q - first, crossing.edges),
-                  .of = o,
-                  .on = q,
-                  .a = a,
-                  .b = b,
-                  .d = crossing.d,
-                  .p_W = crossing.p_W,
-                  .n_W = crossing.n_W},
-                 infinity, near);
-      });
+      const std::uint64_t key = pair | edges_key(o - on_a.first_surface, q - first, 0);
+      are_sunk |= find_crossings(w, a, o, b, q, key, near) == BoxesAre::sunk;
     }
   }
+  return are_sunk;
+}
+
+/// Bodies that are sunk in each other: one contact along one axis, the same until they are out, between their centres of
+/// mass, since no point says where they touch.
+template <class Contacts, std::size_t N>
+void find_sunk(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
+               std::uint32_t before, NearContacts<Contacts::max_contacts>& near) noexcept {
+  const SinkingAxis axis = sinking_axis(w, a, b, before);
+  add_near(w,
+           {.key = pair | sinking_key(axis.number),
+            .of = w.owned[a].first_surface,
+            .on = w.owned[b].first_surface,
+            .a = a,
+            .b = b,
+            .d = axis.depth,
+            .p_W = 0.5 * (w.at[a].p_W + w.at[b].p_W),
+            .n_W = axis.n_W},
+           std::numeric_limits<Real>::infinity(), near);
 }
 
 /// Two bodies, one at least with shapes. were_deep: in each other, in the step before.
 template <class Contacts, std::size_t N>
 void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
-                    bool were_deep, NearContacts<Contacts::max_contacts>& near) noexcept {
+                    const DeepPair& were_deep, NearContacts<Contacts::max_contacts>& near) noexcept {
   const auto &on_a = w.owned[a], &on_b = w.owned[b];
   const auto find = [&](const Vec3* a_leaves, const Vec3* b_leaves) noexcept {
     return find_on_surfaces(w, a, b, pair, on_b.first_surface, on_b.end_surface, a_leaves, near) ||
@@ -220,12 +314,14 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
                             b_leaves, near);
   };
   const std::size_t before = near.size;
-  if (were_deep || find(nullptr, nullptr)) {
+  if (were_deep.spheres || find(nullptr, nullptr)) {
     near.forget_from(before);
     const Vec3 a_leaves = parting(w, a, b), b_leaves = -a_leaves;
     find(&a_leaves, &b_leaves);
   }
-  find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near);
+  if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;
+  near.forget_from(before);
+  find_sunk(w, a, b, pair, were_deep.axis, near);
 }
 
 /// Spheres of both bodies.
@@ -244,7 +340,13 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
       const Real distance_sq = apart.squaredNorm();
       if (distance_sq >= (both + reach) * (both + reach)) continue;
       const Real distance = std::sqrt(distance_sq);
-      const Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
+      Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
+      Real depth = both - distance;
+      if (on_a.travel + on_b.travel > std::min(sphere_a.r, sphere_b.r)) {
+        const Vec3 back = w.h * (velocity_at(w, b, sphere_b.p_W) - velocity_at(w, a, sphere_a.p_W));
+        n = swept_normal(apart, back, both, n);
+        depth = both - n.dot(apart);
+      }
       constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
       add_near(w,
                {.key = pair | touch_key(t, s),  // in the order of the loops
@@ -252,7 +354,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
                 .on = spheres + t,
                 .a = a,
                 .b = b,
-                .d = both - distance,
+                .d = depth,
                 .p_W = sphere_a.p_W - sphere_a.r * n,
                 .n_W = n},
                least, near);
@@ -268,6 +370,7 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
                    NearContacts<Contacts::max_contacts>& near) noexcept {
   near.clear();
   w.h = h;
+  w.before = &before;
   place_bodies(par, num_bodies, w);
   if constexpr (Contacts::between_bodies)
     find_overlaps(num_bodies, w.broad,

@@ -32,14 +32,23 @@ struct ContactFinder {
     bool empty() const noexcept { return first_sphere == end_sphere && !has_surfaces(); }
   };
   std::array<Owned, N> owned;
-  Real h = 0;                 // of the stage, s
-  std::size_t num_fixed = 0;  // surfaces of the world
+  Real h = 0;                                                       // of the stage, s
+  const ContactMemories<Contacts::max_contacts>* before = nullptr;  // what contacts carried over
+  std::size_t num_fixed = 0;                                        // surfaces of the world
   std::array<TreePlace, N> at;
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
   std::array<ShapeParams, max_surfaces> posed;              // surfaces in the world
   std::array<Mat3, max_surfaces> R_WS;                      // and their attitudes
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
+
+/// How fast a point of a body moves at the end of the stage; the world rests.
+template <class Contacts, std::size_t N>
+Vec3 velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& p_W) noexcept {
+  if (body >= N) return Vec3::Zero();
+  const TreePlace& at = w.at[body];
+  return at.V.v + at.V.w.cross(p_W - at.a_W);
+}
 
 /// The spheres [s, end) of a body in the world, four to a pack from `packs` on, and how far at most they are from its centre
 /// of mass. Returns the number of packs.

@@ -10,6 +10,7 @@
 #include "platform/rt/deadline_watch.h"
 #include "platform/rt/ring.h"
 #include "platform/session/session.h"
+#include "platform/view/tap.h"
 
 namespace godobject {
 
@@ -19,7 +20,8 @@ enum class Rearm : std::uint8_t { never, automatic };
 struct RunPlan {
   std::uint64_t num_cycles = 0;  // steps
   Rearm rearm = Rearm::never;
-  bool quiet = false;  // no status line
+  bool quiet = false;      // no status line
+  ViewTap* tap = nullptr;  // of who looks on; it outlives the run
 };
 
 /// Counts the steps and ends the session after the last, when it is told to, and, where the device is armed
@@ -31,7 +33,8 @@ class RunCycle {
         left_(plan.num_cycles),
         rearm_(plan.rearm),
         stop_(stop),
-        deadlines_(session.scene().step) {}
+        deadlines_(session.scene().step),
+        tap_(plan.tap) {}
 
   /// One period; real-time, for a record that comes from Session::at_start(). True: it was a step, and the
   /// record is of it.
@@ -40,6 +43,7 @@ class RunCycle {
     if (insisted_ && insisted_->load(std::memory_order_relaxed)) session_.quick_stop();
     const bool stepped = session_.advance(record);
     if (events_) events_->look(session_, record, stepped);
+    if (tap_) tap_->offer(session_, record);
     if (!stepped) return false;
     statistics_.add(record);
     if (!any(record.rig_faults)) {
@@ -52,6 +56,7 @@ class RunCycle {
   }
   /// Before each period that has a deadline. Those before the first step do not count: booting waits for nobody.
   void watch(const Wake& wake) noexcept {
+    if (tap_) tap_->woke(wake.latency);
     if (session_.phase() != RunPhase::running) return deadlines_.reset();
     deadlines_.add(wake.late_before, wake.skipped);
     session_.hold(deadlines_.holds());
@@ -80,6 +85,7 @@ class RunCycle {
   Rearm rearm_;
   const std::atomic<bool>& stop_;
   DeadlineWatch deadlines_;
+  ViewTap* tap_;
   const std::atomic<bool>* insisted_ = nullptr;
   EventWatch* events_ = nullptr;
   RunStatistics statistics_;

@@ -70,6 +70,21 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
   }
 }
 
+/// What goes with the pages of a view.
+void check_view(const RunOptions& options, std::vector<std::string>& errors) {
+  if (!options.view) {
+    if (options.view_input) errors.push_back("--view-input: its pages are those of --view: give that, too");
+    return;
+  }
+  if (!options.view_input) return;
+  if (options.fast)
+    errors.push_back("--view-input: a hand takes part in wall time: leave --fast out");
+  if (!options.motion.empty())
+    errors.push_back("--view-input: the pages' pointer moves the bodies, not --motion: leave either out");
+  if (!options.trackers.empty() || std::ranges::any_of(options.buses, [](const std::string& bus) { return bus != "direct"; }))
+    errors.push_back("--view-input: the pages' pointer is the device, and no motor shows its force: leave --bus and --tracker out");
+}
+
 bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
 
 void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
@@ -237,6 +252,8 @@ PreparedRun prepare(const RunOptions& options) {
 
   const SceneConfig scene_of_file = *loaded.scene;
   SceneConfig& scene = *loaded.scene;
+  check_view(options, run.errors);
+  if (options.view_input) lead_by_pointer(scene);
   run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
   plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
@@ -247,7 +264,9 @@ PreparedRun prepare(const RunOptions& options) {
   std::optional<Motion> motion = load_motion(options, scene, run);
   if (!motion || !run.errors.empty()) return run;
 
-  const double duration = options.duration.value_or(motion->end().value_or(scene.duration));
+  constexpr double until_stopped = 1e6;  // s
+  const double of_scene = options.view_input ? until_stopped : motion->end().value_or(scene.duration);
+  const double duration = options.duration.value_or(of_scene);
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm,
               .quiet = options.quiet};
@@ -255,6 +274,10 @@ PreparedRun prepare(const RunOptions& options) {
   Session::Made made = make_session(options, scene, *std::move(motion), run);
   const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
                               validate(*scene_of_file.device->rig).empty();
+  if (made.session && options.view_input) {
+    run.pointer = std::make_unique<PointerDevice>(scene, []() noexcept { return MonotonicClock{}.now(); });
+    made.session->add(*run.pointer);
+  }
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
   if (made.session) check_start(*made.session, options.scene, run.warnings, run.errors);
   if (made.session && made.session->rig())

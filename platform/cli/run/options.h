@@ -14,6 +14,7 @@
 #include "platform/cli/run/files.h"
 #include "platform/cli/run/trackers.h"
 #include "platform/session/passivity.h"
+#include "platform/view/pointer.h"
 
 namespace godobject {
 
@@ -31,11 +32,15 @@ struct RunOptions {
   std::string motion;
   RunFileNames files;
   std::string report;
+  std::optional<std::uint16_t> view;        // port of the view; 0: a default one
+  std::string view_address = "127.0.0.1";
+  bool view_input = false;  // the page's pointer is the device
   bool quiet = false;       // nothing but warnings, faults and the exit code
   bool only_check = false;  // as `check`: nothing is opened, started or written
 };
 
 struct PreparedRun {
+  std::unique_ptr<PointerDevice> pointer;  // --view-input; null without
   std::unique_ptr<Session> session;  // null where there are errors
   RunPlan plan;
   BusPlan buses;

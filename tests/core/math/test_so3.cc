@@ -62,6 +62,21 @@ TEST(So3, RotationsOfVectorsMatchEigen) {
   }
 }
 
+TEST(So3, TurnFromZIsTheShortest) {
+  Random random(5);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 u = random.direction();
+    const Quat q = turn_from_z(random.uniform(0.1, 10) * u);
+    const Real rounding = 1e-15 / (1 + u.z());  // what is left of the digits of z.u
+    EXPECT_LE((to_world(q, Vec3::UnitZ()) - u).norm(), 4 * rounding);
+    EXPECT_NEAR(q.norm(), 1, rounding);
+    EXPECT_EQ(q.z(), 0);  // nothing about z itself
+    EXPECT_NEAR(q.w(), std::sqrt((1 + u.z()) / 2), rounding);
+  }
+  EXPECT_EQ(turn_from_z(Vec3::UnitZ()).vec(), Vec3(Vec3::Zero()));
+  EXPECT_EQ(to_world(turn_from_z(Vec3(0, 0, -2)), Vec3::UnitZ()), Vec3(0, 0, -1));
+}
+
 TEST(So3, RenormalisingIsExactForRoundingErrors) {
   Random random(4);
   for (int i = 0; i < 1000; ++i) {

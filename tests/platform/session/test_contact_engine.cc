@@ -105,7 +105,8 @@ TEST(ContactEngine, EnergyHasGravityAndTheSpringsOfContacts) {
   for (int i = 0; i < 3000; ++i) static_cast<void>(engine->step({&none, 1}));
   const double depth = m * g / (3 * k);
   const double z = engine->view(0).X_WB.p.z();
-  EXPECT_NEAR(engine->energy().total, m * g * z + 3 * 0.5 * k * depth * depth, 1e-2 * 3 * 0.5 * k * depth * depth);
+  EXPECT_NEAR(engine->energy().total, m * g * z + 3 * 0.5 * k * depth * depth,
+              1e-2 * 3 * 0.5 * k * depth * depth);
 }
 
 TEST(ContactEngine, ASceneWithoutContactsHasNoneOfTheirBytes) {

@@ -1,0 +1,118 @@
+// What moves farther in a stage than it is large: contacts are those where it first touches on its way.
+//
+// Where a stage is predicted to end, a fast sphere may be past the middle of a solid, or behind the edge that it came over:
+// the nearest face there is not the one through which it has entered, and would let it pass.
+#pragma once
+
+#include "core/contact/find/edges.h"
+
+namespace godobject {
+
+/// A box whose attitude is R_WS, or any other shape.
+inline SurfacePoint nearest_of(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W,
+                               Real reach) noexcept {
+  if (shape.kind != ShapeKind::box) return nearest(shape, p_W, reach);
+  const SurfacePoint s = BoxShape::nearest(shape, R_WS.transpose() * (p_W - shape.X_WS.p), reach);
+  return {.distance = s.distance, .n = R_WS * s.n};
+}
+
+/// Where a sphere is against the surface that it touched first.
+struct SweptContact {
+  bool touches = false;
+  Real depth = 0;  // where the stage is predicted to end, m: of the plane through where it touched
+  Vec3 n_W = Vec3::UnitZ();
+};
+
+/// What a way through a stage comes to: the part of it that is left where it first touches, if it is through at the end;
+/// otherwise where it last is no deeper than where it starts, or in touch. By conservative advancement: `deep` changes by no
+/// more than the way. deep(left), left from 1 to 0; in_touch: depths that count as touching. Negative: it does not touch.
+template <class Depth>
+Real left_at_touch(Real way, Real in_touch, Depth deep) noexcept {
+  const Real first = deep(1), last = deep(0), touch = std::max(first, Real(0)) + in_touch;
+  if (last > touch) {
+    Real left = (last - touch) / way;
+    for (int k = 0; k < max_advances && left < 1; ++k) {
+      const Real over = deep(left) - touch;
+      if (!(over > 0)) return left;
+      left += std::max(over, in_touch) / way;
+    }
+    return 1;
+  }
+  if (first > 0) return -1;
+  Real left = 1;
+  for (int k = 0; k < max_advances; ++k) {
+    const Real d = deep(left);
+    if (d >= -in_touch) return left;
+    left += d / way;
+    if (!(left > 0)) return -1;
+  }
+  return -1;
+}
+
+/// A sphere of radius r that comes from p + back to p, against the shape. One whose centre is inside where it starts has no
+/// way in.
+inline SweptContact swept(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W, const Vec3& back_W,
+                          Real r) noexcept {
+  const Real way = back_W.norm(), reach = r + way;
+  const auto at = [&](Real left) noexcept { return nearest_of(shape, R_WS, p_W + left * back_W, reach); };
+  if (!(at(1).distance > 0)) return {};
+  const Real left =
+      left_at_touch(way, sweep_tolerance * r, [&](Real left) noexcept { return r - at(left).distance; });
+  if (left < 0) return {};
+  const SurfacePoint s = at(left);
+  return {.touches = true, .depth = r - s.distance + left * s.n.dot(back_W), .n_W = s.n};
+}
+
+/// Spheres of both bodies: the second comes from `back` against the first to where they are `apart`. The normal where they
+/// touch first.
+inline Vec3 swept_normal(const Vec3& apart, const Vec3& back, Real both, const Vec3& otherwise) noexcept {
+  // |apart + s back| = both, s from 1 to 0
+  const Real a = back.squaredNorm(), b = apart.dot(back), c = apart.squaredNorm() - both * both;
+  const Real root = b * b - a * c;
+  if (!(a + 2 * b + c > 0) || !(root >= 0) || !(b + std::sqrt(root) >= 0)) return otherwise;
+  return (apart + back * ((std::sqrt(root) - b) / a)).normalized();
+}
+
+/// The boxes are so deep in each other at most, along the normal of a face or an edge: < 0: so far apart at least.
+inline Real depth_of(const BoxOnBox& w) noexcept {
+  Real depth = least_face(w).depth;
+  for (int i = 0; i < 3; ++i) {
+    const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
+    const Pack &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), sine = edge_sine(R_k, R_l);
+    const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);
+    const Pack d = depth_along_edges(w, i, k, l, sine, between);
+    for (std::size_t j = 0; j < 3; ++j)
+      if (sine[j] > min_edge_sine) depth = std::min(depth, d[j]);
+  }
+  return depth;
+}
+
+/// A box of a body a while before the end of the stage.
+struct EarlierBox {
+  ShapeParams shape;
+  Mat3 R_WS;
+
+  template <class Contacts, std::size_t N>
+  EarlierBox(const ContactFinder<Contacts, N>& w, std::uint32_t body, std::uint32_t o, Real before) noexcept {
+    shape.kind = ShapeKind::box;
+    shape.half_extents = w.posed[o].half_extents;
+    shape.X_WS.p = w.posed[o].X_WS.p - before * velocity_at(w, body, w.posed[o].X_WS.p);
+    R_WS = w.R_WS[o];
+    if (body < N) R_WS = exp_so3(Vec3(-before * w.at[body].V.w)).toRotationMatrix() * R_WS;
+  }
+};
+
+/// How long before the end of the stage boxes o of body a and q of body b touch. Not positive: not before it, or they have
+/// been sunk in each other where it starts.
+template <class Contacts, std::size_t N>
+[[gnu::noinline]] Real time_from_touch(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o,
+                                       std::uint32_t b, std::uint32_t q, Real travel, Real reach) noexcept {
+  const auto deep = [&](Real left) noexcept {
+    const EarlierBox on_a(w, a, o, left * w.h), on_b(w, b, q, left * w.h);
+    return depth_of(BoxOnBox(on_a.shape, on_a.R_WS, on_b.shape, on_b.R_WS));
+  };
+  if (deep(1) > sunk / edge_reach * reach) return -1;
+  return w.h * left_at_touch(travel, edge_touch * reach, deep);
+}
+
+}  // namespace godobject

@@ -1,0 +1,119 @@
+#include "platform/view/frame.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace godobject {
+namespace {
+
+/// Numbers one after the other into a frame of the right size.
+class FrameWriter {
+ public:
+  explicit FrameWriter(std::span<std::uint8_t> bytes) noexcept : to_(bytes) {}
+
+  template <std::integral T>
+  FrameWriter& put(T value) noexcept {
+    to_.put(value);
+    return *this;
+  }
+  FrameWriter& put(double value) noexcept {
+    to_.put(static_cast<float>(value));
+    return *this;
+  }
+  FrameWriter& put(const Vec3& a) noexcept { return put(a.x()).put(a.y()).put(a.z()); }
+  FrameWriter& put(const Pose& X) noexcept { return put(X.p).put(Vec3(X.q.vec())).put(X.q.w()); }
+  FrameWriter& put(const Wrench& F) noexcept { return put(F.f).put(F.tau); }
+  FrameWriter& put_f64(double value) noexcept { return put(std::bit_cast<std::uint64_t>(value)); }
+
+ private:
+  ByteWriter to_;
+};
+
+std::uint8_t flags_of(const ViewSample& sample) noexcept {
+  const CycleRecord& record = sample.record;
+  return static_cast<std::uint8_t>((record.engaged ? frame_engaged : 0) | (record.on_hold ? frame_on_hold : 0) |
+                                   (record.force_oscillates ? frame_oscillates : 0) |
+                                   (sample.missed_deadlines ? frame_missed_deadlines : 0));
+}
+
+/// In the order of limit_names: those of the core, then those of the drives.
+std::uint32_t limits_of(const CycleRecord& record) noexcept {
+  constexpr unsigned num_core_limits = 6;
+  auto bits = static_cast<std::uint32_t>(record.limited);
+  const CommandReport& drives = record.drives;
+  unsigned bit = num_core_limits;
+  for (const std::uint32_t of_drives :
+       {drives.torque_limited, drives.rate_limited, drives.drive_limited, drives.not_sent})
+    bits |= (of_drives != 0 ? 1u : 0u) << bit++;
+  return bits;
+}
+
+}  // namespace
+
+void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::span<const Vec3> vertices,
+            std::vector<std::uint8_t>& out) {
+  const CycleRecord& record = sample.record;
+  const std::size_t num_contacts = std::min(sample.num_touching, max_frame_contacts);
+  out.resize(frame_header_bytes + record.bodies.size() * frame_body_bytes +
+             driven.size() * frame_driven_bytes + num_contacts * frame_contact_bytes +
+             vertices.size() * frame_vertex_bytes);
+  FrameWriter to(out);
+  to.put(frame_magic).put(view_version).put(static_cast<std::uint16_t>(frame_header_bytes)).put(record.cycle);
+  to.put_f64(record.t).put(static_cast<std::uint8_t>(sample.phase)).put(flags_of(sample));
+  to.put(static_cast<std::uint16_t>(driven.size())).put(static_cast<std::uint32_t>(record.fault));
+  to.put(limits_of(record)).put(static_cast<std::uint32_t>(record.rig_faults));
+  to.put(record.held ? static_cast<std::int32_t>(*record.held) : -1);
+  for (const std::size_t n : {record.bodies.size(), num_contacts, vertices.size()})
+    to.put(static_cast<std::uint32_t>(n));
+  to.put(1e-3 * static_cast<double>(record.step_ns)).put(1e-3 * static_cast<double>(sample.wake_ns));
+  to.put(record.energy.total).put(record.energy.balance);
+  to.put(record.following.m).put(record.following.rad).put(record.hand_W);
+  to.put(static_cast<std::uint32_t>(sample.counters.frames));
+  to.put(static_cast<std::uint32_t>(sample.counters.incomplete_syncs));
+  to.put(static_cast<std::uint32_t>(record.contacts.num_contacts)).put(record.contacts.deepest);
+  for (const BodyView& body : record.bodies) to.put(body.X_WB);
+  for (const std::size_t i : driven) {
+    const BodyView& body = record.bodies[i];
+    to.put(body.target.X_WD).put(body.coupling_B).put(body.feedback_D);
+  }
+  for (std::size_t i = 0; i < num_contacts; ++i) {
+    const ContactView& contact = sample.touching[i];
+    const auto index = [](std::size_t body) { return body == world ? UINT32_MAX : static_cast<std::uint32_t>(body); };
+    to.put(index(contact.a)).put(index(contact.b)).put(contact.p_W).put(contact.n_W).put(contact.F_W);
+  }
+  for (const Vec3& p : vertices) to.put(p);
+}
+
+ParseResult decode(std::span<const std::uint8_t> bytes, PointerMessage& out) noexcept {
+  if (const ParseResult size = check_size(bytes.size(), pointer_bytes); size != ParseResult::ok) return size;
+  ByteReader from(bytes);
+  std::uint32_t magic = 0;
+  std::uint16_t version = 0, buttons = 0;
+  PointerMessage message;
+  std::array<float, 6> x{};
+  from.get(magic).get(version).get(buttons).get(message.number).get(message.target);
+  for (float& value : x) from.get(value);
+  if (magic != pointer_magic) return ParseResult::other_message;
+  if (version != view_version || buttons > (pointer_holds | pointer_moves)) return ParseResult::bad_value;
+  message.holds = (buttons & pointer_holds) != 0;
+  message.moves = (buttons & pointer_moves) != 0;
+  message.dp_W = Vec3(double{x[0]}, double{x[1]}, double{x[2]});
+  message.dphi_W = Vec3(double{x[3]}, double{x[4]}, double{x[5]});
+  // Not finite: no comparison holds.
+  if (!(message.dp_W.norm() <= max_pointer_shift) || !(message.dphi_W.norm() <= max_pointer_turn))
+    return ParseResult::bad_value;
+  out = message;
+  return ParseResult::ok;
+}
+
+std::array<std::uint8_t, pointer_bytes> encode(const PointerMessage& message) noexcept {
+  std::array<std::uint8_t, pointer_bytes> bytes{};
+  FrameWriter to(bytes);
+  const int buttons = (message.holds ? pointer_holds : 0) | (message.moves ? pointer_moves : 0);
+  to.put(pointer_magic).put(view_version).put(static_cast<std::uint16_t>(buttons)).put(message.number);
+  to.put(message.target).put(message.dp_W).put(message.dphi_W);
+  return bytes;
+}
+
+}  // namespace godobject

@@ -1,0 +1,42 @@
+#include "platform/view/live.h"
+
+namespace godobject {
+namespace {
+
+/// Between a frame and the question for the next one; with the server's own period 60 frames a second at most.
+constexpr Nanoseconds frame_pause = 13'000'000;
+
+}  // namespace
+
+LiveView::LiveView(const Session& session, const ViewAbout& about, PointerDevice* pointer)
+    : tap_(session),
+      scene_(scene_json(session.scene(), about)),
+      driven_(driven_bodies(session.scene())),
+      pointer_(pointer) {
+  for (const std::size_t body : driven_) places_.push_back(session.scene().bodies[body].X_WB.p);
+}
+
+ViewBytes LiveView::frame() {
+  const Nanoseconds now = clock_.now();
+  if (!asked_) {
+    if (now - shown_ < frame_pause) return nullptr;
+    tap_.ask();
+    asked_ = true;
+    return nullptr;
+  }
+  const ViewSample* const sample = tap_.get();
+  if (sample == nullptr) return nullptr;
+  asked_ = false;
+  shown_ = now;
+  for (std::size_t i = 0; i < driven_.size(); ++i) places_[i] = sample->record.bodies[driven_[i]].X_WB.p;
+  auto bytes = std::make_shared<std::vector<std::uint8_t>>();
+  encode(*sample, driven_, {}, *bytes);
+  return bytes;
+}
+
+bool LiveView::point(std::uint64_t client, const PointerMessage& message) {
+  return pointer_ != nullptr && message.target < places_.size() &&
+         pointer_->take(client, message, places_[message.target]);
+}
+
+}  // namespace godobject

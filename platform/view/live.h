@@ -1,0 +1,42 @@
+// A running session as a view shows it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "platform/rt/clock.h"
+#include "platform/view/pointer.h"
+#include "platform/view/scene_json.h"
+#include "platform/view/server.h"
+#include "platform/view/tap.h"
+
+namespace godobject {
+
+class LiveView final : public ViewSource {
+ public:
+  /// pointer: null where pages move nothing. Both outlive this.
+  LiveView(const Session& session, const ViewAbout& about, PointerDevice* pointer);
+
+  /// For the loop.
+  ViewTap& tap() noexcept { return tap_; }
+
+  std::string scene() override { return scene_; }
+  ViewBytes frame() override;
+  bool point(std::uint64_t client, const PointerMessage& message) override;
+  void leave(std::uint64_t client) override {
+    if (pointer_ != nullptr) pointer_->leave(client);
+  }
+
+ private:
+  ViewTap tap_;
+  std::string scene_;
+  std::vector<std::size_t> driven_;
+  PointerDevice* pointer_;
+  std::vector<Vec3> places_;  // of the driven bodies, as last shown
+  MonotonicClock clock_;
+  Nanoseconds shown_ = 0;  // when the last frame was made
+  bool asked_ = false;
+};
+
+}  // namespace godobject

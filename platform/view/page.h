@@ -1,0 +1,18 @@
+// The page and all that it needs, in the program.
+#pragma once
+
+#include <string_view>
+
+namespace godobject {
+
+struct PageFile {
+  std::string_view text;  // empty: there is no such file
+  std::string_view type;  // of its contents, for HTTP
+};
+
+/// path: "/", "/app.js".
+PageFile page_file(std::string_view path) noexcept;
+/// The program was built with the page.
+bool has_page() noexcept;
+
+}  // namespace godobject

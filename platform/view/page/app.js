@@ -1,0 +1,163 @@
+// The page: what comes in, what is shown of it, keys and buttons. window.godobject is for tests and for the curious.
+import "./app.css";
+import { Player } from "./player.js";
+import { Pointer } from "./pointer.js";
+import { connect } from "./source.js";
+import { Strips, divergence, shownForce } from "./strips.js";
+import { COLOURS, View } from "./view3d.js";
+import { ENGAGED, MISSED_DEADLINES, ON_HOLD, OSCILLATES, PHASES, bodyPose, targetPose } from "./wire.js";
+
+const STALE_MS = 500;
+const by = (id) => document.getElementById(id);
+const view = new View(by("canvas")), strips = new Strips(by("strips"));
+const state = { about: null, frame: null, arrived: 0, lost: "", stale: false, isNew: false, busRate: null };
+let send = () => {};
+const pointer = new Pointer(view, by("canvas"), (buffer) => send(buffer));
+const player = new Player((frame) => show(frame), (t) => strips.mark(t));
+
+function show(frame) {
+  state.frame = frame;
+  state.isNew = true;
+}
+
+function setScene(about) {
+  const same = JSON.stringify(about) === JSON.stringify(state.about);
+  state.lost = "";
+  if (same) return;
+  Object.assign(state, { about, frame: null, busRate: null });
+  view.setScene(about);
+  for (const name of Object.keys(view.show)) view.setShown(name, view.show[name]);
+  strips.clear();
+  pointer.enabled = about.live && about.takes_pointer;
+  by("hand").hidden = !pointer.enabled;
+  by("name").textContent = about.name;
+  by("about").textContent = `${about.about} (${about.title})`;
+  by("warning").textContent = about.warning;
+  by("warning").hidden = !about.warning;
+  document.title = `godobject: ${about.name}`;
+}
+
+// Words of the bits that are set.
+const words = (bits, texts) => texts.filter((_, i) => bits >>> i & 1);
+
+function describe() {
+  const { about, frame } = state;
+  if (state.lost) return [state.lost + (about?.live === false ? "" : ": trying again"), "bad"];
+  if (!frame) return ["waiting for the first frame", "warn"];
+  if (state.stale) return ["STALE: no data for " + ((performance.now() - state.arrived) / 1000).toFixed(1) + " s", "bad"];
+  if (frame.fault || frame.rigFault || frame.flags & (MISSED_DEADLINES | OSCILLATES)) return ["FAULT, " + PHASES[frame.phase], "bad"];
+  if (frame.flags & ON_HOLD) return ["deadlines missed: the pose is held", "warn"];
+  if (frame.phase !== 2) return [PHASES[frame.phase], "warn"];
+  return frame.flags & ENGAGED ? ["running, engaged", "good"] : ["running, not engaged", "good"];
+}
+
+function writeState(now) {
+  const { about, frame } = state;
+  state.stale = Boolean(frame) && about.live && now - state.arrived > STALE_MS;
+  document.body.classList.toggle("stale", state.stale || Boolean(state.lost));
+  const [text, kind] = describe();
+  if (by("phase").textContent !== text) by("phase").textContent = text;
+  by("phase").dataset.kind = kind;
+  by("banner").hidden = !(state.lost || state.stale);
+  by("banner").textContent = text;
+  if (!frame) return;
+  by("clock").textContent = `t ${frame.t.toFixed(2)} s · force ${shownForce(frame).toFixed(2)} N · apart ${(1e3 * divergence(frame, about.driven)).toFixed(1)} mm`
+    + (frame.numTouching ? ` · ${frame.numTouching} contacts` : "") + (frame.held >= 0 ? ` · holds ${about.bodies[frame.held]?.name}` : "");
+  const items = [
+    ...words(frame.fault, about.faults).map((bit) => ["fault", bit]), ...words(frame.rigFault, about.rig_faults).map((bit) => ["fault", bit]),
+    ...words(frame.limited, about.limits).map((bit) => ["", { name: "limit: " + bit.name, text: bit.text }]),
+  ];
+  const html = items.map(([kind, bit]) => `<li class="${kind}" title=""></li>`).join("");
+  if (by("words").childElementCount !== items.length) by("words").innerHTML = html;
+  [...by("words").children].forEach((li, i) => {
+    const [kind, bit] = items[i], line = kind ? `${bit.name}: ${bit.text}` : bit.name;
+    if (li.textContent !== line) Object.assign(li, { textContent: line, title: bit.text, className: kind });
+  });
+  writeBuses(frame, now);
+}
+
+function writeBuses(frame, now) {
+  const { buses } = state.about;
+  if (!buses.length) return;
+  const last = state.busRate;
+  if (!last || now - last.now > 1000) state.busRate = { now, frames: frame.busFrames, rate: last ? Math.round(((frame.busFrames - last.frames) >>> 0) * 1000 / (now - last.now)) : 0 };
+  by("buses").textContent = buses.map((bus) => `${bus.name} ${bus.percent.toFixed(0)} % at worst`).join(" · ")
+    + ` · ${state.busRate.rate} frames/s · ${frame.incomplete} SYNCs incomplete`;
+}
+
+// --- options, keys, legend ----------------------------------------------------------------------
+
+const OPTIONS = [["ghost", "device in wireframe", "d"], ["arrows", "force to the hand", "a"], ["contacts", "contacts", "c"],
+  ["spheres", "contact spheres", "s"], ["joints", "joints", "j"], ["follow", "follow the tool", "f"]];
+for (const [name, text, key] of OPTIONS) {
+  const label = document.createElement("label"), box = Object.assign(document.createElement("input"), { type: "checkbox", checked: view.show[name], id: `show-${name}` });
+  label.append(box, ` ${text} `, Object.assign(document.createElement("small"), { textContent: key }));
+  box.onchange = () => view.setShown(name, box.checked);
+  by("options").append(label);
+}
+by("options").append(Object.assign(document.createElement("small"), { textContent: "R: look at all · T: dark, light · L: legend · left drag: orbit, right: pan, wheel: zoom" }));
+const LEGEND = [["tool", "tool, as simulated"], ["ghost", "device: where the hand is"], ["calm", "coupling, at rest"], ["loaded", "coupling, at its load"],
+  ["force", "force to the hand"], ["contact", "contact forces"], ["body", "other bodies"], ["obstacle", "obstacles"]];
+by("legend").innerHTML = LEGEND.map(([name, text]) => `<div><i style="background:#${COLOURS[name].toString(16).padStart(6, "0")}"></i>${text}</div>`).join("");
+
+function setTheme(theme) {
+  document.documentElement.dataset.theme = theme;
+  view.setTheme(theme);
+  strips.changed = true;
+}
+setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+
+by("grab").onclick = () => pointer.grab();
+by("release").onclick = () => pointer.release();
+by("clutch").onclick = () => { pointer.clutch = !pointer.clutch; };
+const KEYS = {
+  r: () => view.lookAtAll(), t: () => setTheme(view.theme === "dark" ? "light" : "dark"), l: () => { by("legend").hidden = !by("legend").hidden; },
+  g: () => pointer.grab(), Escape: () => pointer.release(), x: () => { pointer.clutch = true; },
+  " ": () => player.toggle(), ArrowLeft: () => player.step(-1), ArrowRight: () => player.step(1),
+};
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT)$/.test(event.target.tagName) && event.key !== "Escape") return;
+  const option = OPTIONS.find(([, , key]) => key === event.key);
+  if (option) by(`show-${option[0]}`).click();
+  else if (!KEYS[event.key]) return;
+  else KEYS[event.key]();
+  event.preventDefault();
+});
+addEventListener("keyup", (event) => { if (event.key === "x") pointer.clutch = false; });
+
+// --- running ------------------------------------------------------------------------------------
+
+function draw(now) {
+  requestAnimationFrame(draw);
+  player.tick(now);
+  if (state.isNew) {
+    state.isNew = false;
+    view.update(state.frame);
+    if (state.about.live) strips.add(state.frame, state.about.driven);
+  }
+  if (state.about) view.render();
+  writeState(now);
+  by("grab").setAttribute("aria-pressed", String(pointer.holds));
+  by("clutch").setAttribute("aria-pressed", String(pointer.clutch));
+  if (state.about) strips.draw(now, !state.about.live);
+  window.godobject.drawn++;
+}
+
+window.godobject = {
+  state, view, pointer, player, drawn: 0,
+  names: () => state.about.bodies.map((body) => body.name),
+  body: (name) => [...bodyPose(state.frame, window.godobject.names().indexOf(name))],
+  target: (name) => [...targetPose(state.frame, state.about.driven.indexOf(window.godobject.names().indexOf(name)))],
+  drawnAt: (name) => view.bodies[window.godobject.names().indexOf(name)].position.toArray(),
+  ghostAt: (name) => view.ghosts[state.about.driven.indexOf(window.godobject.names().indexOf(name))].group.position.toArray(),
+  pixel: (point) => view.project(point),
+  phase: () => by("phase").textContent,
+};
+
+requestAnimationFrame(draw);
+connect({
+  scene: setScene,
+  frame: (frame) => { state.arrived = performance.now(); state.lost = ""; show(frame); },
+  lost: (why) => { state.lost = why; },
+  recording: (frames) => { player.load(frames); for (const frame of frames) strips.add(frame, state.about.driven); },
+}).then((sender) => { send = sender; });

@@ -1,0 +1,89 @@
+// Curves over time beside the picture.
+import uPlot from "uplot";
+import { feedbackForce, targetPose, bodyPose } from "./wire.js";
+
+const SPAN_S = 20, REDRAW_MS = 100;
+const length = (v) => Math.hypot(v[0], v[1], v[2]);
+
+// The most of all driven bodies.
+export function shownForce(frame) {
+  let most = length(frame.handForce);
+  for (let i = 0; i < frame.numDriven; ++i) most = Math.max(most, length(feedbackForce(frame, i)));
+  return most;
+}
+export function divergence(frame, driven) {
+  let most = 0;
+  driven.forEach((body, i) => {
+    const a = targetPose(frame, i), b = bodyPose(frame, body);
+    if (frame.held < 0 || frame.held === body) most = Math.max(most, Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+  });
+  return most;
+}
+
+const STRIPS = [
+  { title: "force to the hand, N", series: [["#d5452c", (f) => shownForce(f)]] },
+  { title: "tool from device, mm", series: [["#e08a1e", (f, driven) => 1e3 * divergence(f, driven)]] },
+  { title: "energy, J (dashed: balance)", series: [["#3b7dd8", (f) => f.energy], ["#8a93a3", (f) => f.balance, [4, 3]]] },
+  { title: "step, us (dashed: wake-up)", series: [["#2c9c5a", (f) => f.stepUs || null], ["#8a93a3", (f) => f.wakeUs || null, [4, 3]]] },
+];
+
+export class Strips {
+  constructor(parent) {
+    this.parent = parent;
+    this.clear();
+  }
+  clear() {
+    this.times = [];
+    this.columns = STRIPS.map((strip) => strip.series.map(() => []));
+    this.marker = null;
+    this.changed = true;
+  }
+  add(frame, driven) {
+    const last = this.times.at(-1);
+    if (last !== undefined && frame.t < last) this.clear();  // another run
+    if (frame.t === last) return;
+    this.times.push(frame.t);
+    STRIPS.forEach((strip, i) => strip.series.forEach(([, value], k) => this.columns[i][k].push(value(frame, driven))));
+    this.changed = true;
+  }
+  trim() {
+    const from = this.times.findIndex((t) => t >= this.times.at(-1) - SPAN_S);
+    if (from < 200) return;
+    this.times.splice(0, from);
+    for (const columns of this.columns) for (const column of columns) column.splice(0, from);
+  }
+  mark(t) {
+    this.marker = t;
+    this.changed = true;
+  }
+  draw(now, whole) {
+    if (!this.changed || now - (this.drawn ?? 0) < REDRAW_MS || this.times.length < 2) return;
+    this.drawn = now;
+    this.changed = false;
+    if (!whole) this.trim();
+    this.plots ??= STRIPS.map((strip) => this.plot(strip));
+    const end = this.times.at(-1), begin = whole ? this.times[0] : Math.max(this.times[0], end - SPAN_S);
+    this.plots.forEach((plot, i) => plot.setData([this.times, ...this.columns[i]], false));
+    this.plots.forEach((plot) => plot.batch(() => { plot.setScale("x", { min: begin, max: end }); plot.redraw(false, true); }));
+  }
+  plot(strip) {
+    const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name);
+    const axis = { stroke: () => colour("--soft"), grid: { stroke: () => colour("--line"), width: 1 }, ticks: { show: false }, font: "10px system-ui" };
+    return new uPlot({
+      title: strip.title, width: 258, height: 118, cursor: { show: false }, legend: { show: false },
+      scales: { x: { time: false } },
+      axes: [{ ...axis, size: 22 }, { ...axis, size: 46 }],
+      series: [{}, ...strip.series.map(([stroke, , dash]) => ({ stroke, dash, width: 1.2, points: { show: false } }))],
+      hooks: { draw: [(plot) => this.drawMarker(plot)] },
+    }, [[], ...strip.series.map(() => [])], this.parent);
+  }
+  drawMarker(plot) {
+    if (this.marker === null) return;
+    const x = plot.valToPos(this.marker, "x", true), { ctx, bbox } = plot;
+    ctx.strokeStyle = "#d5452c";
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+  }
+}

@@ -1,0 +1,92 @@
+#include "platform/view/scene_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "platform/scene/joint_kinds.h"
+#include "platform/view/frame.h"
+#include "platform/view/solids.h"
+
+namespace godobject {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Vec3& a) { return {a.x(), a.y(), a.z()}; }
+
+/// Position, then x, y, z, w of the quaternion.
+Json to_json(const Pose& X) {
+  return {X.p.x(), X.p.y(), X.p.z(), X.q.x(), X.q.y(), X.q.z(), X.q.w()};
+}
+
+Json to_json(const Solid& solid) {
+  return {{"kind", solid_kind_names.at(static_cast<std::size_t>(solid.kind))},
+          {"role", solid_role_names.at(static_cast<std::size_t>(solid.role))},
+          {"body", solid.body ? Json(*solid.body) : Json(nullptr)},
+          {"name", solid.name},
+          {"pose", to_json(solid.X)},
+          {"size", to_json(solid.size)},
+          {"mesh", solid.mesh}};
+}
+
+Json to_json(const MeshData& mesh) {
+  Json vertices = Json::array(), triangles = Json::array();
+  for (const Vec3& p : mesh.vertices)
+    for (const double x : p) vertices.push_back(static_cast<float>(x));
+  for (const TriangleIndices& triangle : mesh.triangles)
+    for (const std::uint32_t corner : triangle) triangles.push_back(corner);
+  return {{"vertices", std::move(vertices)}, {"triangles", std::move(triangles)}};
+}
+
+Json to_json(const JointConfig& joint, const SceneConfig& scene) {
+  const std::optional<std::size_t> parent = body_named(scene, joint.parent);
+  return {{"name", joint.name},
+          {"kind", joint_kind_names().at(static_cast<std::size_t>(joint.kind) - 1)},
+          {"parent", parent ? Json(*parent) : Json(nullptr)},
+          {"pose", to_json(joint.X_BP)}};
+}
+
+Json to_json(const std::vector<BitText>& bits) {
+  Json list = Json::array();
+  for (const BitText& bit : bits) list.push_back({{"name", bit.name}, {"text", bit.text}});
+  return list;
+}
+
+}  // namespace
+
+std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
+  const Drawing drawing = drawing_of(scene);
+  const LimitConfig limits = scene.device ? scene.device->limits : LimitConfig{};
+  Json json{{"type", "scene"},
+            {"version", view_version},
+            {"title", about.title},
+            {"name", scene.name},
+            {"about", scene.about},
+            {"live", about.live},
+            {"takes_pointer", about.takes_pointer},
+            {"warning", about.warning},
+            {"step", scene.step},
+            {"gravity", to_json(scene.gravity)},
+            {"max_force", limits.force},
+            {"max_torque", limits.torque},
+            {"takes_hold", takes_hold(scene)},
+            {"device", scene.device ? Json(scene.device->name) : Json(nullptr)},
+            {"driven", driven_bodies(scene)},
+            {"bodies", Json::array()},
+            {"joints", Json::array()},
+            {"solids", Json::array()},
+            {"meshes", Json::array()},
+            {"surfaces", Json::array()},
+            {"faults", to_json(about.faults)},
+            {"rig_faults", to_json(about.rig_faults)},
+            {"limits", to_json(about.limits)},
+            {"buses", Json::array()}};
+  for (const BodyConfig& body : scene.bodies)
+    json["bodies"].push_back({{"name", body.name}, {"mass", body.mass}, {"pose", to_json(body.X_WB)}});
+  for (const JointConfig& joint : scene.joints) json["joints"].push_back(to_json(joint, scene));
+  for (const Solid& solid : drawing.solids) json["solids"].push_back(to_json(solid));
+  for (const MeshData& mesh : drawing.meshes) json["meshes"].push_back(to_json(mesh));
+  for (const BusLoadText& bus : about.buses) json["buses"].push_back({{"name", bus.name}, {"percent", bus.percent}});
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace godobject

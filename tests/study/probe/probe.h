@@ -1,0 +1,70 @@
+// What a probe program can run: compositions, each compiled in an object file of its own, on motions.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/study/compositions.h"
+#include "tests/study/contact_run.h"
+#include "tests/study/probe/probe_step.h"
+
+namespace godobject::study {
+
+struct Probe {
+  std::string name;
+  std::size_t params_bytes, state_bytes, scratch_bytes;
+  bool (*run)(const std::string& motion, std::size_t steps);  // null: only its size is known
+};
+
+/// The compositions of the program this is linked into: every_composition.cc or quick_compositions.cc.
+std::vector<Probe> probes();
+
+struct ProbeScene {
+  bench::ContactScene scene;
+  std::size_t steps_before = 0;  // steps until what is to be counted begins
+};
+
+/// A motion for so many bodies; without bodies where there is none of that name.
+ProbeScene scene_of(const std::string& motion, std::size_t max_bodies);
+
+/// A scene type with all parts the case has.
+template <Scene S>
+bool holds(const oracle::Case& problem) {
+  if (problem.bodies.empty() || problem.bodies.size() > S::max_bodies) return false;
+  if (!problem.joints.empty() && !uses<typename S::Joints>) return false;
+  return !uses<typename S::Device> || problem.bodies[0].coupling.has_value();
+}
+
+template <Scene S>
+bool run(const std::string& motion, std::size_t steps) {
+  const ProbeScene probe = scene_of(motion, S::max_bodies);
+  if (!holds<S>(probe.scene.problem)) return false;
+  const auto scene = std::make_unique<CaseRun<S>>(probe.scene.problem, 1e-3);
+  set_contacts(probe.scene, scene->params());
+  Fault fault = Fault::none;
+  for (const Input<S>& in : scene->inputs(probe.steps_before + steps, 1e9)) {
+    probe_step<S>(scene->params(), in, scene->state(), scene->scratch(), scene->output());
+    fault |= scene->output().fault;
+  }
+  return !any(fault);
+}
+
+/// Its data alone.
+template <Scene S>
+Probe size_of(const std::string& scene) {
+  return {.name = scene + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
+          .params_bytes = sizeof(Params<S>),
+          .state_bytes = sizeof(State<S>),
+          .scratch_bytes = sizeof(Scratch<S>),
+          .run = nullptr};
+}
+
+template <Scene S>
+Probe probe(const std::string& scene) {
+  Probe with_step = size_of<S>(scene);
+  with_step.run = run<S>;
+  return with_step;
+}
+
+}  // namespace godobject::study
