@@ -33,6 +33,7 @@ template <Solve which, Scene S, class TargetOfGroup>
 void solve_anew(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                 Scratch<S>& w) noexcept {
   if constexpr (uses<ContactsOf<S>>) w.contacts.last = 1 - w.contacts.last;
+  if constexpr (uses<NetOf<S>>) w.contacts.net.last = 1 - w.contacts.net.last;
   solve_once<which>(par, x, h, target_of, w);
 }
 
@@ -150,7 +151,7 @@ template <Scene S, class TargetOfGroup>
     return {.h = h};
   }
   if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
-  if constexpr (uses<NodesOf<S>>) return {.calm = false, .h = h};
+  if constexpr (uses<NodesOf<S>> || uses<NetOf<S>>) return {.calm = false, .h = h};  // these are not parted
   if (!may_part) return {.solved = false, .calm = false, .h = h};
   return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
 }
