@@ -140,7 +140,7 @@ void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
   auto& b = w.coupled_b;
   auto& net = w.net;
   w.system.each([&](std::uint32_t u) noexcept { b.bodies[u] = w.system.b[u]; });
-  std::copy_n(net.b.begin(), net.num_nodes, b.nodes.begin());
+  for (std::uint32_t n = 0; n < net.num_nodes; ++n) b.nodes[n] = net.b[n];
   for (std::size_t c = 0; c < net.num_contacts; ++c) {
     const NetContactImpedance& contact = net.contacts[c];
     b.nodes[contact.node] += contact.J;

@@ -13,9 +13,6 @@
 
 namespace godobject {
 
-/// (x, y, z) and what is given for the fourth place.
-inline Pack with_fourth(const Column& a, Real fourth) noexcept { return {a.x(), a.y(), a.z(), fourth}; }
-
 /// K d of a spring.
 inline Column spring_product(const Pack& q_a, const Column& d) noexcept {
   const Pack m = q_a * d.p;
@@ -92,38 +89,77 @@ void begin_anchors(const typename Net::Params& par, const NetRun& run, const Tre
   }
 }
 
+/// Four columns in lanes.
+inline Vector3<Pack> in_lanes(const Column& a, const Column& b, const Column& c, const Column& d) noexcept {
+  const Pack ab_02 = shuffled<0, 4, 2, 6>(a.p, b.p), cd_02 = shuffled<0, 4, 2, 6>(c.p, d.p);
+  const Pack ab_13 = shuffled<1, 5, 3, 7>(a.p, b.p), cd_13 = shuffled<1, 5, 3, 7>(c.p, d.p);
+  return {shuffled<0, 1, 4, 5>(ab_02, cd_02), shuffled<0, 1, 4, 5>(ab_13, cd_13), shuffled<2, 3, 6, 7>(ab_02, cd_02)};
+}
+/// Columns whose fourth places are these lanes.
+inline std::array<Column, 4> columns(const Vector3<Pack>& a, const Pack& fourth) noexcept {
+  const Pack xy_02 = shuffled<0, 4, 2, 6>(a[0], a[1]), xy_13 = shuffled<1, 5, 3, 7>(a[0], a[1]);
+  const Pack z_02 = shuffled<0, 4, 2, 6>(a[2], fourth), z_13 = shuffled<1, 5, 3, 7>(a[2], fourth);
+  return {Column(shuffled<0, 1, 4, 5>(xy_02, z_02)), Column(shuffled<0, 1, 4, 5>(xy_13, z_13)),
+          Column(shuffled<2, 3, 6, 7>(xy_02, z_02)), Column(shuffled<2, 3, 6, 7>(xy_13, z_13))};
+}
+
+/// (41)  Four springs: with the ends x and x' apart where the stage is predicted to end.
+struct SpringPack {
+  Vector3<Pack> q, J;
+  Pack a, l;
+};
+inline SpringPack spring_stage(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pack>& x,
+                               const Vector3<Pack>& x_dot, Real h) noexcept {
+  const Pack l = sqrt(x.squaredNorm()), h_k = k * h, h_g = g * h;
+  const PackMask has_length = Pack(0) < l;
+  const Pack r = 1 / select(has_length, l, Pack(1));
+  const Vector3<Pack> u(x[0] * r, x[1] * r, select(has_length, x[2] * r, Pack(1)));
+  const Pack a = max(h_k * (1 - l_0 * r), Pack(0)) * h * select(has_length, Pack(1), Pack(0));
+  const Pack along = max(h_k * h + h_g - a, Pack(0)), u_x_dot = u.dot(x_dot);
+  // J = K x' - h (k (l - l_0) + g u . x') u: the force of the law at the predicted velocities
+  return {.q = u * sqrt(along), .J = x_dot * a + u * ((along - h_g) * u_x_dot - h_k * (l - l_0)), .a = a, .l = l};
+}
+
 /// The springs; b of their nodes. Of springs that pull, what they resist of the turning of the carrier that both ends ride on:
 /// sum a (x^2 1 - x x^T).
 template <class Net, std::size_t N>
 void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t k = 0; k < w.num_runs; ++k) {
     const NetRun& run = w.runs[k];
-    Block prestress = Block::zero();
-    for (std::uint32_t i = run.first, s = w.first_of[i]; i < run.end; ++i) {
-      const Column p_i = w.p[i], v_i = w.v[i];
-      Column on_i(Pack(0));
-      for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) {
-        const NetSpring& spring = par.springs[s];
-        const std::uint32_t j = w.other[s];
-        const Column x = w.p[j] - p_i, x_dot = w.v[j] - v_i;
-        const Real l = std::sqrt(dot(x, x)), r = 1 / l, h_k = h * spring.k, h_g = h * spring.g;
-        const Column u = l > 0 ? x * r : Column(Vec3::UnitZ());
-        const Real across = l > spring.l_0 ? h * h_k * (1 - spring.l_0 * r) : 0;
-        const Real along = h * h_k + h_g - across, u_x_dot = dot(u, x_dot);
-        const Column q = u * std::sqrt(std::max(along, Real(0)));
-        w.q_a[s] = with_fourth(q, across);
-        // J = K x' - h (k (l - l_0) + g u . x') u: the force of the law at the predicted velocities
-        const Column J = x_dot * across + u * (along * u_x_dot - h_k * (l - spring.l_0) - h_g * u_x_dot);
-        w.b[j] += J;
-        on_i += J;
-        if (across > 0 && j < run.end) {
-          prestress += Block::identity() * (across * l * l);
-          prestress -= outer(x * across, x);
-        }
+    std::array<Pack, 6> a_xx{0, 0, 0, 0, 0, 0};  // sum a x x^T: xx, yy, zz, xy, xz, yz
+    const std::uint32_t end = w.first_of[run.end];
+    for (std::uint32_t s = w.first_of[run.first]; s < end; s += 4) {
+      std::array<const NetSpring*, 4> of;
+      for (std::uint32_t n = 0; n < 4; ++n) of[n] = &par.springs[std::min(s + n, end - 1)];
+      const auto between = [&](const auto& at) noexcept {
+        return in_lanes(at[of[0]->j] - at[of[0]->i], at[of[1]->j] - at[of[1]->i], at[of[2]->j] - at[of[2]->i],
+                        at[of[3]->j] - at[of[3]->i]);
+      };
+      const Vector3<Pack> x = between(w.p), x_dot = between(w.v);
+      const SpringPack four = spring_stage({of[0]->k, of[1]->k, of[2]->k, of[3]->k}, {of[0]->g, of[1]->g, of[2]->g, of[3]->g},
+                                           {of[0]->l_0, of[1]->l_0, of[2]->l_0, of[3]->l_0}, x, x_dot, h);
+      const std::array<Column, 4> q_a = columns(four.q, four.a), J = columns(four.J);
+      Pack a = four.a;  // of springs between nodes of this run
+      for (std::uint32_t n = 0; n < 4; ++n) {
+        if (s + n >= end || of[n]->j >= run.end) a.set(n, 0);
+        if (s + n >= end) continue;
+        w.q_a[s + n] = q_a[n].p;
+        w.b[of[n]->j] += J[n];
+        w.b[of[n]->i] -= J[n];
       }
-      w.b[i] -= on_i;
+      const Vector3<Pack> ax = x * a;
+      a_xx[0] += ax[0] * x[0];
+      a_xx[1] += ax[1] * x[1];
+      a_xx[2] += ax[2] * x[2];
+      a_xx[3] += ax[0] * x[1];
+      a_xx[4] += ax[0] * x[2];
+      a_xx[5] += ax[1] * x[2];
     }
-    if (run.body != world) w.prestress[run.body] = {.ww = prestress, .wv = Block::zero(), .vv = Block::zero()};
+    if (run.body == world) continue;
+    const auto sum = [&](std::size_t k_l) noexcept { return total(a_xx[k_l]); };
+    Mat3 A;
+    A << sum(1) + sum(2), -sum(3), -sum(4), -sum(3), sum(0) + sum(2), -sum(5), -sum(4), -sum(5), sum(0) + sum(1);
+    w.prestress[run.body] = {.ww = block_of(A), .wv = Block::zero(), .vv = Block::zero()};
   }
 }
 
