@@ -175,6 +175,24 @@ TEST(TouchingLaws, FrictionCarriesABrickAlong) {
   }
 }
 
+/// What a brick lacks of its friction is its acceleration: g sin a (1 - share) where mu is that share of tan a.
+TEST(TouchingLaws, ABrickSlidesDownASlopeByItsLaw) {
+  using Sliding = Pile<TouchingBodies<ImplicitEuler, 2, PoseDevice, 64>>;
+  constexpr Real slope = 0.35;
+  for (const Real share : {0.9, 0.99, 0.999, 1.001}) {
+    const auto pile = std::make_unique<Sliding>();
+    pile->add_floor();
+    pile->par.gravity_W = earth_gravity * Vec3(std::sin(slope), 0, -std::cos(slope));
+    set_law(pile->par, law_of(2e4, 0.7, share * std::tan(slope)));
+    pile->add_brick({.X_WB = at(Vec3(0, 0, brick_half.z())), .V_WB = {}});
+    ASSERT_TRUE(pile->run(1));
+    const Real before = pile->at(0).v_W.x();
+    ASSERT_TRUE(pile->run(1));
+    const Real weight = earth_gravity * std::sin(slope);
+    EXPECT_NEAR(pile->at(0).v_W.x() - before, std::max(weight * (1 - share), 0.0), 5e-5 * weight) << share;
+  }
+}
+
 TEST(TouchingLaws, ADrivenBrickPushesARow) {
   const auto pile = std::make_unique<Pile<Hands>>();
   pile->add_floor();

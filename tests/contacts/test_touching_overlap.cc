@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "tests/contacts/bricks.h"
+#include "tests/contacts/box_overlap.h"
 
 namespace godobject::test_touching_overlap {
 namespace {
@@ -117,6 +117,44 @@ TYPED_TEST(TouchingOverlap, AlignedBricksPart) {
       const Vec3 shift = brick_half[axis] * Vec3::Unit(axis);
       expect_apart(bricks_parted<TypeParam>(shift, Vec3::Zero(), law_of(k, 0.4), 1e-3));
     }
+}
+
+#ifdef NDEBUG
+constexpr unsigned num_sunk = 1200;
+#else
+constexpr unsigned num_sunk = 12;  // builds with assertions and sanitizers take a hundred times as long
+#endif
+
+/// Boxes whose centres are up to 15 mm apart, turned at random: more than half inside each other, crosswise too, where no
+/// corner of the one is in the other.
+TYPED_TEST(TouchingOverlap, SunkBoxesPart) {
+  Real fastest = 0;
+  for (unsigned seed = 0; seed < num_sunk; ++seed) {
+    Random random(seed);
+    const auto drawn = [&]() { return random.log_uniform(0.005, 0.03); };
+    const auto half = [&](bool flat) {
+      const Real x = drawn(), y = drawn(), z = drawn();
+      return flat ? Vec3(0.02, 0.02, 0.01) : Vec3(x, y, z);
+    };
+    const Vec3 half_a = half(seed % 2 == 0), half_b = seed % 4 < 2 ? half_a : half(false);
+    const auto pair = std::make_unique<Pair<TypeParam>>();
+    pair->par.h = steps[static_cast<std::size_t>(random.integer(0, 2))];
+    set_law(pair->par, law_of(stiffness[static_cast<std::size_t>(random.integer(0, 2))], 0.7, 0.3, 0.1));
+    const Vec3 off = 0.005 * random.integer(0, 3) * random.direction();
+    const Quat q_a = random.rotation(), q_b = random.rotation();
+    add_cornered_brick(*pair, {.X_WB = {.p = Vec3::Zero(), .q = q_a}, .V_WB = {}}, 0.1, half_a, 5e-4);
+    add_cornered_brick(*pair, {.X_WB = {.p = off, .q = q_b}, .V_WB = {}}, seed % 8 == 7 ? 10 : 0.1, half_b,
+                       5e-4);
+    for (int n = 0; n < 5 / pair->par.h; ++n) {
+      pair->step();
+      ASSERT_FALSE(any(pair->out.fault));
+      fastest = std::max(fastest, pair->fastest());
+      if (n % 100 == 99 && boxes_overlap(pair->at(0).X_WB, half_a, pair->at(1).X_WB, half_b) < 0) break;
+    }
+    EXPECT_LT(boxes_overlap(pair->at(0).X_WB, half_a, pair->at(1).X_WB, half_b), 3e-4) << "seed " << seed;
+  }
+  EXPECT_LT(fastest, 1);
+  std::printf("%s: %u sunk pairs part at %.3f m/s at most\n", TypeParam::name, num_sunk, fastest);
 }
 
 }  // namespace

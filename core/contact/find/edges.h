@@ -131,7 +131,7 @@ inline bool deeper_along_edges(const BoxOnBox& w, Real depth) noexcept {
 template <class F>
 void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const Vec3& face_A, F f) noexcept {
   const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
-  const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), &E_i = row_of(w.E, i);
+  const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l);
   const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
   const Pack sine = edge_sine(R_k, R_l);
   const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);  // a and b, times the sine
@@ -184,8 +184,8 @@ void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const 
   }
 }
 
-/// How two boxes are in each other, within the reach of their edges.
-enum class BoxesAre { apart, near, sunk };
+/// How two boxes are in each other: in touch, no deeper than the reach of their edges.
+enum class BoxesAre { in_touch, deep, sunk };
 
 inline Real reach_of_edges(const ShapeParams& a, const ShapeParams& b) noexcept {
   return edge_reach * std::min(a.half_extents.minCoeff(), b.half_extents.minCoeff());
@@ -198,7 +198,7 @@ BoxesAre each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams
   const BoxOnBox w(a, R_WA, b, R_WB);
   const Real reach = reach_of_edges(a, b), too_deep = sunk / edge_reach * reach;
   const LeastFace face = least_face(w);
-  if (face.depth <= -reach) return BoxesAre::apart;
+  if (face.depth <= -reach) return BoxesAre::in_touch;
   if (may_be_sunk && face.depth > too_deep && deeper_along_edges(w, too_deep)) return BoxesAre::sunk;
   const Real most = (1 + deeper_than_faces) * std::max(face.depth, Real(0)) + deeper_than_reach * reach;
   for (int i = 0; i < 3; ++i)
@@ -207,7 +207,7 @@ BoxesAre each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams
         [&](std::uint32_t edges, Real d, const Vec3& p_A, const Vec3& n_A) noexcept {
           f(EdgeCrossing{.edges = edges, .d = d, .p_W = a.X_WS.p + R_WA * p_A, .n_W = R_WA * n_A});
         });
-  return BoxesAre::near;
+  return face.depth > reach ? BoxesAre::deep : BoxesAre::in_touch;
 }
 
 }  // namespace godobject

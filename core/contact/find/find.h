@@ -114,17 +114,21 @@ class RecallDeepPairs {
   std::size_t at_ = 0;
 };
 
-/// The point p inside a box, behind the face through which the contact pressed in the step before; if there was none,
+/// The point p inside a box, behind the face through which the contact pressed before; if there was none,
 /// behind the nearest one.
 template <class Contacts, std::size_t N>
 SurfacePoint behind_face_before(const ContactFinder<Contacts, N>& w, std::uint64_t key,
                                 const ShapeParams& box, const Mat3& R_WS, const Vec3& p_W,
                                 const SurfacePoint& nearest) noexcept {
-  const auto end = w.before->list.begin() + static_cast<std::ptrdiff_t>(w.before->size);
-  const auto at =
-      std::lower_bound(w.before->list.begin(), end, key,
-                       [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
-  if (at == end || at->key != key) return nearest;
+  const ContactMemory* at = nullptr;
+  for (const auto* memories : {w.before, w.of_stage}) {
+    if (memories == nullptr) continue;
+    const ContactMemory *const first = memories->list.data(), *const end = first + memories->size;
+    const ContactMemory* const one = std::lower_bound(
+        first, end, key, [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
+    if (one != end && one->key == key) at = one;
+  }
+  if (at == nullptr) return nearest;
   const Vec3 n_S = face_along(R_WS, at->n_W), n_W = R_WS * n_S;
   return {.distance = n_W.dot(p_W - box.X_WS.p) - box.half_extents.dot(n_S.cwiseAbs()), .n = n_W};
 }
@@ -171,7 +175,8 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       };
       const auto first_touch = [&](std::uint32_t j) noexcept {
         const Vec3 p_W = lane(pack.p_W, j);
-        return swept(shape, R_WS, p_W, -w.h * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)), pack.r[j]);
+        return swept(shape, R_WS, p_W, -w.since() * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)),
+                     pack.r[j]);
       };
       Pack d;
       Vector3<Pack> n_W;
@@ -186,7 +191,9 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           hits = sought & behind_face(shape, R_WS, pack, face_along(R_WS, *leaving_W), d, n_W);
         } else {
           hits = sought & near_box(shape, R_WS, pack, travel, nullptr, d, n_W);
-          std::uint32_t fast = hits & (bits(pack.r < travel) | bits(pack.r <= d));
+          // it may have come in over another face, or be through
+          const std::uint32_t past = shape.half_extents.minCoeff() < travel ? 15 : bits(Pack(0) < d);
+          std::uint32_t fast = hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
           for (; fast != 0; fast &= fast - 1) {
             const auto j = static_cast<std::uint32_t>(std::countr_zero(fast));
             const SweptContact first = first_touch(j);
@@ -249,14 +256,15 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
     const Real v_n = at.n_W.dot(v_a - velocity_at(w, b, at.p_W));
     at.d = crossing.d - before_end * v_n;
     at.p_W += before_end * v_a;
-    was_apart |= at.d + w.h * v_n <= reach;
+    was_apart |= at.d + w.since() * v_n <= reach;
     add_near(w, at, infinity, near);
   };
   const auto add_end = [&](bool may_be_sunk) noexcept {
     return each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], may_be_sunk, add);
   };
   const BoxesAre at_end = add_end(true);
-  if (!(travel > reach) || was_apart || (at_end == BoxesAre::apart && !(travel > sunk / edge_reach * reach)))
+  if (!(travel > reach) || was_apart ||
+      (at_end == BoxesAre::in_touch && !(travel > sunk / edge_reach * reach)))
     return at_end;
   before_end = time_from_touch(w, a, o, b, q, travel, reach);
   if (!(before_end > 0)) return at_end;
@@ -265,7 +273,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
   each_crossing(on_a.shape, on_a.R_WS, on_b.shape, on_b.R_WS, false, add);
   before_end = 0;
   if (near.size == before) add_end(false);
-  return BoxesAre::near;
+  return BoxesAre::deep;
 }
 
 /// The boxes of body a against the boxes [first, end) of body b, or the world. True: two are sunk in each other.
@@ -343,7 +351,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
       Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
       Real depth = both - distance;
       if (on_a.travel + on_b.travel > std::min(sphere_a.r, sphere_b.r)) {
-        const Vec3 back = w.h * (velocity_at(w, b, sphere_b.p_W) - velocity_at(w, a, sphere_a.p_W));
+        const Vec3 back = w.since() * (velocity_at(w, b, sphere_b.p_W) - velocity_at(w, a, sphere_a.p_W));
         n = swept_normal(apart, back, both, n);
         depth = both - n.dot(apart);
       }

@@ -108,11 +108,11 @@ template <class Contacts, std::size_t N>
 [[gnu::noinline]] Real time_from_touch(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o,
                                        std::uint32_t b, std::uint32_t q, Real travel, Real reach) noexcept {
   const auto deep = [&](Real left) noexcept {
-    const EarlierBox on_a(w, a, o, left * w.h), on_b(w, b, q, left * w.h);
+    const EarlierBox on_a(w, a, o, left * w.since()), on_b(w, b, q, left * w.since());
     return depth_of(BoxOnBox(on_a.shape, on_a.R_WS, on_b.shape, on_b.R_WS));
   };
   if (deep(1) > sunk / edge_reach * reach) return -1;
-  return w.h * left_at_touch(travel, edge_touch * reach, deep);
+  return w.since() * left_at_touch(travel, edge_touch * reach, deep);
 }
 
 }  // namespace godobject

@@ -31,10 +31,15 @@ struct ContactFinder {
     bool has_surfaces() const noexcept { return end_surface > first_surface; }
     bool empty() const noexcept { return first_sphere == end_sphere && !has_surfaces(); }
   };
+  /// s, since the bodies were last where they had been solved to be.
+  Real since() const noexcept { return h + extrapolated; }
+
   std::array<Owned, N> owned;
-  Real h = 0;                                                       // of the stage, s
-  const ContactMemories<Contacts::max_contacts>* before = nullptr;  // what contacts carried over
-  std::size_t num_fixed = 0;                                        // surfaces of the world
+  Real h = 0;             // of the stage, s
+  Real extrapolated = 0;  // s, by which its base is ahead of where anything has been
+  // what contacts carried over: from the step before, and from the stage before if it is of this step
+  const ContactMemories<Contacts::max_contacts>*before = nullptr, *of_stage = nullptr;
+  std::size_t num_fixed = 0;  // surfaces of the world
   std::array<TreePlace, N> at;
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
   std::array<ShapeParams, max_surfaces> posed;              // surfaces in the world
@@ -151,7 +156,7 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     Real farthest = 0;
     num_packs += place_spheres(par, owned.first_sphere, s, w.at[i], &w.packs[num_packs], farthest);
     const Twist& V = w.at[i].V;
-    owned.travel = w.h * (V.v.cwiseAbs().sum() + V.w.cwiseAbs().sum() * farthest);
+    owned.travel = w.since() * (V.v.cwiseAbs().sum() + V.w.cwiseAbs().sum() * farthest);
     if constexpr (Contacts::between_bodies) o = place_surfaces(par, i, o, w);
   }
 }
