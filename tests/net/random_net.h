@@ -55,9 +55,13 @@ struct RandomNet : Running<NetScene<I>> {
   Vec3 axis_0, axis_1;
   EnergyBalance<S> balance;
 
-  explicit RandomNet(unsigned seed, int only = -1) {
+  /// change(drawn): what a test has otherwise than it was drawn.
+  template <class Change = void (*)(Drawn&)>
+  explicit RandomNet(
+      unsigned seed, int only = -1, Change change = [](Drawn&) {}) {
     Random random(seed);
     draw(random, only < 0 ? static_cast<Ordeal>(seed % num_ordeals) : static_cast<Ordeal>(only));
+    change(of);
     build(random);
   }
 
