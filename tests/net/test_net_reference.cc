@@ -106,7 +106,7 @@ Truth solved_exactly(bool on_floor) {
     ball.m = node.m;
     ball.I_B = 1e-5 * Mat3::Identity();
     ball.start.p = small->x.net.nodes[n].p_W;
-    c.springs.push_back({.a = 0, .b = n + 1, .p_A = node.p_B, .k = node.k, .g = node.g});
+    c.springs.push_back({.a = 0, .b = n + 1, .p_A = node.p_B, .k = node.k, .g = node.g, .is_anchor = true});
     if (on_floor)
       c.on_floor.push_back({.body = n + 1, .radius = node.radius, .k = floor_law.k, .c = floor_law.c});
   }
