@@ -8,8 +8,8 @@
 // moves before the body does, or by the mean of its forces, whichever is more.
 #pragma once
 
-#include "core/energy.h"
 #include "core/gain_watch.h"
+#include "core/net/energy.h"
 #include "core/step.h"
 
 namespace godobject {
@@ -112,16 +112,18 @@ class EnergyBalance {
     if constexpr (uses<NodesOf<S>>)
       for (std::size_t j = 0; j < num_nodes(par); ++j)
         T += Real(0.5) * par.nodes.list[j].m * x.nodes[j].v_W.squaredNorm();
+    if constexpr (uses<NetOf<S>>) T += net_kinetic_energy(par, x);
     return T;
   }
 
-  /// Of stops and terms.
+  /// Of stops, terms and nets.
   static Real other_springs(const Params<S>& par, const State<S>& x) noexcept {
     Real U = 0;
     if constexpr (uses<typename S::Joints>) {
       for (std::size_t i = 0; i < num_bodies(par); ++i) U += stops_energy(par, x, i);
     }
     if constexpr (uses<TermsOf<S>>) U += term_energy(par, x);
+    if constexpr (uses<NetOf<S>>) U += net_spring_energy(par, x);
     return U;
   }
 
@@ -130,6 +132,7 @@ class EnergyBalance {
     for (std::size_t i = 0; i < num_bodies(par); ++i) mp_W += par.bodies[i].body.m * x.bodies[i].x.X_WB.p;
     if constexpr (uses<NodesOf<S>>)
       for (std::size_t j = 0; j < num_nodes(par); ++j) mp_W += par.nodes.list[j].m * x.nodes[j].p_W;
+    if constexpr (uses<NetOf<S>>) mp_W += net_mass_moment(par, x);
     return -par.gravity_W.dot(mp_W);
   }
 
@@ -214,16 +217,29 @@ class EnergyBalance {
   Real contact_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w, Real& U,
                     Real& floor) const noexcept {
     Real W = 0;
-    Recall recall(x.contacts);
-    for (std::size_t k = 0; k < w.contacts.near.size; ++k) {
-      const NearContact& near = w.contacts.near.list[k];
-      const ContactMemory* const contact = recall.find(near.key);
-      if (contact == nullptr) continue;
-      const ContactLaw& law = law_of(par.contacts, near);
-      U += Real(0.5) * (law.k * contact->pressed * contact->pressed + law.k_t * contact->xi_W.squaredNorm());
-      if (contact->e > 0) W += par.h * law.push_out * contact->n_W.dot(contact->F_W);
-      if (near.a < S::max_bodies)
-        floor += Real(0.5) * par.bodies[near.a].body.m * law.push_out * law.push_out;
+    const auto add = [&](const auto& memories, const auto& near, auto law_of, auto mass_of) noexcept {
+      Recall recall(memories);
+      for (std::size_t k = 0; k < near.size; ++k) {
+        const ContactMemory* const contact = recall.find(near.list[k].key);
+        if (contact == nullptr) continue;
+        const ContactLaw& law = law_of(near.list[k]);
+        U +=
+            Real(0.5) * (law.k * contact->pressed * contact->pressed + law.k_t * contact->xi_W.squaredNorm());
+        if (contact->e > 0) W += par.h * law.push_out * contact->n_W.dot(contact->F_W);
+        floor += Real(0.5) * mass_of(near.list[k].a) * law.push_out * law.push_out;
+      }
+    };
+    add(
+        x.contacts, w.contacts.near,
+        [&](const NearContact& near) -> const ContactLaw& { return law_of(par.contacts, near); },
+        [&](std::uint32_t a) { return a < S::max_bodies ? par.bodies[a].body.m : Real(0); });
+    if constexpr (uses<NetOf<S>>) {
+      add(
+          x.net.contacts, w.contacts.net.near,
+          [&](const NearContact& near) -> const ContactLaw& {
+            return law_of<ContactsOf<S>, NetOf<S>>(par.contacts, par.net, near);
+          },
+          [&](std::uint32_t n) { return par.net.nodes[n].m; });
     }
     return W;
   }

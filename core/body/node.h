@@ -17,7 +17,12 @@ template <class Memory>
 struct NodeStateOf {
   Vec3 p_W = Vec3::Zero();  // m
   Vec3 v_W = Vec3::Zero();  // m/s
-  [[no_unique_address]] Memory memory = Memory();
+  [[no_unique_address]] Memory memory = nothing();
+
+  static Memory nothing() noexcept {
+    if constexpr (requires { Memory::Zero(); }) return Memory::Zero();
+    else return {};
+  }
 };
 
 /// The nodes part of a scene.

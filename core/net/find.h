@@ -87,10 +87,17 @@ class NetFinder {
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
-        const SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
+        const SurfacePoint surface = nearest_of(shape, R_WS, lane(pack.p_W, j), radius + reach);
         if (radius - surface.distance > -reach) add(4 * k + j, b, o, radius - surface.distance, surface.n);
       }
     }
+  }
+
+  /// A box that a body carries has no other attitude than R_WS.
+  static SurfacePoint nearest_of(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W, Real reach) noexcept {
+    if (shape.kind != ShapeKind::box) return nearest(shape, p_W, reach);
+    const SurfacePoint s = BoxShape::nearest(shape, R_WS.transpose() * (p_W - shape.X_WS.p), reach);
+    return {.distance = s.distance, .n = R_WS * s.n};
   }
 
   /// A sphere of body i.

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""No instruction of a scene comes from contacts it does not have.
+"""No instruction of a scene comes from contacts or nets it does not have.
 
     unpaid_contacts.py COMPILER SOURCE_DIR EIGEN_DIR
 
-Compiles the step of three scenes without optimisation, when all that can be called has code, and asks the line tables
+Compiles the step of four scenes without optimisation, when all that can be called has code, and asks the line tables
 which headers of the core that code is from. A scene whose bodies touch each other shows that the tables tell.
 """
 import os
@@ -15,6 +15,7 @@ import tempfile
 # Of contacts between bodies alone.
 BODIES = {"core/contact/find/broad_phase.h", "core/contact/find/edges.h", "core/contact/find/exit_direction.h"}
 CONTACTS = ("core/contact/", "core/system/", "core/shape/")
+NETS = ("core/net/",)
 
 
 def headers_with_code(compiler, source, eigen, scene, folder):
@@ -33,20 +34,21 @@ def headers_with_code(compiler, source, eigen, scene, folder):
     return headers
 
 
-def of_contacts(names):
-    return {name for name in names if name.startswith(CONTACTS)}
+def within(folders, names):
+    return {name for name in names if name.startswith(folders)}
 
 
 def main(compiler, source, eigen):
     with tempfile.TemporaryDirectory() as folder:
-        untouched, over_obstacles, among_bodies = (
+        untouched, over_obstacles, among_bodies, with_net = (
             headers_with_code(compiler, source, eigen, scene, folder)
-            for scene in ("Untouched", "OverObstacles", "AmongBodies"))
+            for scene in ("Untouched", "OverObstacles", "AmongBodies", "WithNet"))
     if not ("core/step.h" in untouched and "core/contact/bodies.h" in over_obstacles and
-            BODIES <= among_bodies):
+            BODIES <= among_bodies and "core/net/solve.h" in with_net):
         sys.exit("the line tables do not show code that is there: this says nothing")
-    for scene, unpaid in (("without contacts", of_contacts(untouched)),
-                          ("over obstacles alone", BODIES & over_obstacles)):
+    for scene, unpaid in (("without contacts", within(CONTACTS + NETS, untouched)),
+                          ("over obstacles alone", (BODIES & over_obstacles) | within(NETS, over_obstacles)),
+                          ("among bodies", within(NETS, among_bodies))):
         if unpaid:
             sys.exit(f"a scene {scene} has code from {' '.join(sorted(unpaid))}")
 

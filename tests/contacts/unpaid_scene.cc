@@ -19,6 +19,9 @@ struct AmongBodies : Untouched {
   using Feedback = None;
   using Contacts = BodyContacts<6, 4, 12>;
 };
+struct WithNet : AmongBodies {
+  using Net = MassSpringNet<8, 12, 8>;
+};
 
 template void step(const Params<PROBED>&, const Input<PROBED>&, State<PROBED>&, Scratch<PROBED>&,
                    Output<PROBED>&) noexcept;

@@ -45,7 +45,7 @@ struct Body {
 };
 
 /// (36) between points of two bodies, or of the world and a body: with the ends x apart, -k (|x| - l_0) u - g (u . x') u
-/// on b; without a rest length -k x - g x'.
+/// on b; without a rest length -k x - g x'. An anchor of a net, (42), has no rest length either.
 struct Spring {
   std::optional<std::size_t> a = std::nullopt;  // index in Case::bodies; empty: the world
   std::size_t b = 0;                            // likewise
@@ -54,6 +54,7 @@ struct Spring {
   double k = 0;                                 // N/m, >= 0
   double g = 0;                                 // N s/m, >= 0
   double l_0 = 0;                               // m, >= 0
+  bool is_anchor = false;  // its damper and its force on a are at the point of a that is where b is
 };
 
 /// A sphere of a body on the floor z = 0, without friction (22): k d - c v_z upwards where that is positive and d, by which

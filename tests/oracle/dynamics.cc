@@ -34,6 +34,15 @@ struct Point {
   Point(const BodyState& x, const Vector3d& p_B)
       : r(x.q * p_B.cast<Scalar>()), p(x.p + r), v(x.v + x.w.cross(r)) {}
   explicit Point(const Vector3d& p_W) : p(p_W.cast<Scalar>()) {}
+
+  /// The point of the same body x that is where `other` is.
+  Point at(const BodyState& x, const Point& other) const {
+    Point there = *this;
+    there.p = other.p;
+    there.r = other.p - x.p;
+    there.v = x.v + x.w.cross(there.r);
+    return there;
+  }
 };
 
 void add_force(const Point& at, const ScalarVector3& f, Wrench& B) {
@@ -61,6 +70,13 @@ std::vector<Wrench> wrenches_on(const Case& problem, Scalar t, const std::vector
   for (const Spring& spring : problem.springs) {
     const Point a = spring.a ? Point(x[*spring.a], spring.p_A) : Point(spring.p_A);
     const Point b(x[spring.b], spring.p_B);
+    if (spring.is_anchor && spring.a) {
+      const Point there = a.at(x[*spring.a], b);
+      const ScalarVector3 f = -spring.k * (b.p - a.p) - spring.g * (b.v - there.v);
+      add_force(b, f, B[spring.b]);
+      add_force(there, -f, B[*spring.a]);
+      continue;
+    }
     const ScalarVector3 f = spring_force(spring, a, b);
     add_force(b, f, B[spring.b]);
     if (spring.a) add_force(a, -f, B[*spring.a]);

@@ -1,0 +1,47 @@
+// Energies of nets, J: for tests, studies and who watches the balance of energy. The step does not need them.
+#pragma once
+
+#include "core/energy.h"
+#include "core/scene.h"
+
+namespace godobject {
+
+/// Kinetic energy of the nodes.
+template <Scene S>
+Real net_kinetic_energy(const Params<S>& par, const State<S>& x) noexcept {
+  Real T = 0;
+  for (std::size_t n = 0; n < par.net.num_nodes; ++n)
+    T += Real(0.5) * par.net.nodes[n].m * x.net.nodes[n].v_W.squaredNorm();
+  return T;
+}
+
+/// sum m p of the nodes, kg m.
+template <Scene S>
+Vec3 net_mass_moment(const Params<S>& par, const State<S>& x) noexcept {
+  Vec3 mp_W = Vec3::Zero();
+  for (std::size_t n = 0; n < par.net.num_nodes; ++n) mp_W += par.net.nodes[n].m * x.net.nodes[n].p_W;
+  return mp_W;
+}
+
+/// (41), (42)  In springs and anchors.
+template <Scene S>
+Real net_spring_energy(const Params<S>& par, const State<S>& x) noexcept {
+  Real U = 0;
+  for (std::size_t n = 0; n < par.net.num_nodes; ++n) {
+    const NetNode& node = par.net.nodes[n];
+    Vec3 anchor_W = node.p_B;
+    if (node.body != world) {
+      const Pose& X_WB = x.bodies[node.body].x.X_WB;
+      anchor_W = X_WB.p + to_world(X_WB.q, node.p_B);
+    }
+    U += Real(0.5) * node.k * (x.net.nodes[n].p_W - anchor_W).squaredNorm();
+  }
+  for (std::size_t s = 0; s < par.net.num_springs; ++s) {
+    const NetSpring& spring = par.net.springs[s];
+    const Real d = (x.net.nodes[spring.j].p_W - x.net.nodes[spring.i].p_W).norm() - spring.l_0;
+    U += Real(0.5) * spring.k * d * d;
+  }
+  return U;
+}
+
+}  // namespace godobject

@@ -1,0 +1,175 @@
+// A body with its net in free flight: what an iteration that is stopped early may take from its momentum, which is nothing,
+// and what the reported residual says of its velocities.
+#include <gtest/gtest.h>
+
+#include "tests/net/net_scene.h"
+
+namespace godobject::test_net_momentum {
+namespace {
+
+template <class I>
+using Flying = NetScene<I, 1, 64, 400, 8>;
+
+/// A tube of 48 nodes on a body that nobody holds, its springs stretched, all flying, turning and moving at random.
+template <class I>
+std::unique_ptr<Running<Flying<I>>> in_flight(unsigned seed, Real k_a_ratio, int max_iterations) {
+  Random random(seed);
+  auto run = std::make_unique<Running<Flying<I>>>();
+  auto& par = run->par;
+  par.bodies[0].body = rigid_body(0.02, random.inertia(Vec3(4e-6, 5e-6, 7e-6)));
+  par.net.max_iterations = max_iterations;
+  const Real k = random.log_uniform(30, 300), m = random.log_uniform(1e-4, 1e-3);
+  Stuff stuff{.m = m, .k = k, .g = 0.1 * std::sqrt(k * m), .carrier = 0};
+  stuff.k_a = k_a_ratio * k;
+  stuff.g_a = 0.1 * std::sqrt(stuff.k_a * m);
+  add_tube(par, stuff, 8, 6, 0.01);
+  place(run->x, 0,
+        {.X_WB = {.p = 0.1 * random.vector(), .q = random.rotation()},
+         .V_WB = {.w = 5 * random.vector(), .v = random.vector()}});
+  place_net(par.net, run->x);
+  for (std::size_t n = 0; n < par.net.num_nodes; ++n) {
+    run->x.net.nodes[n].p_W += 1e-3 * random.vector();
+    run->x.net.nodes[n].v_W += 0.1 * random.vector();
+  }
+  run->in.devices[0] = {};
+  EXPECT_EQ(validate(par), Invalid::nothing);
+  return run;
+}
+
+/// Of body and nodes, about the origin; and what it is small against.
+struct Momentum {
+  Vec3 P = Vec3::Zero(), L = Vec3::Zero();
+  Real P_scale = 0, L_scale = 0;
+
+  void add(Real m, const Vec3& p, const Vec3& v) {
+    P += m * v;
+    L += m * p.cross(v);
+    P_scale += m * v.norm();
+    L_scale += m * p.norm() * v.norm();
+  }
+};
+template <class S>
+Momentum momentum(const Running<S>& run) {
+  Momentum sum;
+  const RigidBodyState& body = run.x.bodies[0].x;
+  sum.add(run.par.bodies[0].body.m, body.X_WB.p, body.v_W);
+  const Vec3 spin = body.X_WB.q * (run.par.bodies[0].body.I_B * body.w_B);
+  sum.L += spin;
+  sum.L_scale += spin.norm();
+  for (std::size_t n = 0; n < run.par.net.num_nodes; ++n)
+    sum.add(run.par.net.nodes[n].m, run.x.net.nodes[n].p_W, run.x.net.nodes[n].v_W);
+  return sum;
+}
+
+template <class S>
+void solve_completely(Running<S>& run) {
+  run.par.net.max_iterations = 5000;
+  run.par.net.tolerance = 1e-15;
+}
+
+template <class I>
+void expect_momentum_kept() {
+  Real linear = 0, angular = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    for (const int cap : {1, 2, 12}) {
+      auto run = in_flight<I>(seed, seed % 2 == 0 ? 0.1 : 0.01, cap);
+      const Momentum first = momentum(*run);
+      for (int n = 0; n < 100; ++n) {
+        auto exact = std::make_unique<Running<Flying<I>>>(*run);
+        solve_completely(*exact);
+        exact->step();
+        run->step();
+        ASSERT_EQ(run->out.fault, Fault::none);
+        EXPECT_LE(run->out.net.iterations, cap);
+        const Momentum now = momentum(*run), by_exact = momentum(*exact);
+        linear = std::max(linear, (now.P - first.P).norm() / first.P_scale);
+        angular = std::max(angular, (now.L - by_exact.L).norm() / now.L_scale);
+      }
+    }
+  }
+  std::printf(
+      "%s: linear momentum within %.1e, angular momentum of a step within %.1e of the exact solution's\n",
+      I::name, linear, angular);
+  EXPECT_LT(linear, 1e-12);
+  EXPECT_LT(angular, 1e-9);
+}
+
+TEST(NetMomentum, IsKeptHoweverFewTheIterations) {
+  expect_momentum_kept<ImplicitEuler>();
+  expect_momentum_kept<TrBdf2>();
+}
+
+/// By how much a flight of 0.1 s changes the angular momentum: the springs are linear within a stage, which is not central.
+template <class I>
+Real drift(Real h) {
+  Real sum = 0;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    auto run = in_flight<I>(seed, 0.1, 5000);
+    solve_completely(*run);
+    run->par.h = h;
+    const Momentum first = momentum(*run);
+    run->step(static_cast<int>(std::lround(0.1 / h)));
+    sum += (momentum(*run).L - first.L).norm() / first.L_scale;
+  }
+  return sum / 4;
+}
+
+TEST(NetMomentum, AngularDriftFallsWithTheOrderOfTheIntegrator) {
+  const Real e_1 = drift<ImplicitEuler>(2e-4), e_2 = drift<ImplicitEuler>(5e-5);
+  const Real t_1 = drift<TrBdf2>(2e-4), t_2 = drift<TrBdf2>(5e-5);
+  std::printf(
+      "drift of angular momentum in 0.1 s: Euler %.1e, %.1e, TR-BDF2 %.1e, %.1e of it at 0.2 and 0.05 ms\n",
+      e_1, e_2, t_1, t_2);
+  EXPECT_LT(e_2, 0.35 * e_1);
+  EXPECT_LT(t_2, 0.1 * t_1);
+  EXPECT_LT(t_1, e_1);
+}
+
+/// The largest error of velocities, in the root of the sum of m e^2, that forces of this size on all nodes make: an error e
+/// leaves r = A e unbalanced, A >= the masses, and sum m e^2 <= sum |r|^2 / m. Of the body what is left is the opposite of
+/// the nodes' together: with all that rides on it, it is balanced.
+template <class S>
+Real error_of(Real residual, const Running<S>& run) {
+  const auto N = static_cast<Real>(run.par.net.num_nodes);
+  Real levers = 0;
+  for (std::size_t n = 0; n < run.par.net.num_nodes; ++n)
+    levers += (run.x.net.nodes[n].p_W - run.x.bodies[0].x.X_WB.p).norm() * 1.1;
+  const RigidBodyParams& body = run.par.bodies[0].body;
+  return run.par.h * residual *
+         std::sqrt(N / run.par.net.nodes[0].m + N * N / body.m +
+                   levers * levers / principal_moments(body.I_B).x());
+}
+
+TEST(NetMomentum, TheResidualBoundsTheError) {
+  Real loosest = 0, most = 0;
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    for (const int cap : {1, 2, 3, 5, 8, 12}) {
+      auto run = in_flight<ImplicitEuler>(seed, seed % 2 == 0 ? 0.1 : 0.01, cap);
+      run->par.net.tolerance = 0;
+      for (int n = 0; n < 10; ++n) {
+        auto exact = std::make_unique<Running<Flying<ImplicitEuler>>>(*run);
+        solve_completely(*exact);
+        exact->step();
+        run->step();
+        Real error_sq = 0;
+        for (std::size_t i = 0; i < run->par.net.num_nodes; ++i)
+          error_sq +=
+              run->par.net.nodes[i].m * (run->x.net.nodes[i].v_W - exact->x.net.nodes[i].v_W).squaredNorm();
+        const Real residual = run->out.net.residual;
+        const Real bound = error_of(residual, *run);
+        if (run->out.net.linearisations != exact->out.net.linearisations) continue;
+        EXPECT_LE(std::sqrt(error_sq), bound * (1 + 1e-9) + 1e-12)
+            << "seed " << seed << ", " << cap << " iterations";
+        if (bound > 1e-9) loosest = std::max(loosest, bound / (std::sqrt(error_sq) + 1e-300));
+        most = std::max(most, residual);
+        EXPECT_LT(exact->out.net.residual, 1e-6 * (1 + residual));
+      }
+    }
+  }
+  std::printf("residual up to %.1e N; what it bounds is at most %.1e times as large as the error\n", most,
+              loosest);
+  EXPECT_GT(most, 1e-3);
+}
+
+}  // namespace
+}  // namespace godobject::test_net_momentum

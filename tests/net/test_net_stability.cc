@@ -1,0 +1,95 @@
+// Nets over the ranges of stiffness, mass, damping, anchors and step that a scene may have, and what may be done to them:
+// finite, bounded, and no energy but that of the hand and of gravity.
+#include <gtest/gtest.h>
+
+#include "tests/net/random_net.h"
+
+namespace godobject::test_net_stability {
+namespace {
+
+#ifdef NDEBUG
+constexpr unsigned seeds = 250;  // of each ordeal: 2000 in all
+#else
+constexpr unsigned seeds = 4;  // builds with assertions and sanitizers take a hundred times as long
+#endif
+constexpr int most_steps = 600;
+
+/// What a case came to.
+struct Outcome {
+  bool finite = true, gains = false, rests = true;
+  Real worst = 0;  // gain, of the energy at work
+};
+
+template <class I>
+Outcome outlive(RandomNet<I>& net) {
+  Outcome outcome;
+  for (int n = 0; n < most_steps; ++n) {
+    outcome.finite = net.step_and_watch();
+    if (!outcome.finite) return outcome;
+    const GainWatch& watch = net.balance.watch();
+    if (!watch.gains()) continue;
+    outcome.gains = true;
+    outcome.worst = std::max(outcome.worst, watch.gained() / std::max(watch.at_work(), gain_floor));
+  }
+  return outcome;
+}
+
+template <class I>
+class NetStability : public ::testing::Test {
+ protected:
+  void outlive_all(Ordeal ordeal) {
+    int gained = 0;
+    for (unsigned seed = 0; seed < seeds; ++seed) {
+      auto net = std::make_unique<RandomNet<I>>(seed, static_cast<int>(ordeal));
+      const Outcome outcome = outlive(*net);
+      EXPECT_TRUE(outcome.finite) << "seed " << seed << ": " << net->of.text();
+      EXPECT_FALSE(outcome.gains) << "seed " << seed << " gains " << outcome.worst
+                                  << " of what is at work: " << net->of.text();
+      gained += outcome.gains ? 1 : 0;
+    }
+    std::printf("%s, %s: %u nets, %d gain energy\n", I::name, ordeal_names[static_cast<int>(ordeal)], seeds,
+                gained);
+  }
+};
+using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;
+TYPED_TEST_SUITE(NetStability, BothIntegrators);
+
+TYPED_TEST(NetStability, Held) { this->outlive_all(Ordeal::held); }
+TYPED_TEST(NetStability, InFlight) { this->outlive_all(Ordeal::free); }
+TYPED_TEST(NetStability, InsideOut) { this->outlive_all(Ordeal::inside_out); }
+TYPED_TEST(NetStability, WithANodeFarAway) { this->outlive_all(Ordeal::far_node); }
+TYPED_TEST(NetStability, LedByTheHand) { this->outlive_all(Ordeal::led); }
+TYPED_TEST(NetStability, PinchedInTheWorld) { this->outlive_all(Ordeal::pinched); }
+TYPED_TEST(NetStability, PinchedBetweenBodies) { this->outlive_all(Ordeal::jaws); }
+TYPED_TEST(NetStability, ThroughAHole) { this->outlive_all(Ordeal::hole); }
+
+/// Damped nets at rest 2 s after the hand: springs and anchors within reach of each other, half a second or less to settle.
+template <class I>
+void expect_rest() {
+  for (unsigned seed = 0; seed < seeds / 5 + 4; ++seed) {
+    for (const Ordeal ordeal : {Ordeal::held, Ordeal::led, Ordeal::inside_out}) {
+      auto net = std::make_unique<RandomNet<I>>(seed, static_cast<int>(ordeal), [](Drawn& of) {
+        of.on_carrier = true;
+        of.anchors = std::max(of.anchors, Real(0.1));
+        of.k = std::max(of.k, 100 * of.m / of.anchors * 100);  // anchors at 100 rad/s or above
+        of.zeta = std::max(of.zeta, Real(0.2));
+        of.cap = 12;
+        of.gravity = 0;
+      });
+      for (int n = 0; n < static_cast<int>(2.5 / net->of.h); ++n)
+        ASSERT_TRUE(net->step_and_watch()) << net->of.text();
+      Real fastest = 0;
+      for (std::size_t n = 0; n < net->par.net.num_nodes; ++n)
+        fastest = std::max(fastest, net->x.net.nodes[n].v_W.norm());
+      EXPECT_LT(fastest, 1e-3) << I::name << " seed " << seed << ": " << net->of.text();
+    }
+  }
+}
+
+TEST(NetRest, DampedNetsRestWhenTheHandDoes) {
+  expect_rest<ImplicitEuler>();
+  expect_rest<TrBdf2>();
+}
+
+}  // namespace
+}  // namespace godobject::test_net_stability
