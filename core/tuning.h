@@ -113,6 +113,12 @@ struct FrictionAmongBodies {
   }
 };
 
+/// Nodes of nets are many and light: what friction lacks of its cone moves none of them far. tests/net/test_net_stability.cc.
+struct FrictionOnNets : FrictionAmongBodies {
+  static constexpr Real friction_left_alone = 1e-3;
+  static constexpr Real friction_tolerance(int iteration) noexcept { return normal_tolerance(iteration); }
+};
+
 // Springs of nets (46). tests/net/test_net_stability.cc.
 
 /// Of the kinetic energy of the nodes: what springs may be taken wrong by before they are taken again; and how often.

@@ -111,10 +111,9 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
 
 /// Forces of the contacts of an island at the velocities of their points, and their cases in the next pass. True: the
 /// forces obey the law.
-template <class Contacts, std::size_t N>
+template <class Seeking, class Contacts, std::size_t N>
 bool settle_contacts(int iteration, const Island& island, BodyContactScratch<Contacts, N>& w,
                      ContactResidual& most) noexcept {
-  using Seeking = SeekingOf<Contacts>;
   const Real F_small = Seeking::friction_left_alone * most.F_n();
   most = {};
   const Pass next = pass_of<Seeking>(iteration + 1);
@@ -158,7 +157,7 @@ template <class System, class Contacts, std::size_t N>
 void solve_island(Real h, const Island& island, const Solving& how, System& system,
                   BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
-  using Seeking = SeekingOf<Contacts>;
+  using Seeking = std::conditional_t<System::is_coupled, FrictionOnNets, SeekingOf<Contacts>>;
   ContactResidual most;
   each_pack(x.V_0, island, w,
             [](ContactPack& c, const auto& V) noexcept { foresee<Seeking::tangents>(c, V); });
@@ -190,7 +189,7 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
     }
-    done = settle_contacts(newton_iterations, island, w, most);
+    done = settle_contacts<Seeking>(newton_iterations, island, w, most);
     if (how.is_coupled) done = (done && converged) || iterations >= how.most_iterations;
     else done = done && left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
     system.each([&](auto u) noexcept { x.V_0[u] = x.V[u]; });
