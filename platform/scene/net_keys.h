@@ -49,10 +49,10 @@ void visit_net_dimensions(V& v, NetConfig& n) {
       n.half_length);
   visit_dimension(v, sheet, Key{"length", "m", "of a sheet, along x", positive}, n.length);
   visit_dimension(v, sheet, Key{"width", "m", "of a sheet, along y", positive}, n.width);
-  const double smallest =
-      std::min({n.radius.value_or(1e300), n.length.value_or(1e300), n.width.value_or(1e300)});
-  v.check(mesh || n.spacing.value_or(0) <= smallest, "spacing",
-          "must not be above the radius of the net, or the length and width of a sheet");
+  constexpr double coarsest = 1.5;  // of the radius: four nodes round it
+  const double most = std::min({coarsest * n.radius.value_or(1e300), n.length.value_or(1e300), n.width.value_or(1e300)});
+  v.check(mesh || n.spacing.value_or(0) <= most, "spacing",
+          "must not be above 1.5 times the radius of the net, or the length or width of a sheet");
 }
 
 /// Its surface; room: nodes that there may be.
