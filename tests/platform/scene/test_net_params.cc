@@ -12,6 +12,7 @@
 #include "platform/scene/net/make.h"
 #include "platform/scene/net/params.h"
 #include "platform/scene/net/physics.h"
+#include "platform/scene/net/report.h"
 
 namespace godobject::test_net_params {
 namespace {
@@ -244,6 +245,47 @@ TEST(NetParams, SoDoesAMeshOfSquaresWithDiagonals) {
   const NetConfig net = squares(20, 12, 0.01);
   const Elasticity e = stretched(net);
   EXPECT_NEAR(e.E_t / net.membrane_stiffness, 1, 0.35);
+}
+
+/// M^-1 K of the linearised net, in three coordinates a node.
+Eigen::VectorXd squared_frequencies(const SceneNets& nets) {
+  const auto n = static_cast<Eigen::Index>(nets.nodes.size());
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * n, 3 * n), M = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (const NetSpring& s : nets.springs) {
+    const Vec3 u = (nets.nodes[s.j].p_B - nets.nodes[s.i].p_B) / s.l_0;
+    const Mat3 k = s.k * u * u.transpose();
+    const Eigen::Index i = 3 * s.i, j = 3 * s.j;
+    K.block<3, 3>(i, i) += k;
+    K.block<3, 3>(j, j) += k;
+    K.block<3, 3>(i, j) -= k;
+    K.block<3, 3>(j, i) -= k;
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const NetNode& node = nets.nodes[static_cast<std::size_t>(i)];
+    K.diagonal().segment<3>(3 * i).array() += node.k;
+    M.diagonal().segment<3>(3 * i).setConstant(node.m);
+  }
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(K, M).eigenvalues();
+}
+
+TEST(NetParams, TimeConstantsAreBoundsOfTheNetsOwn) {
+  for (const double spacing : {0.02, 0.012}) {
+    NetConfig net = capsule(spacing);
+    net.anchor_stiffness = 5e3;
+    const SceneNets nets = scene_nets(scene_of({net}));
+    const NetTimes times = time_constants(nets);
+    const Eigen::VectorXd omega_sq = squared_frequencies(nets);
+    const double fastest = 1 / std::sqrt(omega_sq.maxCoeff());
+    EXPECT_LE(times.fastest, fastest);
+    EXPECT_GT(times.fastest, 0.5 * fastest);
+    // All anchors are alike: the slowest modes are those of rigid motion, with which no spring moves.
+    const double d = 8 / net.settling_time / 2, slowest_sq = omega_sq.minCoeff();
+    EXPECT_NEAR(slowest_sq, *net.anchor_stiffness / net.surface_density, 1e-6 * slowest_sq);
+    ASSERT_LT(slowest_sq, d * d) << "overdamped";
+    EXPECT_NEAR(times.slowest, 1 / (d - std::sqrt(d * d - slowest_sq)), 1e-6 * times.slowest);
+  }
+  const SceneNets sheet_alone = scene_nets(scene_of({sheet(0.1, 0.08, 0.02)}));
+  EXPECT_NEAR(time_constants(sheet_alone).slowest, 0.1 / 8, 1e-12) << "m / g: its speed goes down so";
 }
 
 }  // namespace
