@@ -43,9 +43,11 @@ struct BodyView {
   Wrench contact_W;   // of all its contacts, about its centre of mass
 };
 
-/// A contact that bears a force: a sphere of body a, or an edge of its shape, on body b or on the world.
+/// A contact that bears a force: a sphere of body a, or an edge of its shape, or node a of the nets, on body b or on the
+/// world.
 struct ContactView {
   std::size_t a = 0, b = world;  // bodies; b: or world
+  bool is_node = false;          // a is the number of a node
   std::size_t surface = 0;       // of SceneContacts::surfaces, where b is the world
   Vec3 p_W = Vec3::Zero();       // contact point, m
   Vec3 n_W = Vec3::UnitZ();      // normal, off b

@@ -2,7 +2,7 @@
 // platform/engine/engine.cc turns it into a compiled composition of the core.
 //
 // The room: *_keys.h list the keys of each table once, for reader, writer and reference; scene_toml.h, profile_toml.h and
-// fault_file.h read files; mesh/ reads obstacles, text/ is TOML, CSV and messages; joint_tree.h and contact_pairs.h
+// fault_file.h read files; mesh/ reads obstacles, net/ makes deformable surfaces, text/ is TOML, CSV and messages; joint_tree.h and contact_pairs.h
 // check what belongs together.
 #pragma once
 

@@ -13,6 +13,7 @@ namespace {
 /// Three digits, rounded up.
 double rounded_up(double x) {
   const double digit = std::pow(10, std::floor(std::log10(x)) - 2);
+  if (!(digit > 0)) return x;
   return std::ceil(x / digit) * digit;
 }
 
