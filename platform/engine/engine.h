@@ -87,6 +87,7 @@ struct Composition {
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
   std::vector<PartBytes> parts;  // those that have storage
 
+  std::size_t all_contacts() const noexcept { return max_contacts + max_node_contacts; }
   bool has_nets() const noexcept { return max_nodes > 0; }
   std::size_t bytes() const noexcept { return params_bytes + state_bytes + scratch_bytes; }
 };

@@ -149,7 +149,7 @@ CycleRecord Session::at_start() const {
   CycleRecord record;
   record.bodies.resize(scene_.bodies.size());
   if (lists_contacts_)
-    record.touching.resize(engine_->composition().max_contacts + engine_->composition().max_node_contacts);
+    record.touching.resize(engine_->composition().all_contacts());
   if (lists_net_nodes_) record.net_nodes.resize(engine_->nets().nodes.size());
   observe(record);
   return record;
