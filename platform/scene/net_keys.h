@@ -82,7 +82,7 @@ template <class V>
 void visit_net_springs(V& v, NetConfig& n) {
   v.value(
       Key{"membrane_stiffness", "N/m",
-          "E t: Young's modulus times thickness; a strip of width w under a force F is longer by F / (w E t)",
+          "E t: Young's modulus times thickness; a force F stretches a strip of width w by F / (w E t) of its length",
           positive, true},
       n.membrane_stiffness);
   v.value(Key{"bending",
@@ -106,12 +106,11 @@ template <class V>
 void visit_net_anchors(V& v, NetConfig& n) {
   const double sigma = n.surface_density;
   v.value(Key{"settling_time", "s",
-              "T after which 2 % is left of a motion against its body (or of its speed, where it has no "
-              "anchors): damping "
-              "of 8 sigma / T of each area, against the body or the world",
+              "T after which 2 % is left of a swing against its body (of its speed, where it has no anchors, after "
+              "T / 2): damping of 8 sigma / T of each area, against the body or the world",
               positive, true},
           n.settling_time);
-  if (!n.anchor_stiffness && n.settling_time > 0)
+  if (!n.anchor_stiffness && n.settling_time > 0 && sigma > 0)
     n.anchor_stiffness = n.body == world_name ? 0 : anchor_stiffness_for(sigma, n.settling_time);
   v.value(Key{.name = "anchor_stiffness",
               .unit = "N/m^3",
