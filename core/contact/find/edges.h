@@ -131,7 +131,7 @@ inline bool deeper_along_edges(const BoxOnBox& w, Real depth) noexcept {
 template <class F>
 void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const Vec3& face_A, F f) noexcept {
   const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
-  const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), &E_i = row_of(w.E, i);
+  const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l);
   const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
   const Pack sine = edge_sine(R_k, R_l);
   const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);  // a and b, times the sine
