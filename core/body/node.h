@@ -12,17 +12,19 @@ struct NodeParams {
   Real m = 0;  // kg, > 0
 };
 
+/// Of a node that has not moved yet: zero, or nothing.
+template <class Memory>
+Memory no_memory() noexcept {
+  if constexpr (std::is_same_v<Memory, Vec3>) return Vec3::Zero();
+  else return {};
+}
+
 /// Memory: what the integrator keeps of a node, its acceleration or nothing.
 template <class Memory>
 struct NodeStateOf {
   Vec3 p_W = Vec3::Zero();  // m
   Vec3 v_W = Vec3::Zero();  // m/s
-  [[no_unique_address]] Memory memory = nothing();
-
-  static Memory nothing() noexcept {
-    if constexpr (requires { Memory::Zero(); }) return Memory::Zero();
-    else return {};
-  }
+  [[no_unique_address]] Memory memory = no_memory<Memory>();
 };
 
 /// The nodes part of a scene.

@@ -26,8 +26,8 @@ struct CoupledVector {
   OfBodies bodies;
   std::array<Column, max_nodes> nodes;
 
-  SpatialVector& operator[](std::uint32_t u) noexcept { return bodies[u]; }
-  const SpatialVector& operator[](std::uint32_t u) const noexcept { return bodies[u]; }
+  SpatialVector& operator[](std::size_t u) noexcept { return bodies[u]; }
+  const SpatialVector& operator[](std::size_t u) const noexcept { return bodies[u]; }
   Column& operator[](NetNodeNumber u) noexcept { return nodes[u.n]; }
   const Column& operator[](NetNodeNumber u) const noexcept { return nodes[u.n]; }
 };

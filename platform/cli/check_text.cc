@@ -7,6 +7,7 @@
 
 #include "platform/cli/time_to_zero.h"
 #include "platform/scene/contact_params.h"
+#include "platform/scene/net/report.h"
 #include "platform/scene/top_speed.h"
 
 namespace godobject {
@@ -77,6 +78,31 @@ void add_contacts(const SceneConfig& scene, const Composition& c, std::vector<st
                          bound->what.c_str()));
 }
 
+void add_nets(const Session& session, std::vector<std::string>& lines) {
+  const SceneNets& nets = session.engine().nets();
+  if (nets.nodes.empty()) return;
+  const Composition& c = session.engine().composition();
+  const NetTimes times = time_constants(nets);
+  double mass = 0;
+  for (const NetNode& node : nets.nodes) mass += node.m;
+  std::size_t bytes = 0;
+  for (const PartBytes& part : c.parts)
+    if (part.name == "nets") bytes = part.params_bytes + part.state_bytes + part.scratch_bytes;
+  lines.push_back(line(
+      "nets", "%s: %zu of %zu nodes, %zu of %zu springs, %.3g kg; at most %zu contacts of nodes at a time",
+      number_of(nets.nets.size(), "net").c_str(), nets.nodes.size(), c.max_nodes, nets.springs.size(),
+      c.max_springs, mass, c.max_node_contacts));
+  const int stages = session.scene().integrator == integrator_names[0] ? 1 : 2;
+  const double most = stages * max_net_iterations;
+  lines.push_back(
+      line("", "%zu bytes; a step: %s, each at most %d iterations over %zu springs: %.2g springs, %.2g Mflop",
+           bytes, number_of(static_cast<std::size_t>(stages), "stage").c_str(), max_net_iterations,
+           nets.springs.size(), most * static_cast<double>(nets.springs.size()),
+           1e-6 * most * flops_of_an_iteration(nets)));
+  lines.push_back(line("", "time constants: fastest %.3g s, %.2g steps; slowest %.3g s", times.fastest,
+                       times.fastest / session.scene().step, times.slowest));
+}
+
 }  // namespace
 
 std::vector<std::string> check_lines(const RunOptions& options, const PreparedRun& prepared) {
@@ -101,6 +127,7 @@ std::vector<std::string> check_lines(const RunOptions& options, const PreparedRu
                          load.worst_percent, load.nominal_percent));
   add_times_to_zero(prepared, lines);
   add_contacts(scene, composition, lines);
+  add_nets(session, lines);
   return lines;
 }
 

@@ -29,12 +29,19 @@ void print_composition(const Composition& c) {
     std::printf("#   %-32s %8zu bytes\n", other.name.c_str(), other.bytes());
 }
 
-void print_capacities(const SceneConfig& scene, const Composition& c) {
+void print_capacities(const SceneConfig& scene, const Engine& engine) {
+  const Composition& c = engine.composition();
   const auto print = [](const char* what, std::size_t used, std::size_t available) {
     std::printf("#   %-24s %8zu of %zu\n", what, used, available);
   };
   std::printf("# capacities used\n");
   print("bodies", scene.bodies.size(), c.max_bodies);
+  if (c.has_nets()) {
+    print("nodes", engine.nets().nodes.size(), c.max_nodes);
+    print("springs", engine.nets().springs.size(), c.max_springs);
+    std::printf("#   %-24s at most %zu at a time; more are the fault contacts_full\n", "contacts of nodes",
+                c.max_node_contacts);
+  }
   if (c.contacts == ContactScope::none) return;
   const ContactCounts counts = contact_counts(scene);
   print("spheres", counts.spheres, c.max_spheres);
@@ -80,7 +87,7 @@ void print_all(const PreparedRun& prepared) {
   const SceneConfig& scene = prepared.session->scene();
   std::printf("# effective configuration\n%s", effective_config_toml(scene).c_str());
   print_composition(prepared.session->engine().composition());
-  print_capacities(scene, prepared.session->engine().composition());
+  print_capacities(scene, prepared.session->engine());
   print_top_speed(scene);
   if (scene.device && scene.device->rig) {
     std::puts("");

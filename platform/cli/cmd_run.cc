@@ -171,6 +171,13 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("--contacts", options.files.contacts,
                   "CSV to write: every contact at every step: body, on what, point, normal, force")
       ->type_name("FILE");
+  verb.add_option("--nets", options.files.nets,
+                  "CSV to write: where every node of every net is, a row a frame")
+      ->type_name("FILE");
+  verb.add_option("--nets-every", options.files.nets_every, "of --nets: a frame every N-th step")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
   verb.add_option("--record", options.files.record,
                   "log to write: every frame on every bus, in candump's format")
       ->type_name("FILE");

@@ -19,6 +19,7 @@ std::vector<CompositionRow> table() {
   add_joints_contacts(rows);
   add_touching(rows);
   add_touching_joints(rows);
+  add_nets(rows);
   std::stable_sort(rows.begin(), rows.end(), [](const CompositionRow& a, const CompositionRow& b) {
     return a.composition.bytes() < b.composition.bytes();
   });
@@ -27,13 +28,16 @@ std::vector<CompositionRow> table() {
 
 /// What a scene asks of a composition: each has all that couplings, feedback and devices need.
 struct Needs {
-  bool joints = false;
+  bool joints = false, nets = false;
   ContactScope contacts = ContactScope::none;
   ContactCounts counts;  // of them
 };
 
 Needs needs_of(const SceneConfig& scene) {
-  Needs needs{.joints = !scene.joints.empty(), .contacts = contact_scope(scene), .counts = {}};
+  Needs needs{.joints = !scene.joints.empty(),
+              .nets = !scene.nets.empty(),
+              .contacts = contact_scope(scene),
+              .counts = {}};
   if (needs.contacts != ContactScope::none) needs.counts = contact_counts(scene);
   return needs;
 }
@@ -48,10 +52,10 @@ bool has_room_for(const Composition& c, const Needs& needs, const SceneConfig& s
          needs.counts.surfaces <= c.max_surfaces;
 }
 
-/// All but numbers of things.
+/// All but numbers of things. What has nets has contacts too, whether the scene needs them or not.
 bool has_parts_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
-  return c.integrator == scene.integrator && covers(c.contacts, needs.contacts) &&
-         (c.joints || !needs.joints);
+  return c.integrator == scene.integrator && c.has_nets() == needs.nets &&
+         (needs.nets || covers(c.contacts, needs.contacts)) && (c.joints || !needs.joints);
 }
 
 /// Which of the scene's numbers no candidate has room for, and the largest room there is.
@@ -89,6 +93,7 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
     if (needed) parts += (parts.empty() ? "" : ", ") + what;
   };
   add(needs.joints, "joints");
+  add(needs.nets, "nets");
   add(needs.contacts == ContactScope::obstacles, "contacts with obstacles");
   add(needs.contacts == ContactScope::bodies, "contacts between bodies");
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +
@@ -113,6 +118,7 @@ std::string complaint(Invalid rule) {
     case Invalid::contact_surface: return "an obstacle or shape is not valid";
     case Invalid::contact_law:
       return "a contact has a negative or infinite gain, or friction without a tangent";
+    case Invalid::net: return "a net has a node without mass, or nodes or springs in another order";
     case Invalid::not_imposable: return "an imposed joint has no coordinates of its own";
     default: return "rule " + std::to_string(static_cast<int>(rule)) + " of core/setup.h is broken";
   }

@@ -14,7 +14,9 @@
 #include "core/energy.h"
 #include "core/gain_watch.h"
 #include "core/joint/imposed.h"
+#include "core/net/net.h"
 #include "platform/scene/contact_pairs.h"
+#include "platform/scene/net/params.h"
 #include "platform/scene/scene.h"
 
 namespace godobject {
@@ -41,9 +43,11 @@ struct BodyView {
   Wrench contact_W;   // of all its contacts, about its centre of mass
 };
 
-/// A contact that bears a force: a sphere of body a, or an edge of its shape, on body b or on the world.
+/// A contact that bears a force: a sphere of body a, or an edge of its shape, or node a of the nets, on body b or on the
+/// world.
 struct ContactView {
   std::size_t a = 0, b = world;  // bodies; b: or world
+  bool is_node = false;          // a is the number of a node
   std::size_t surface = 0;       // of SceneContacts::surfaces, where b is the world
   Vec3 p_W = Vec3::Zero();       // contact point, m
   Vec3 n_W = Vec3::UnitZ();      // normal, off b
@@ -62,6 +66,7 @@ struct StepReport {
   Fault fault = Fault::none;
   Limited limited = Limited::none;
   ContactReport contacts;
+  NetReport nets;
 };
 
 /// A part of a composition and what it costs in it, for all of the composition's bodies.
@@ -78,9 +83,12 @@ struct Composition {
   bool joints = false;  // with all that they can have
   ContactScope contacts = ContactScope::none;
   std::size_t max_spheres = 0, max_surfaces = 0, max_contacts = 0;
+  std::size_t max_nodes = 0, max_springs = 0, max_node_contacts = 0;  // of nets
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
   std::vector<PartBytes> parts;  // those that have storage
 
+  std::size_t all_contacts() const noexcept { return max_contacts + max_node_contacts; }
+  bool has_nets() const noexcept { return max_nodes > 0; }
   std::size_t bytes() const noexcept { return params_bytes + state_bytes + scratch_bytes; }
 };
 
@@ -100,6 +108,12 @@ class Engine {
   /// The contacts that bore a force at the end of the last step, in a lasting order, as far as there is room.
   /// Their number; real-time.
   virtual std::size_t contacts(std::span<ContactView> out) const noexcept = 0;
+  /// The scene's nets: nodes, springs, and the triangles between their nodes; constant. Empty without any.
+  virtual const SceneNets& nets() const noexcept = 0;
+  /// Where their nodes are after the last step, in the world, m, as far as there is room. Their number; real-time.
+  virtual std::size_t net_nodes(std::span<Vec3> p_W) const noexcept = 0;
+  /// l / l_0 of the spring that is stretched most, after the last step; 0 without any.
+  virtual double net_stretch() const noexcept = 0;
   virtual std::uint64_t state_hash() const noexcept = 0;
 };
 

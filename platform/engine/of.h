@@ -127,6 +127,10 @@ class EngineOf final : public Engine {
       contacts_ = scene_contacts(scene);
       set_contact_params(contacts_, par_.contacts);
     }
+    if constexpr (uses<NetOf<S>>) {
+      nets_ = scene_nets(scene);
+      set_net_params(nets_, par_.net);
+    }
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       place(x_, i, {.X_WB = scene.bodies[i].X_WB, .V_WB = scene.bodies[i].V_WB});
       const AnyDevice::Params& device = par_.bodies[i].device;
@@ -142,6 +146,7 @@ class EngineOf final : public Engine {
       for (const JointConfig& joint : scene.joints)
         x_.bodies[*body_named(scene, joint.child)].joint.last.q = coordinates_at_start(scene.bodies, joint);
     }
+    if constexpr (uses<NetOf<S>>) place_net(par_.net, x_);
     balance_.start(par_, x_);
   }
 
@@ -154,11 +159,12 @@ class EngineOf final : public Engine {
       if constexpr (imposes<S>) in_.joints[i] = samples[i].joint;
     }
     godobject::step(par_, in_, x_, w_, out_);
-    StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}};
+    StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}, .nets = {}};
     if (x_.tick != tick_) balance_.observe(par_, x_, w_, out_);  // the step was taken
     tick_ = x_.tick;
     if (balance_.gains()) report.fault |= Fault::energy_gained;
     if constexpr (uses<ContactsOf<S>>) report.contacts = out_.contacts;
+    if constexpr (uses<NetOf<S>>) report.nets = out_.net;
     return report;
   }
 
@@ -192,39 +198,64 @@ class EngineOf final : public Engine {
   std::size_t contacts(std::span<ContactView> out) const noexcept override {
     std::size_t n = 0;
     if constexpr (uses<ContactsOf<S>>) {
-      each_contact([&](const NearContact& near, const ContactMemory& contact) {
+      const auto add = [&](const NearContact& near, const ContactMemory& contact, bool is_node) {
         if (n == out.size()) return;
         const bool on_world =
             near.on < par_.contacts.num_surfaces && par_.contacts.surfaces[near.on].body == world;
         out[n++] = {.a = near.a,
                     .b = on_world ? world : std::size_t{near.b},
+                    .is_node = is_node,
                     .surface = on_world ? near.on : 0,
                     .p_W = near.p_W,
                     .n_W = near.n_W,
                     .F_W = contact.F_W};
-      });
+      };
+      each_contact(w_.contacts.near, x_.contacts, add, false);
+      if constexpr (uses<NetOf<S>>) each_contact(w_.contacts.net.near, x_.net.contacts, add, true);
     }
     return n;
+  }
+
+  const SceneNets& nets() const noexcept override { return nets_; }
+
+  std::size_t net_nodes(std::span<Vec3> p_W) const noexcept override {
+    const std::size_t n = std::min(num_net_nodes(par_), p_W.size());
+    if constexpr (uses<NetOf<S>>)
+      for (std::size_t i = 0; i < n; ++i) p_W[i] = x_.net.nodes[i].p_W;
+    return n;
+  }
+
+  double net_stretch() const noexcept override {
+    double most = 0;
+    if constexpr (uses<NetOf<S>>) {
+      for (std::size_t s = 0; s < par_.net.num_springs; ++s) {
+        const NetSpring& spring = par_.net.springs[s];
+        most = std::max(most, (x_.net.nodes[spring.j].p_W - x_.net.nodes[spring.i].p_W).norm() / spring.l_0);
+      }
+    }
+    return most;
   }
 
   std::uint64_t state_hash() const noexcept override { return godobject::state_hash(par_, x_); }
 
  private:
-  /// visit(near, memory) for every contact that bore a force at the end of the last step. Both lists are in the order of
-  /// their keys; before the first step there are none.
-  template <class Visit>
-  void each_contact(const Visit& visit) const noexcept {
-    Recall remembered(x_.contacts);
-    const std::size_t num_near = x_.contacts.size > 0 ? w_.contacts.near.size : 0;
+  /// visit(near, memory, is_node) for every contact that bore a force at the end of the last step. Both lists are in the order
+  /// of their keys; before the first step there are none.
+  template <class NearList, class Memories, class Visit>
+  static void each_contact(const NearList& nears, const Memories& memories, const Visit& visit,
+                           bool is_node) noexcept {
+    Recall remembered(memories);
+    const std::size_t num_near = memories.size > 0 ? nears.size : 0;
     for (std::size_t i = 0; i < num_near; ++i) {
-      const NearContact& near = w_.contacts.near.list[i];
+      const NearContact& near = nears.list[i];
       const ContactMemory* const contact = remembered.find(near.key);
-      if (contact != nullptr && contact->n_W.dot(contact->F_W) > 0) visit(near, *contact);
+      if (contact != nullptr && contact->n_W.dot(contact->F_W) > 0) visit(near, *contact, is_node);
     }
   }
 
   Composition composition_;
   [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>>, SceneContacts, Empty> contacts_;
+  SceneNets nets_;
   Params<S> par_;  // refers to contacts_
   State<S> x_;
   Scratch<S> w_;
@@ -261,9 +292,13 @@ std::vector<PartBytes> parts_of() {
   }
   add("coupling", sizeof(typename S::Coupling::Params), sizeof(typename S::Coupling::State), 0);
   add("feedback", sizeof(typename S::Feedback::Params), sizeof(typename S::Feedback::State), 0);
+  std::size_t net_scratch = 0;
+  if constexpr (uses<NetOf<S>>) net_scratch = sizeof(W::contacts.net);
   if constexpr (uses<ContactsOf<S>>)
-    parts.push_back(
-        {"contacts", sizeof(Params<S>::contacts), sizeof(State<S>::contacts), sizeof(W::contacts)});
+    parts.push_back({"contacts", sizeof(Params<S>::contacts), sizeof(State<S>::contacts),
+                     sizeof(W::contacts) - net_scratch});
+  if constexpr (uses<NetOf<S>>)
+    parts.push_back({"nets", sizeof(Params<S>::net), sizeof(State<S>::net), sizeof(W::net) + net_scratch});
   return parts;
 }
 
@@ -271,6 +306,7 @@ std::vector<PartBytes> parts_of() {
 template <Scene S>
 Invalid check(const SceneConfig& scene) {
   const auto par = std::make_unique<Params<S>>(params_of<S>(scene));
+  if constexpr (uses<NetOf<S>>) set_net_params(scene_nets(scene), par->net);
   if constexpr (uses<ContactsOf<S>>) {
     const SceneContacts contacts = scene_contacts(scene);
     set_contact_params(contacts, par->contacts);
@@ -294,6 +330,11 @@ CompositionRow row(const std::string& name) {
     c.max_spheres = Params<S>{}.contacts.spheres.size();
     c.max_surfaces = Params<S>{}.contacts.surfaces.size();
     c.max_contacts = ContactsOf<S>::max_contacts;
+  }
+  if constexpr (uses<NetOf<S>>) {
+    c.max_nodes = S::Net::max_nodes;
+    c.max_springs = S::Net::max_springs;
+    c.max_node_contacts = S::Net::max_contacts;
   }
   return {std::move(c),
           [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)

@@ -21,5 +21,6 @@ void add_contacts(std::vector<CompositionRow>& table);
 void add_joints_contacts(std::vector<CompositionRow>& table);
 void add_touching(std::vector<CompositionRow>& table);
 void add_touching_joints(std::vector<CompositionRow>& table);
+void add_nets(std::vector<CompositionRow>& table);
 
 }  // namespace godobject

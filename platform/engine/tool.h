@@ -23,5 +23,7 @@ using AllJoints = TreeJoints<JointStops, ImposedJoints>;
 using ToolContacts = FixedContacts<64, 256, 128>;
 /// Of many bodies with each other and the world.
 using PileContacts = BodyContacts<1024, 128, 1024>;
+/// Of the bodies of scenes with nets; their nodes have room of their own.
+using NetContacts = BodyContacts<128, 256, 256>;
 
 }  // namespace godobject

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "platform/scene/net/physics.h"
+
 namespace godobject {
 namespace {
 
@@ -44,6 +46,12 @@ std::vector<MaterialUse> obstacle_uses(const SceneConfig& scene) {
   return uses;
 }
 
+/// Of the net's nodes; nothing where they touch nothing.
+std::vector<MaterialUse> node_uses(const NetConfig& net) {
+  if (net.thickness.value_or(0) == 0) return {};
+  return {{net.material, "net '" + net.name + "'"}};
+}
+
 /// Pairs of two lists that were not in an earlier one.
 class PairList {
  public:
@@ -58,6 +66,13 @@ class PairList {
   std::set<std::pair<std::string, std::string>> known_;
   std::vector<MaterialPair> pairs_;
 };
+
+/// Whether the net's nodes touch what is on the body: not where the body is of its carrier's tool.
+bool meets(const SceneConfig& scene, const std::vector<std::size_t>& tool, const NetConfig& net,
+           std::size_t body) {
+  const std::optional<std::size_t> carrier = body_named(scene, net.body);
+  return !node_uses(net).empty() && (!carrier || tool[*carrier] != tool[body]);
+}
 
 }  // namespace
 
@@ -76,8 +91,13 @@ std::vector<std::size_t> tools_of(const SceneConfig& scene) {
 
 ContactScope contact_scope(const SceneConfig& scene) {
   const auto has_spheres = [](const BodyConfig& body) { return !body.spheres.empty(); };
-  if (std::ranges::none_of(scene.bodies, has_spheres)) return ContactScope::none;
+  const auto touches = [](const NetConfig& net) { return !node_uses(net).empty(); };
+  if (std::ranges::none_of(scene.bodies, has_spheres) && std::ranges::none_of(scene.nets, touches))
+    return ContactScope::none;
   const std::vector<std::size_t> tool = tools_of(scene);
+  for (const NetConfig& net : scene.nets)
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+      if (meets(scene, tool, net, i) && is_touchable(scene.bodies[i])) return ContactScope::bodies;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     for (std::size_t j = 0; j < scene.bodies.size(); ++j)
       if (tool[i] != tool[j] && has_spheres(scene.bodies[i]) && is_touchable(scene.bodies[j]))
@@ -96,6 +116,7 @@ std::vector<MaterialUse> materials_of(const SceneConfig& scene) {
     add(sphere_uses(body));
     add(surface_uses(body));
   }
+  for (const NetConfig& net : scene.nets) add(node_uses(net));
   add(obstacle_uses(scene));
   return materials;
 }
@@ -111,6 +132,11 @@ std::vector<MaterialPair> pairs_that_meet(const SceneConfig& scene) {
     pairs.add(spheres, obstacles);
     for (std::size_t j = 0; j < scene.bodies.size(); ++j)
       if (tool[i] != tool[j]) pairs.add(spheres, surfaces[j]);
+  }
+  for (const NetConfig& net : scene.nets) {
+    pairs.add(node_uses(net), obstacles);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+      if (meets(scene, tool, net, i)) pairs.add(node_uses(net), surfaces[i]);
   }
   return pairs.take();
 }
@@ -131,6 +157,11 @@ double lightest_of(const SceneConfig& scene, const std::vector<std::string>& mat
   for (const BodyConfig& body : scene.bodies)
     if (std::ranges::any_of(body.spheres, is_one) || std::ranges::any_of(body.shapes, is_one))
       lightest = std::min(lightest.value_or(body.mass), body.mass);
+  for (const NetConfig& net : scene.nets) {
+    if (node_uses(net).empty() || std::ranges::find(materials, net.material) == materials.end()) continue;
+    const double node = mean_node_mass(net);
+    if (node > 0) lightest = std::min(lightest.value_or(node), node);
+  }
   return lightest.value_or(1);
 }
 

@@ -1,6 +1,6 @@
 // What can touch what in a scene. Bodies of one tool, joined other than through the world, do not touch each
 // other. A sphere touches obstacles, and bodies of other tools: their shapes, or their spheres where they
-// have no shapes.
+// have no shapes. So do nodes of nets, and the tool of a net is its carrier's; nets do not touch each other.
 #pragma once
 
 #include <string>
@@ -28,7 +28,7 @@ struct MaterialUse {
   std::string where;
 };
 
-/// Each material once, in the order of bodies (spheres, then shapes), then obstacles.
+/// Each material once, in the order of bodies (spheres, then shapes), then nets, then obstacles.
 std::vector<MaterialUse> materials_of(const SceneConfig& scene);
 
 struct MaterialPair {
@@ -41,7 +41,8 @@ std::vector<MaterialPair> pairs_that_meet(const SceneConfig& scene);
 /// The scene's contact of these materials, in either order; null without.
 const ContactConfig* contact_of(const SceneConfig& scene, const std::string& a, const std::string& b);
 
-/// Mass of the lightest body with a sphere or shape of one of the materials, kg; 1 where there is none.
+/// Mass of the lightest body with a sphere or shape of one of the materials, or of such a net's mean node, kg; 1 where
+/// there is none.
 double lightest_of(const SceneConfig& scene, const std::vector<std::string>& materials);
 
 }  // namespace godobject

@@ -2,7 +2,7 @@
 // platform/engine/engine.cc turns it into a compiled composition of the core.
 //
 // The room: *_keys.h list the keys of each table once, for reader, writer and reference; scene_toml.h, profile_toml.h and
-// fault_file.h read files; mesh/ reads obstacles, text/ is TOML, CSV and messages; joint_tree.h and contact_pairs.h
+// fault_file.h read files; mesh/ reads obstacles, net/ makes deformable surfaces, text/ is TOML, CSV and messages; joint_tree.h and contact_pairs.h
 // check what belongs together.
 #pragma once
 
@@ -16,6 +16,7 @@
 #include "hal/rig/params.h"
 #include "hal/tracker/params.h"
 #include "platform/scene/contact_config.h"
+#include "platform/scene/net_config.h"
 #include "sim/config.h"
 
 namespace godobject {
@@ -150,6 +151,7 @@ struct SceneConfig {
   Vec3 gravity = Vec3::Zero();      // m/s^2
   std::vector<BodyConfig> bodies;   // parents before children
   std::vector<JointConfig> joints;  // a tree: each body is the child of at most one
+  std::vector<NetConfig> nets{};
   std::vector<ObstacleConfig> obstacles;
   std::vector<ContactConfig> contacts;  // one for every pair of materials that can meet
   std::optional<DeviceConfig> device;   // drives the bodies that have a handle

@@ -12,6 +12,7 @@
 #include "platform/scene/fault_keys.h"
 #include "platform/scene/hold_keys.h"
 #include "platform/scene/joint_keys.h"
+#include "platform/scene/net_keys.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/visit.h"
 
@@ -269,6 +270,7 @@ void visit_scene(V& v, SceneConfig& s) {
              t.check(b.name != world_name, "name", "is what joints call the ground: choose another name");
            });
   visit_tool_joints(v, s);
+  visit_nets(v, s);
   visit_contacts(v, s);
   std::vector<BusParams> buses = s.device && s.device->rig ? s.device->rig->buses : std::vector<BusParams>{};
   std::set<std::string> bus_names;

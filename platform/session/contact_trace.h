@@ -1,4 +1,5 @@
-// The contacts of a run as CSV: a row for every contact that bears a force in a step, with t, body and on (names), the
+// The contacts of a run as CSV: a row for every contact that bears a force in a step, with t, body and on (names; body: of the
+// net where it is one of a node), the
 // contact point x y z, the normal nx ny nz off `on`, and the force fx fy fz on `body`. World frame, SI.
 #pragma once
 
@@ -22,7 +23,8 @@ class ContactTraceWriter {
 
  private:
   CsvRows file_;
-  std::vector<std::string> bodies_, obstacles_;  // names: of each body, of each surface of the world
+  std::vector<std::string> bodies_, obstacles_,
+      nodes_;  // names: of each body, each surface of the world, each node's net
 };
 
 }  // namespace godobject

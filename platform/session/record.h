@@ -25,6 +25,8 @@ struct CycleRecord {
   Fault fault = Fault::none;
   Limited limited = Limited::none;
   ContactReport contacts;
+  NetReport nets;
+  double net_stretch = 0;  // l / l_0 of the spring that is stretched most
   RigFault rig_faults = RigFault::none;
   bool on_hold = false;  // too many deadlines were missed: see Session::hold()
   CommandReport drives;  // bounds on the motor commands
@@ -44,6 +46,8 @@ struct CycleRecord {
   // Contacts that bear a force, with room for all that can; no room unless the session lists them.
   std::vector<ContactView> touching;
   std::size_t num_touching = 0;
+  // Where the nodes of nets are, in the order of Engine::nets(); no room unless the session lists them.
+  std::vector<Vec3> net_nodes;
   Nanoseconds step_ns = 0;  // the engine's step alone, by the step clock
 };
 

@@ -54,6 +54,7 @@ void Session::step(CycleRecord& record) noexcept {
   record.fault = report.fault;
   record.limited = report.limited;
   record.contacts = report.contacts;
+  record.nets = report.nets;
   record.on_hold = on_hold_ || deadlines_missed_;
   if (has(report.fault, Fault::energy_gained) && rig_) rig_->rig().energy_gained();
 }
@@ -95,6 +96,8 @@ void Session::observe(CycleRecord& record) const noexcept {
   for (std::size_t i = 0; i < record.bodies.size(); ++i) record.bodies[i] = engine_->view(i);
   record.energy = engine_->energy();
   record.num_touching = engine_->contacts(record.touching);
+  engine_->net_nodes(record.net_nodes);
+  record.net_stretch = engine_->net_stretch();
   if (follows()) measure(record);
 }
 
@@ -145,7 +148,9 @@ void Session::pass_missed_time() noexcept {
 CycleRecord Session::at_start() const {
   CycleRecord record;
   record.bodies.resize(scene_.bodies.size());
-  if (lists_contacts_) record.touching.resize(engine_->composition().max_contacts);
+  if (lists_contacts_)
+    record.touching.resize(engine_->composition().all_contacts());
+  if (lists_net_nodes_) record.net_nodes.resize(engine_->nets().nodes.size());
   observe(record);
   return record;
 }

@@ -2,7 +2,7 @@
 // period, from the first NMT command to the last; it does not allocate, and waits only for the answers of real buses.
 //
 // The room: hand_device.h is what a device is: rig_device.h, tracker_device.h, handed_motion.h; motion.h and curve.h the
-// hand's motion; grip.h which body is held; record.h, trace.h, contact_trace.h what a period leaves; truth.h what only a
+// hand's motion; grip.h which body is held; record.h, trace.h, contact_trace.h, net_trace.h what a period leaves; truth.h what only a
 // simulated run knows; passivity.h, force_swings.h whether what is shown is stable in a hand.
 #pragma once
 
@@ -134,6 +134,8 @@ class Session {
   void set_step_clock(Nanoseconds (*now)() noexcept) noexcept { step_clock_ = now; }
   /// Records list their contacts from here on; before at_start().
   void list_contacts() noexcept { lists_contacts_ = true; }
+  /// Likewise the nodes of their nets.
+  void list_net_nodes() noexcept { lists_net_nodes_ = true; }
   void set_bus_observer(const BusObserver& observer) noexcept {
     if (rig_) rig_->link().set_observer(observer);
   }
@@ -191,7 +193,7 @@ class Session {
   std::int64_t periods_left_ = 0;  // of this phase at most
   bool let_go_ = false;            // for the next step: what was held is engaged anew
   bool on_hold_ = false, deadlines_missed_ = false;
-  bool lists_contacts_ = false;
+  bool lists_contacts_ = false, lists_net_nodes_ = false;
   bool real_ = false;  // the device is one, and time passes by itself
   Nanoseconds (*step_clock_)() noexcept = []() noexcept { return Nanoseconds{0}; };
   Nanoseconds motion_start_ns_ = 0;

@@ -48,6 +48,9 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
     columns.insert(columns.end(), {"held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz"});
   columns.push_back("penetration");
   if (has_contacts(scene)) columns.insert(columns.end(), {"contacts", "contact_residual"});
+  if (!scene.nets.empty())
+    columns.insert(columns.end(),
+                   {"net_contacts", "net_penetration", "net_stretch", "net_iterations", "net_residual"});
   columns.insert(columns.end(), {"energy", "energy_balance", "fault", "limited", "rig_fault"});
   return columns;
 }
@@ -56,6 +59,7 @@ TraceWriter::TraceWriter(CsvRows rows, const SceneConfig& scene)
     : file_(std::move(rows)),
       touchable_(touchable_bodies(scene)),
       contacts_(has_contacts(scene)),
+      nets_(!scene.nets.empty()),
       grips_(takes_hold(scene)) {
   file_.header(trace_columns(scene));
 }
@@ -83,6 +87,13 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
   if (contacts_) {
     file_.number(static_cast<double>(scene.contacts.num_contacts));
     file_.number(scene.contacts.residual);
+  }
+  if (nets_) {
+    file_.number(static_cast<double>(scene.nets.num_contacts));
+    file_.number(scene.nets.deepest);
+    file_.number(scene.net_stretch);
+    file_.number(scene.nets.iterations);
+    file_.number(scene.nets.residual);
   }
   file_.number(scene.energy);
   file_.number(scene.energy_balance);

@@ -2,7 +2,8 @@
 // <body>.coupling.fx fy fz tx ty tz and <body>.feedback.fx .. tz, for the same bodies the target they were
 // pulled to, <body>.target.x y z qw qx qy qz, per joint <joint>.fx fy fz tx ty tz, per body that can be touched
 // <body>.contact.fx .. tz, where the device takes hold of bodies held and hand.fx .. tz, then penetration, in scenes
-// with contacts contacts and contact_residual, then energy, energy_balance, then fault, limited and rig_fault.
+// with contacts contacts and contact_residual, with nets net_contacts, net_penetration, net_stretch, net_iterations and
+// net_residual, then energy, energy_balance, then fault, limited and rig_fault.
 // World frame, SI; every number reads back as the same double.
 #pragma once
 
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "core/contact/contact.h"
+#include "core/net/net.h"
 #include "platform/scene/scene.h"
 #include "platform/session/csv_rows.h"
 
@@ -35,6 +37,8 @@ struct TraceDriven {
 /// Of the scene as a whole.
 struct TraceScene {
   ContactReport contacts{};
+  NetReport nets{};
+  double net_stretch = 0;                 // l / l_0 of the spring that is stretched most
   std::optional<std::size_t> held{};      // index of the body that the device holds
   Wrench hand{};                          // shown to the hand, about the device's origin
   double energy = 0, energy_balance = 0;  // J, see EnergyReport
@@ -63,9 +67,9 @@ class TraceWriter {
   void wrench(const Wrench& F);
 
   CsvRows file_;
-  std::vector<std::size_t> touchable_;  // bodies with contact columns
-  bool contacts_ = false;               // the scene has some
-  bool grips_ = false;                  // its device takes hold of bodies
+  std::vector<std::size_t> touchable_;    // bodies with contact columns
+  bool contacts_ = false, nets_ = false;  // the scene has some
+  bool grips_ = false;                    // its device takes hold of bodies
 };
 
 /// The header line's columns.

@@ -30,7 +30,7 @@ ViewBytes LiveView::frame() {
   shown_ = now;
   for (std::size_t i = 0; i < driven_.size(); ++i) places_[i] = sample->record.bodies[driven_[i]].X_WB.p;
   auto bytes = std::make_shared<std::vector<std::uint8_t>>();
-  encode(*sample, driven_, {}, *bytes);
+  encode(*sample, driven_, sample->net_nodes, *bytes);
   return bytes;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "platform/session/trace.h"
+#include "platform/view/nets.h"
 
 namespace godobject {
 namespace {
@@ -239,8 +240,9 @@ RecordedView::RecordedView(const Recording& recording, const ViewAbout& about)
   const std::vector<std::size_t> driven = driven_bodies(recording.scene);
   auto frames = std::make_shared<std::vector<std::uint8_t>>();
   std::vector<std::uint8_t> frame;
+  const SceneNets nets = scene_nets(recording.scene);
   for (const ViewSample& sample : recording.samples) {
-    encode(sample, driven, {}, frame);
+    encode(sample, driven, nodes_of(nets, sample), frame);
     frames->insert(frames->end(), frame.begin(), frame.end());
   }
   frames_ = std::move(frames);

@@ -135,13 +135,15 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
   session.start(boot_limit_s);
   Recording recording{.scene = session.scene(), .samples = {}};
   ViewSample sample{.record = session.at_start(), .counters = {}, .touching = {}};
-  sample.touching.resize(session.engine().composition().max_contacts);
+  sample.touching.resize(session.engine().composition().all_contacts());
+  sample.net_nodes.resize(session.engine().nets().nodes.size());
   double due = 0;
   while (!read.ended() && session.phase() != RunPhase::ended) {
     if (!session.advance(sample.record) || sample.record.t < due || recording.samples.size() >= max_recorded) continue;
     due += 1 / recorded_rate_hz;
     sample.phase = session.phase();
     sample.num_touching = session.engine().contacts(sample.touching);
+    session.engine().net_nodes(sample.net_nodes);
     recording.samples.push_back(sample);
     recording.samples.back().touching.resize(sample.num_touching);
   }

@@ -4,6 +4,7 @@
 
 #include "platform/scene/joint_kinds.h"
 #include "platform/view/frame.h"
+#include "platform/view/nets.h"
 #include "platform/view/solids.h"
 
 namespace godobject {
@@ -35,6 +36,13 @@ Json to_json(const MeshData& mesh) {
   for (const TriangleIndices& triangle : mesh.triangles)
     for (const std::uint32_t corner : triangle) triangles.push_back(corner);
   return {{"vertices", std::move(vertices)}, {"triangles", std::move(triangles)}};
+}
+
+Json to_json(const NetRange& net) {
+  Json triangles = Json::array();
+  for (const TriangleIndices& triangle : triangles_of(net))
+    for (const std::uint32_t corner : triangle) triangles.push_back(corner);
+  return {{"name", net.name}, {"num_vertices", net.num_nodes}, {"triangles", std::move(triangles)}};
 }
 
 Json to_json(const JointConfig& joint, const SceneConfig& scene) {
@@ -85,6 +93,7 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
   for (const JointConfig& joint : scene.joints) json["joints"].push_back(to_json(joint, scene));
   for (const Solid& solid : drawing.solids) json["solids"].push_back(to_json(solid));
   for (const MeshData& mesh : drawing.meshes) json["meshes"].push_back(to_json(mesh));
+  for (const NetRange& net : scene_nets(scene).nets) json["surfaces"].push_back(to_json(net));
   for (const BusLoadText& bus : about.buses) json["buses"].push_back({{"name", bus.name}, {"percent", bus.percent}});
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

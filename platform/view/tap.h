@@ -19,6 +19,7 @@ struct ViewSample {
   Nanoseconds wake_ns = 0;             // the longest since the sample before
   std::vector<ContactView> touching;   // with room for all; the first num_touching are
   std::size_t num_touching = 0;
+  std::vector<Vec3> net_nodes{};  // all of them
 };
 
 /// The loop's end is real-time: a load where nothing is asked for, else a copy without allocation.
@@ -36,6 +37,7 @@ class ViewTap {
     sample.counters = session.rig_counters();
     sample.wake_ns = std::exchange(wake_ns_, 0);
     sample.num_touching = session.engine().contacts(sample.touching);
+    session.engine().net_nodes(sample.net_nodes);
     latest_.give();
   }
   /// The loop, before each period.
@@ -48,7 +50,8 @@ class ViewTap {
  private:
   static ViewSample like(const Session& session) {
     ViewSample sample{.record = session.at_start(), .counters = {}, .touching = {}};
-    sample.touching.resize(session.engine().composition().max_contacts);
+    sample.touching.resize(session.engine().composition().all_contacts());
+    sample.net_nodes.resize(session.engine().nets().nodes.size());
     return sample;
   }
 

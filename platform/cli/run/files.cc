@@ -27,10 +27,12 @@ RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseco
   };
   if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
   if (!names.contacts.empty()) contacts_.emplace(into(contacts_file_, names.contacts), scene);
+  if (!names.nets.empty()) nets_.emplace(into(nets_file_, names.nets), scene_nets(scene));
   if (!names.record.empty()) record_.emplace(into(record_file_, names.record), bus_names(scene));
 }
 
 void RunFiles::add(const CycleRecord& record) {
+  if (nets_ && num_rows_ % names_.nets_every == 0) nets_->row(record.t, record.net_nodes);
   if (!is_kept(record)) return;
   if (trace_) add_row(record);
   if (contacts_) contacts_->rows(record.t, std::span(record.touching).first(record.num_touching));
@@ -54,6 +56,8 @@ void RunFiles::add_row(const CycleRecord& record) {
   for (std::size_t i = 0; i < children_.size(); ++i) joints_[i] = record.bodies[children_[i]].joint_C;
   trace_->row(record.t, bodies_, pulls_, joints_,
               {.contacts = record.contacts,
+               .nets = record.nets,
+               .net_stretch = record.net_stretch,
                .held = record.held,
                .hand = record.hand_W,
                .energy = record.energy.total,
@@ -66,6 +70,7 @@ void RunFiles::add_row(const CycleRecord& record) {
 std::vector<FileLoss> RunFiles::close() {
   if (trace_) static_cast<void>(trace_->close());  // what is lost the file says
   if (contacts_) static_cast<void>(contacts_->close());
+  if (nets_) static_cast<void>(nets_->close());
   if (record_) static_cast<void>(record_->close());
   const auto until = BackgroundFile::Clock::now() + close_patience;
   std::vector<FileLoss> losses;
@@ -77,6 +82,7 @@ std::vector<FileLoss> RunFiles::close() {
   };
   close_one(trace_file_, names_.trace);
   close_one(contacts_file_, names_.contacts);
+  close_one(nets_file_, names_.nets);
   close_one(record_file_, names_.record);
   return losses;
 }

@@ -8,6 +8,7 @@
 #include "platform/cli/bus/candump_log.h"
 #include "platform/rt/background_file.h"
 #include "platform/session/contact_trace.h"
+#include "platform/session/net_trace.h"
 #include "platform/session/session.h"
 #include "platform/session/trace.h"
 
@@ -15,9 +16,10 @@ namespace godobject {
 
 /// What a run is asked to write while it goes.
 struct RunFileNames {
-  std::string trace, contacts, record;
+  std::string trace, contacts, nets, record;
   std::uint64_t trace_every =
       1;  // of trace and contacts: every so many rows, and where a fault comes up or ends
+  std::uint64_t nets_every = 40;  // of nets: every so many rows
 };
 
 /// A file that lacks something.
@@ -33,6 +35,7 @@ class RunFiles {
   RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseconds log_origin_ns);
 
   bool wants_contacts() const noexcept { return contacts_.has_value(); }
+  bool wants_net_nodes() const noexcept { return nets_.has_value(); }
   bool wants_frames() const noexcept { return record_.has_value(); }
   void add(const CycleRecord& record);
   void add(const BusFrame& frame) {
@@ -61,9 +64,10 @@ class RunFiles {
   Fault fault_ = Fault::none;   // of the row before
   RigFault rig_faults_ = RigFault::none;
   std::chrono::milliseconds patience_{2000};
-  std::optional<BackgroundFile> trace_file_, contacts_file_, record_file_;
+  std::optional<BackgroundFile> trace_file_, contacts_file_, nets_file_, record_file_;
   std::optional<TraceWriter> trace_;
   std::optional<ContactTraceWriter> contacts_;
+  std::optional<NetTraceWriter> nets_;
   std::optional<CandumpLog> record_;
 };
 

@@ -49,7 +49,8 @@ BusObserver observer_into(Ring<BusFrame>& ring) {
 Ring<CycleEntry> make_cycle_ring(const Session& session) {
   const CycleEntry entry = entry_of(session);
   const std::size_t bytes = sizeof entry + entry.record.bodies.size() * sizeof(BodyView) +
-                            entry.record.touching.size() * sizeof(ContactView);
+                            entry.record.touching.size() * sizeof(ContactView) +
+                            entry.record.net_nodes.size() * sizeof(Vec3);
   return Ring<CycleEntry>(std::min(cycle_ring, cycle_ring_bytes / bytes), entry);
 }
 
@@ -57,6 +58,7 @@ void prepare(Session& session, RunFiles& files) {
   session.set_step_clock([]() noexcept { return MonotonicClock{}.now(); });
   if (files.wants_frames()) session.set_bus_observer(observer_into(files));
   if (files.wants_contacts()) session.list_contacts();
+  if (files.wants_net_nodes()) session.list_net_nodes();
   files.add(session.at_start());
 }
 

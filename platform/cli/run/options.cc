@@ -59,7 +59,8 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
   std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
   for (const NamedPath& out :
        {NamedPath{"--trace", options.files.trace}, NamedPath{"--contacts", options.files.contacts},
-        NamedPath{"--record", options.files.record}, NamedPath{"--report", options.report}}) {
+        NamedPath{"--nets", options.files.nets}, NamedPath{"--record", options.files.record},
+        NamedPath{"--report", options.report}}) {
     if (out.path.empty()) continue;
     const std::string why_not = why_not_writable(out.path);
     if (!why_not.empty()) errors.push_back(out.option + ": '" + out.path + "' " + why_not);
@@ -106,6 +107,11 @@ void check_contacts(const RunOptions& options, const SceneConfig& scene, std::ve
   if (!options.files.contacts.empty() && contact_scope(scene) == ContactScope::none)
     errors.push_back("--contacts: nothing in scene '" + scene.name +
                      "' can touch: give its bodies spheres, and obstacles or shapes to touch");
+}
+
+void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
+  if (!options.files.nets.empty() && scene.nets.empty())
+    errors.push_back("--nets: scene '" + scene.name + "' has no [[net]]");
 }
 
 void apply_overrides(const RunOptions& options, SceneConfig& scene) {
@@ -232,8 +238,8 @@ void check_passivity(const RunOptions& options, const SceneConfig& scene, const 
 }  // namespace
 
 std::string make_folders(const RunOptions& options) {
-  for (const std::string& path :
-       {options.files.trace, options.files.contacts, options.files.record, options.report}) {
+  for (const std::string& path : {options.files.trace, options.files.contacts, options.files.nets,
+                                  options.files.record, options.report}) {
     std::error_code error;
     if (path.empty() || fs::exists(folder_of(path), error)) continue;
     if (!fs::create_directory(folder_of(path), error) && error)
@@ -259,6 +265,7 @@ PreparedRun prepare(const RunOptions& options) {
   check_real_buses(options, run);
   check_record(options, run.buses.choice, scene, run.errors);
   check_contacts(options, scene, run.errors);
+  check_nets(options, scene, run.errors);
   apply_overrides(options, scene);
   check_profiles(options, scene, run);
   std::optional<Motion> motion = load_motion(options, scene, run);

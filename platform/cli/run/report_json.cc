@@ -128,6 +128,17 @@ Json timing(const CyclicStatistics& t, const RunStatistics& run) {
           {"compute_us", to_json(t.compute_ns)}, {"step_us", to_json(run.step_ns)}};
 }
 
+Json nets(const SceneNets& nets, const NetStatistics& n) {
+  return {{"nodes", nets.nodes.size()},
+          {"springs", nets.springs.size()},
+          {"largest_stretch", n.stretch},
+          {"most_contacts", n.contacts},
+          {"deepest_m", n.deepest},
+          {"iterations", n.iterations},
+          {"most_iterations", n.most_iterations},
+          {"residual_N", n.residual}};
+}
+
 Json machine(const std::vector<RtStep>& setup) {
   const Machine m = this_machine();
   return {{"cpu", m.cpu}, {"num_cpus", m.num_cpus}, {"kernel", m.kernel}, {"rt_setup", to_array(setup)}};
@@ -195,6 +206,8 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   if (report.session.rig()) json["answers"] = answers(report.session.rig_counters());
   json["events"] = to_array(report.result.events);
   json["recoveries"] = to_array(report.result.recoveries);
+  if (const SceneNets& n = report.session.engine().nets(); !n.nodes.empty())
+    json["nets"] = nets(n, statistics.nets);
   json["limits"] = limits(statistics);
   json["limits_percent"] = limits_percent(statistics);
   const EnergyReport& gain = statistics.gain;
@@ -209,6 +222,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   json["state_hash"] = hash_text(report.session.engine().state_hash());
   json["files"] = {{"trace", options.files.trace},
                    {"contacts", options.files.contacts},
+                   {"nets", options.files.nets},
                    {"record", options.files.record},
                    {"report", options.report}};
   return json;

@@ -39,6 +39,23 @@ inline constexpr std::array<std::string_view, 10> limit_names{
     "force", "torque",       "force_rate",        "torque_rate",          "ramp",
     "held",  "drive_torque", "drive_torque_rate", "drive_internal_limit", "drive_command_not_sent"};
 
+/// The worst of a run.
+struct NetStatistics {
+  double stretch = 0, deepest = 0, residual = 0;  // l / l_0; m; N
+  std::size_t contacts = 0;
+  std::uint64_t iterations = 0;  // in all
+  int most_iterations = 0;       // in a step
+
+  void add(const NetReport& net, double stretch_now) noexcept {
+    stretch = std::max(stretch, stretch_now);
+    deepest = std::max(deepest, static_cast<double>(net.deepest));
+    residual = std::max(residual, static_cast<double>(net.residual));
+    contacts = std::max(contacts, net.num_contacts);
+    iterations += static_cast<std::uint64_t>(net.iterations);
+    most_iterations = std::max(most_iterations, net.iterations);
+  }
+};
+
 struct RunStatistics {
   std::uint64_t cycles = 0;
   Histogram step_ns;  // the engine's step alone
@@ -50,6 +67,7 @@ struct RunStatistics {
   std::uint64_t holds = 0, hold_cycles = 0;  // since too many deadlines were missed
   bool on_hold = false;
   bool force_oscillates = false;
+  NetStatistics nets;
   EnergyReport gain;  // where the share gained of the energy at work was largest
 
   void add(const CycleRecord& record) noexcept {
@@ -77,6 +95,7 @@ struct RunStatistics {
         record.energy.gained * gain.at_work >= gain.gained * record.energy.at_work)
       gain = record.energy;
     force_oscillates = force_oscillates || record.force_oscillates;
+    nets.add(record.nets, record.net_stretch);
   }
 };
 

@@ -52,6 +52,19 @@ void print_limits(std::FILE* out, const RunStatistics& statistics) {
     std::fprintf(out, "  %-26s %s\n", "WARNING", warning.c_str());
 }
 
+void print_nets(std::FILE* out, const RunReport& report) {
+  const SceneNets& nets = report.session.engine().nets();
+  if (nets.nodes.empty()) return;
+  const NetStatistics& n = report.result.statistics.nets;
+  const double cycles = static_cast<double>(std::max<std::uint64_t>(report.result.statistics.cycles, 1));
+  std::fprintf(
+      out,
+      "  %-26s %zu nodes, %zu springs; stretched to %.3g at most; %zu contacts at most, %.3g m deep; %.1f "
+      "iterations a step, %d at most, residual %.3g N\n",
+      "nets", nets.nodes.size(), nets.springs.size(), n.stretch, n.contacts, n.deepest,
+      static_cast<double>(n.iterations) / cycles, n.most_iterations, n.residual);
+}
+
 void print_bus(std::FILE* out, const BusReport& bus) {
   const char* const name = bus.computed.bus.c_str();
   if (bus.measured_percent)
@@ -93,8 +106,8 @@ void print_recoveries(std::FILE* out, const RunReport& report) {
 }
 
 void print_files(std::FILE* out, const RunOptions& options) {
-  for (const std::string& file :
-       {options.files.trace, options.files.contacts, options.files.record, options.report})
+  for (const std::string& file : {options.files.trace, options.files.contacts, options.files.nets,
+                                  options.files.record, options.report})
     if (!file.empty()) std::fprintf(out, "  %-26s %s\n", "file", file.c_str());
 }
 
@@ -145,6 +158,7 @@ void print_summary(std::FILE* out, const RunReport& report) {
                  counters.incomplete_syncs, counters.syncs);
   }
   print_recoveries(out, report);
+  print_nets(out, report);
   print_limits(out, result.statistics);
   if (report.faults.empty()) std::fprintf(out, "  %-26s none\n", "faults");
   print_faults(out, report.faults);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/device/holding.h"
+#include "platform/view/nets.h"
 
 namespace godobject {
 namespace {
@@ -56,6 +57,7 @@ class PictureBuilder {
 
   Picture build() {
     for (const Solid& solid : drawing_.solids) add(solid);
+    add_nets();
     for (const std::size_t body : driven_)
       if (is_shown(body)) add_device(body);
     for (std::size_t i = 0; i < sample_.num_touching; ++i)
@@ -75,6 +77,17 @@ class PictureBuilder {
                                .mesh = placed(triangles_of(solid, drawing_, 2 * picture_.extent), X),
                                .colour = colour,
                                .has_edges = solid.kind == SolidKind::box});
+  }
+
+  void add_nets() {
+    const SceneNets nets = scene_nets(scene_);
+    const std::vector<Vec3> nodes = nodes_of(nets, sample_);
+    for (const NetRange& net : nets.nets) {
+      const auto first = nodes.begin() + static_cast<std::ptrdiff_t>(net.first_node);
+      MeshData mesh{.vertices = {first, first + static_cast<std::ptrdiff_t>(net.num_nodes)}, .triangles = triangles_of(net)};
+      const Colour& colour = net.carrier == world ? body_colour : tool_colour;
+      picture_.meshes.push_back({.name = net.name, .mesh = std::move(mesh), .colour = colour, .has_edges = false});
+    }
   }
 
   void add_device(std::size_t body) {

@@ -75,6 +75,22 @@ TEST_F(CliRun, TraceEveryKeepsEveryNthRow) {
       ASSERT_EQ(some.table->at(i, c), all.table->at(7 * i, c)) << i << ", " << all.table->columns()[c];
 }
 
+TEST_F(CliRun, NodesOfNetsAreWrittenEveryNthStep) {
+  const std::string small = "sim/scenes/net-small.toml";
+  ASSERT_EQ(run("a", small + " --duration 0.1 --nets " + path("nets.csv") + " --nets-every 20").exit_code, 0);
+  const CsvResult nets = read_csv(path("nets.csv"));
+  ASSERT_TRUE(nets.table.has_value()) << nets.errors.front();
+  EXPECT_EQ(nets.table->columns().size(), 1U + 3 * 25);
+  EXPECT_EQ(nets.table->columns()[1], "tube.0.x");
+  ASSERT_EQ(nets.table->num_rows(), 6U);
+  EXPECT_DOUBLE_EQ(nets.table->at(5, 0), 0.1);
+  const Vec3 p_W(nets.table->at(0, 1), nets.table->at(0, 2), nets.table->at(0, 3));
+  EXPECT_NEAR(p_W.norm(), std::hypot(0.02, 0.0433), 1e-9) << "a corner of the tube";
+  EXPECT_EQ(
+      run("b", "sim/scenes/pendulum.toml --bus direct --duration 0.1 --nets " + path("no.csv")).exit_code, 2)
+      << "it has no nets";
+}
+
 /// The rows of a file of contacts, summed up for each time and body.
 std::map<std::pair<double, std::string>, Vec3> contact_forces(const std::string& file) {
   std::map<std::pair<double, std::string>, Vec3> sums;

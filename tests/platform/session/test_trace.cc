@@ -51,6 +51,12 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
                            "brick.contact.ty", "brick.contact.tz", "penetration", "contacts",
                            "contact_residual", "energy", "energy_balance", "fault", "limited", "rig_fault"));
 
+  scene.nets.resize(1);
+  EXPECT_THAT(trace_columns(scene), testing::IsSupersetOf({"net_contacts", "net_penetration", "net_stretch",
+                                                           "net_iterations", "net_residual"}));
+  EXPECT_EQ(trace_columns(scene).size(), columns.size() + 5);
+  scene.nets.clear();
+
   const std::string path = testing::TempDir() + "/godobject_contact_trace.csv";
   TraceWriter writer(path, scene);
   std::array<TraceBody, 2> bodies{};

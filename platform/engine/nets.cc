@@ -1,0 +1,19 @@
+// Compositions: deformable nets, on tools and free bodies that touch each other and obstacles, and beside them.
+#include "platform/engine/tool.h"
+
+namespace godobject {
+namespace {
+
+template <class I>
+struct Nets : Tool<I, 16, AllJoints, NetContacts> {
+  using Net = MassSpringNet<max_net_nodes, max_net_springs, max_net_contacts>;
+};
+
+}  // namespace
+
+void add_nets(std::vector<CompositionRow>& table) {
+  table.push_back(row<Nets<ImplicitEuler>>("nets"));
+  table.push_back(row<Nets<TrBdf2>>("nets"));
+}
+
+}  // namespace godobject

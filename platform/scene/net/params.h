@@ -1,0 +1,50 @@
+// A scene's nets in the core's terms: nodes and springs; and the surfaces that show them. Nodes start on their anchors.
+//
+//   m_i = sigma A_i                          A_i: a third of the area of the vertex' triangles
+//   k_ij = E t (A_1 + A_2) / l_ij^2          A_1, A_2: of the triangles at the edge; sqrt(3)/2 E t where all are equilateral
+//   g_ij = tau k_ij
+//   k_i = kappa A_i,  g_i = 8 sigma A_i / T  anchors; T: settling time
+//
+// Docs: decision 049.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/net/net.h"
+#include "platform/scene/scene.h"
+
+namespace godobject {
+
+/// A net among all nodes: those of the scene's nets are in one list.
+struct NetRange {
+  std::string name;
+  std::size_t carrier = world;  // body, or world
+  std::size_t first_node = 0, num_nodes = 0;
+  std::vector<TriangleIndices> triangles;  // by numbers of nodes among all
+};
+
+/// Nets in the order of their carriers, those of the world last; springs in the order of i, then j.
+struct SceneNets {
+  std::vector<NetNode> nodes;
+  std::vector<NetSpring> springs;
+  std::vector<NetRange> nets;
+};
+
+/// Of a scene that was read without errors.
+SceneNets scene_nets(const SceneConfig& scene);
+
+/// For a composition with room for them.
+template <class Params>
+void set_net_params(const SceneNets& nets, Params& par) noexcept {
+  par.num_nodes = nets.nodes.size();
+  std::ranges::copy(nets.nodes, par.nodes.begin());
+  par.num_springs = nets.springs.size();
+  std::ranges::copy(nets.springs, par.springs.begin());
+}
+
+/// How many springs a net with this surface and these settings has.
+std::size_t num_springs(const NetConfig& net);
+
+}  // namespace godobject

@@ -1,0 +1,292 @@
+// Nets in the core's terms: masses, springs and anchors are those of the physical numbers; a stretched sheet has the
+// membrane stiffness that was asked for.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "platform/scene/net/edges.h"
+#include "platform/scene/net/make.h"
+#include "platform/scene/net/params.h"
+#include "platform/scene/net/physics.h"
+#include "platform/scene/net/report.h"
+
+namespace godobject::test_net_params {
+namespace {
+
+NetConfig made(NetConfig net) {
+  EXPECT_EQ(make_surface("", max_net_nodes, net), "");
+  return net;
+}
+
+NetConfig sheet(double length, double width, double spacing) {
+  NetConfig net;
+  net.name = "sheet";
+  net.kind = NetKind::sheet;
+  net.length = length;
+  net.width = width;
+  net.spacing = spacing;
+  net.surface_density = 2;
+  net.membrane_stiffness = 100;
+  net.settling_time = 0.1;
+  net.anchor_stiffness = 0;
+  return made(net);
+}
+
+NetConfig capsule(double spacing) {
+  NetConfig net;
+  net.name = "bag";
+  net.kind = NetKind::capsule;
+  net.radius = 0.03;
+  net.half_length = 0.05;
+  net.spacing = spacing;
+  net.surface_density = 1.5;
+  net.membrane_stiffness = 200;
+  net.settling_time = 0.05;
+  net.anchor_stiffness = 3e4;
+  net.relaxation_time = 2e-3;
+  net.thickness = 0.004;
+  return made(net);
+}
+
+SceneConfig scene_of(std::vector<NetConfig> nets) {
+  SceneConfig scene;
+  for (const char* name : {"a", "b"}) {
+    BodyConfig body;
+    body.name = name;
+    body.X_WB.p = Vec3(0.1, -0.2, 0.3);
+    body.X_WB.q = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+    scene.bodies.push_back(body);
+  }
+  scene.nets = std::move(nets);
+  return scene;
+}
+
+TEST(NetParams, MassesAddUpToDensityTimesArea) {
+  for (const double spacing : {0.02, 0.01, 0.006}) {
+    const NetConfig net = capsule(spacing);
+    const SceneNets nets = scene_nets(scene_of({net}));
+    double m = 0, k = 0, g = 0;
+    for (const NetNode& node : nets.nodes) {
+      EXPECT_GT(node.m, 0);
+      EXPECT_EQ(node.radius, 0.002);
+      m += node.m;
+      k += node.k;
+      g += node.g;
+    }
+    const double area = area_of(net.surface);
+    EXPECT_NEAR(m, 1.5 * area, 1e-12 * m);
+    EXPECT_NEAR(k, 3e4 * area, 1e-12 * k);
+    EXPECT_NEAR(g, 8 * 1.5 / 0.05 * area, 1e-12 * g);
+  }
+}
+
+TEST(NetParams, SpringsAreTheEdgesInTheirOrder) {
+  for (const double bending : {0.0, 0.2}) {
+    NetConfig net = capsule(0.01);
+    net.bending = bending;
+    const SceneNets nets = scene_nets(scene_of({net}));
+    const std::size_t edges = edges_of(net.surface).size();
+    // Closed: every edge has one across it, but where that is an edge, too.
+    EXPECT_LE(nets.springs.size(), bending == 0 ? edges : 2 * edges);
+    EXPECT_GE(nets.springs.size(), bending == 0 ? edges : 2 * edges - 12);
+    EXPECT_EQ(nets.springs.size(), num_springs(net));
+    for (std::size_t s = 0; s < nets.springs.size(); ++s) {
+      const NetSpring& spring = nets.springs[s];
+      EXPECT_LT(spring.i, spring.j);
+      EXPECT_NEAR(spring.l_0, (nets.nodes[spring.j].p_B - nets.nodes[spring.i].p_B).norm(), 1e-15);
+      EXPECT_NEAR(spring.g, 2e-3 * spring.k, 1e-15 * spring.k);
+      if (s == 0) continue;
+      const NetSpring& before = nets.springs[s - 1];
+      EXPECT_LT(std::pair(before.i, before.j), std::pair(spring.i, spring.j));
+    }
+  }
+}
+
+TEST(NetParams, AnchorsAreTheVerticesOnTheirCarrier) {
+  NetConfig net = capsule(0.01);
+  net.body = "b";
+  net.X_BF.p = Vec3(0.01, 0.02, 0.03);
+  net.X_BF.q = Quat(Eigen::AngleAxisd(1.1, Vec3(3, -1, 2).normalized()));
+  const SceneNets nets = scene_nets(scene_of({net}));
+  for (std::size_t i = 0; i < nets.nodes.size(); ++i) {
+    EXPECT_EQ(nets.nodes[i].body, 1U);
+    EXPECT_LT((nets.nodes[i].p_B - net.X_BF.p - net.X_BF.q * net.surface.vertices[i]).norm(), 1e-15);
+  }
+}
+
+TEST(NetParams, NodesOfACarrierAreInARow) {
+  std::vector<NetConfig> list;
+  for (const char* body : {"world", "b", "a", "world", "b"}) {
+    NetConfig net = capsule(0.02);
+    net.name = "net" + std::to_string(list.size());
+    net.body = body;
+    list.push_back(net);
+  }
+  const SceneNets nets = scene_nets(scene_of(list));
+  std::vector<std::string> names;
+  std::size_t next = 0;
+  for (const NetRange& range : nets.nets) {
+    names.push_back(range.name);
+    EXPECT_EQ(range.first_node, next);
+    next += range.num_nodes;
+    for (std::size_t i = range.first_node; i < next; ++i) EXPECT_EQ(nets.nodes[i].body, range.carrier);
+    for (const TriangleIndices& t : range.triangles)
+      for (const std::uint32_t v : t) EXPECT_TRUE(v >= range.first_node && v < next);
+  }
+  EXPECT_THAT(names, testing::ElementsAre("net2", "net1", "net4", "net0", "net3"));
+  EXPECT_EQ(next, nets.nodes.size());
+  EXPECT_TRUE(
+      std::ranges::is_sorted(nets.springs, {}, [](const NetSpring& s) { return std::pair(s.i, s.j); }));
+}
+
+TEST(NetParams, RimAndBallsAreHeldByStifferAnchors) {
+  NetConfig net = sheet(0.1, 0.08, 0.01);
+  net.rim = true;
+  net.held_stiffness = 500;
+  net.held.push_back({.p_F = Vec3::Zero(), .radius = 0.012});
+  const SceneNets nets = scene_nets(scene_of({net}));
+  const std::vector<bool> rim = rim_of(net.surface);
+  std::size_t num_held = 0;
+  for (std::size_t i = 0; i < nets.nodes.size(); ++i) {
+    const bool held = rim[i] || net.surface.vertices[i].norm() <= 0.012;
+    EXPECT_EQ(nets.nodes[i].k, held ? 500 : 0);
+    EXPECT_GT(nets.nodes[i].g, 0);
+    num_held += held;
+  }
+  EXPECT_GT(num_held, static_cast<std::size_t>(std::ranges::count(rim, true)));
+  EXPECT_LT(num_held, nets.nodes.size());
+}
+
+/// What a sheet's springs, linearised, do when its two ends along x are moved apart by a strain: E t and Poisson's ratio.
+struct Elasticity {
+  double E_t = 0, nu = 0;
+};
+
+Elasticity stretched(const NetConfig& net) {
+  const SceneNets nets = scene_nets(scene_of({net}));
+  const auto n = static_cast<Eigen::Index>(nets.nodes.size());
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+  for (const NetSpring& s : nets.springs) {
+    const Eigen::Vector2d u = (nets.nodes[s.j].p_B - nets.nodes[s.i].p_B).head<2>() / s.l_0;
+    const Eigen::Matrix2d k = s.k * u * u.transpose();
+    const Eigen::Index i = 2 * s.i, j = 2 * s.j;
+    K.block<2, 2>(i, i) += k;
+    K.block<2, 2>(j, j) += k;
+    K.block<2, 2>(i, j) -= k;
+    K.block<2, 2>(j, i) -= k;
+  }
+  // x of the nodes at both ends is given; so is y of one of them. The rest is free.
+  const double half = *net.length / 2 - 0.51 * *net.spacing, strain = 1e-3;
+  std::vector<Eigen::Index> given, free;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const bool end = std::abs(nets.nodes[static_cast<std::size_t>(i)].p_B.x()) > half;
+    (end ? given : free).push_back(2 * i);
+    (i == 0 ? given : free).push_back(2 * i + 1);
+  }
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(2 * n);
+  for (const Eigen::Index r : given)
+    if (r % 2 == 0) q[r] = strain * nets.nodes[static_cast<std::size_t>(r / 2)].p_B.x();
+  const Eigen::MatrixXd K_ff = K(free, free), K_fg = K(free, given);
+  const Eigen::VectorXd q_g = q(given);
+  const Eigen::VectorXd q_f = K_ff.ldlt().solve(-K_fg * q_g);
+  q(free) = q_f;
+  const Eigen::VectorXd F = K * q;
+  double pull = 0, low = 0, high = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec3& p = nets.nodes[static_cast<std::size_t>(i)].p_B;
+    if (p.x() > half) pull += F[2 * i];
+    if (std::abs(p.x()) > half / 2) continue;  // away from the ends
+    low = p.y() <= -*net.width / 2 * (1 - 1e-9) ? q[2 * i + 1] : low;
+    high = p.y() >= *net.width / 2 * (1 - 1e-9) ? q[2 * i + 1] : high;
+  }
+  return {.E_t = pull / strain / *net.width, .nu = -(high - low) / *net.width / strain};
+}
+
+TEST(NetParams, AStretchedSheetHasTheMembraneStiffness) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> size(0.06, 0.15), stiffness(1, 1e4);
+  for (int trial = 0; trial < 12; ++trial) {
+    NetConfig net = sheet(1.5 * size(random), size(random), 0.008);
+    net.membrane_stiffness = stiffness(random);
+    net.bending = trial % 2 == 0 ? 0 : 0.1;
+    const Elasticity e = stretched(net);
+    EXPECT_NEAR(e.E_t / net.membrane_stiffness, 1, 0.05) << trial;
+    EXPECT_NEAR(e.nu, 1.0 / 3, 0.05) << trial;
+  }
+}
+
+/// As meshes often are: squares with a diagonal.
+NetConfig squares(int columns, int rows, double side) {
+  NetConfig net = sheet(columns * side, rows * side, side);
+  net.surface = {};
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i)
+      net.surface.vertices.emplace_back(side * i - *net.length / 2, side * j - *net.width / 2, 0);
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const auto at = [&](int a, int b) { return static_cast<std::uint32_t>(b * (columns + 1) + a); };
+      if ((i + j) % 2 == 0)
+        net.surface.triangles.insert(
+            net.surface.triangles.end(),
+            {{at(i, j), at(i + 1, j), at(i + 1, j + 1)}, {at(i, j), at(i + 1, j + 1), at(i, j + 1)}});
+      else
+        net.surface.triangles.insert(
+            net.surface.triangles.end(),
+            {{at(i, j), at(i + 1, j), at(i, j + 1)}, {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)}});
+    }
+  return net;
+}
+
+TEST(NetParams, SoDoesAMeshOfSquaresWithDiagonals) {
+  const NetConfig net = squares(20, 12, 0.01);
+  const Elasticity e = stretched(net);
+  EXPECT_NEAR(e.E_t / net.membrane_stiffness, 1, 0.35);
+}
+
+/// M^-1 K of the linearised net, in three coordinates a node.
+Eigen::VectorXd squared_frequencies(const SceneNets& nets) {
+  const auto n = static_cast<Eigen::Index>(nets.nodes.size());
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * n, 3 * n), M = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (const NetSpring& s : nets.springs) {
+    const Vec3 u = (nets.nodes[s.j].p_B - nets.nodes[s.i].p_B) / s.l_0;
+    const Mat3 k = s.k * u * u.transpose();
+    const Eigen::Index i = 3 * s.i, j = 3 * s.j;
+    K.block<3, 3>(i, i) += k;
+    K.block<3, 3>(j, j) += k;
+    K.block<3, 3>(i, j) -= k;
+    K.block<3, 3>(j, i) -= k;
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const NetNode& node = nets.nodes[static_cast<std::size_t>(i)];
+    K.diagonal().segment<3>(3 * i).array() += node.k;
+    M.diagonal().segment<3>(3 * i).setConstant(node.m);
+  }
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(K, M).eigenvalues();
+}
+
+TEST(NetParams, TimeConstantsAreBoundsOfTheNetsOwn) {
+  for (const double spacing : {0.02, 0.012}) {
+    NetConfig net = capsule(spacing);
+    net.anchor_stiffness = 5e3;
+    const SceneNets nets = scene_nets(scene_of({net}));
+    const NetTimes times = time_constants(nets);
+    const Eigen::VectorXd omega_sq = squared_frequencies(nets);
+    const double fastest = 1 / std::sqrt(omega_sq.maxCoeff());
+    EXPECT_LE(times.fastest, fastest);
+    EXPECT_GT(times.fastest, 0.5 * fastest);
+    // All anchors are alike: the slowest modes are those of rigid motion, with which no spring moves.
+    const double d = 8 / net.settling_time / 2, slowest_sq = omega_sq.minCoeff();
+    EXPECT_NEAR(slowest_sq, *net.anchor_stiffness / net.surface_density, 1e-6 * slowest_sq);
+    ASSERT_LT(slowest_sq, d * d) << "overdamped";
+    EXPECT_NEAR(times.slowest, 1 / (d - std::sqrt(d * d - slowest_sq)), 1e-6 * times.slowest);
+  }
+  const SceneNets sheet_alone = scene_nets(scene_of({sheet(0.1, 0.08, 0.02)}));
+  EXPECT_NEAR(time_constants(sheet_alone).slowest, 0.1 / 8, 1e-12) << "m / g: its speed goes down so";
+}
+
+}  // namespace
+}  // namespace godobject::test_net_params
