@@ -13,7 +13,9 @@ struct RigidBodyParamsOf {
   T m = 1;  // mass, kg, > 0
   Matrix3<T> I_B =
       Matrix3<T>::Identity();  // inertia about the centre of mass, body axes, kg m^2, positive definite
-  T anisotropy = 1;            // sqrt(I_max / I_min): see rho in implicit_rotation; rigid_body() fills it in
+  // derived, rigid_body() fills them in
+  T anisotropy = 1;  // sqrt(I_max / I_min): see rho in implicit_rotation
+  T nutation = 1;    // rate at which a free body's w_B changes, at most, of |w|; at least 1: see TrBdf2
 };
 using RigidBodyParams = RigidBodyParamsOf<Real>;
 
