@@ -60,6 +60,10 @@ struct TrBdf2 {
               // energy; or joints do not hold (39): to be taken again
   };
 
+  /// Forces of joints and contacts are not known at the start: extrapolated from the first stage alone they may drive.
+  template <class S>
+  static constexpr bool starts_itself = !uses<ContactsOf<S>> && !uses<typename S::Joints>;
+
   /// Where the first stage ends, in steps.
   static Real first_end(Begin begin) noexcept { return begin == Begin::by_itself ? d : c; }
 
@@ -97,7 +101,7 @@ struct TrBdf2 {
         const Start<S> y(GroupIn<S>(g, num_bodies(par)), x);
         const Vector3<T> a_1 = (V_1.v_W - w.bases[g].v_W) * (1 / h_1);
         const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
-        if (begin == Begin::by_itself)
+        if (starts_itself<S> && begin == Begin::by_itself)
           w.bases[g] = extrapolated<T>(y.x, V_1.v_W, V_1.w_B, a_1, alpha_1, (1 - d) * h);
         else
           w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
@@ -223,10 +227,10 @@ struct TrBdf2 {
   }
 
   /// d h (g + d h k) <= m: no stage overshoots what the coupling pulls to; h |w| sqrt(I_max / I_min) <= 1/2: a fast spin does not
-  /// gain in its first step. What touches at the start is not known.
+  /// gain in its first step.
   template <Scene S>
   static bool may_start_itself(const Params<S>& par, const State<S>& x) noexcept {
-    bool may = !uses<ContactsOf<S>>;
+    bool may = starts_itself<S>;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const RigidBodyParams& body = par.bodies[i].body;
       may = may && 2 * par.h * body.anisotropy * x.bodies[i].x.w_B.norm() <= 1;
