@@ -16,7 +16,6 @@
 
 #include "core/node_stage.h"
 #include "core/solve_stage.h"
-#include "core/tuning.h"
 
 namespace godobject {
 
@@ -194,10 +193,9 @@ struct TrBdf2 {
     return {.X_WB = moved<T>(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
   }
 
-  /// The gyroscopic term is resolved: K_0 turns by no more than that in the step.
+  /// h |w| <= max_turn: the gyroscopic term is resolved.
   static bool turn_is_small(const RigidBodyParams& body, const Vec3& w_B, Real h) noexcept {
-    const Real limit = max_extrapolated_turn / body.nutation;
-    return h * h * w_B.squaredNorm() <= limit * limit;
+    return h * h * w_B.squaredNorm() <= body.max_turn * body.max_turn;
   }
 
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step.

@@ -49,8 +49,11 @@ inline Real nutation(const Vec3& moments) noexcept {
 /// Fills in what is derived from mass and inertia.
 inline RigidBodyParams rigid_body(Real m, const Mat3& I_B) noexcept {
   const Vec3 moments = principal_moments(I_B);
-  return {
-      .m = m, .I_B = I_B, .anisotropy = std::sqrt(moments.z() / moments.x()), .nutation = nutation(moments)};
+  const Real anisotropy = std::sqrt(moments.z() / moments.x());
+  // a body that is nearly a ball may turn farther
+  const Real max_turn =
+      std::max(max_extrapolated_turn / nutation(moments), 2 * max_extrapolated_turn / anisotropy);
+  return {.m = m, .I_B = I_B, .anisotropy = anisotropy, .max_turn = max_turn};
 }
 
 inline bool is_gain(Real a) noexcept { return a >= 0 && a - a == 0; }

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "core/setup.h"
-#include "core/tuning.h"
 #include "platform/cli/time_to_zero.h"
 #include "platform/scene/contact_params.h"
 #include "platform/scene/top_speed.h"
@@ -75,7 +74,7 @@ void add_order(const SceneConfig& scene, std::vector<std::string>& lines) {
   const BodyConfig* fastest = nullptr;
   double bound = std::numeric_limits<double>::infinity();
   for (const BodyConfig& body : scene.bodies) {
-    const double w = max_extrapolated_turn / (scene.step * rigid_body(body.mass, body.inertia).nutation);
+    const double w = rigid_body(body.mass, body.inertia).max_turn / scene.step;
     if (w >= bound) continue;
     bound = w;
     fastest = &body;
