@@ -28,6 +28,8 @@ enum class Limited : std::uint32_t {
   torque_rate = 1u << 3,  // feedback torque changes as fast as allowed
   ramp = 1u << 4,         // coupling and feedback still rising after engaging
   held = 1u << 5,         // no valid sample: the target rests where it was last seen
+  first_order =
+      1u << 6,  // TR-BDF2 has taken implicit Euler stages: a body turns too far, or forces have jumped
 };
 
 constexpr Fault operator|(Fault a, Fault b) noexcept { return Fault(std::uint32_t(a) | std::uint32_t(b)); }

@@ -16,7 +16,7 @@ struct ImplicitEuler {
 
   /// One step of all bodies from x to w.next, towards the targets at the end of the step.
   template <Scene S>
-  static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+  static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       const GroupIn<S> group(g, num_bodies(par));
       w.bases[g] = gathered(group, [&](std::size_t i) -> const RigidBodyState& { return x.bodies[i].x; });
@@ -28,6 +28,7 @@ struct ImplicitEuler {
     const StageEnd end = solve_stage(par, x, par.h, true, targets_at_the_end(par, w), w);
     for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(w.bases[g], w.velocities[g], end.h);
     end_nodes(par, x, end.h, w);
+    return Limited::none;
   }
 };
 

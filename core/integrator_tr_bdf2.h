@@ -4,9 +4,14 @@
 //   (13)  stage 2, BDF2 to h:                 base = y_n + b h (K_0 + K_1),    move d h to y_n+1
 //
 // d = 1 - 1/sqrt 2, c = 2 d, b = sqrt 2 / 4; K = (velocity, acceleration) at the start and after stage 1.
-// K_0 is what stage 2 of the step before ended with. Where a step turns a body so far that going on in a
-// straight line means nothing (or in the first step, without a K_0), the same two stages are implicit
-// Euler steps of c h and (1 - c) h, which cannot gain energy.
+// K_0 is what stage 2 of the step before ended with. A step that has none, since a run or an engagement begins with it, starts
+// itself: the two stages of the SDIRK scheme of the same d, which is of second order and L-stable too:
+//
+//         stage 1, implicit Euler to d h:   base = y_n,                      move d h to y_1
+//         stage 2, SDIRK to h:              base = y_n + (1 - d) h K_1,      move d h to y_n+1
+//
+// Where a step turns a body so far that going on in a straight line means nothing, or where forces jump, the two stages are
+// implicit Euler steps of c h and (1 - c) h, which cannot gain energy. The step says so: Limited::first_order.
 #pragma once
 
 #include "core/node_stage.h"
@@ -37,42 +42,59 @@ struct TrBdf2 {
 
   /// One step of all bodies from x to w.next through the targets of w.pulls.
   template <Scene S>
-  static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
-    const bool smooth = start_is_smooth(par, x, w);
-    if (!solve_stages(smooth, par, x, w)) [[unlikely]]
+  static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+    const Begin begin = how_it_begins(par, x, w);
+    const StepEnd end = solve_stages(begin, par, x, w);
+    if (end == StepEnd::unsolved) [[unlikely]]
       solve_stages_as_euler(par, x, w);
+    return end == StepEnd::second_order ? Limited::none : Limited::first_order;
   }
 
  private:
+  enum class Begin : std::uint8_t { from_K_0, by_itself, as_euler };
+  enum class StepEnd : std::uint8_t {
+    second_order,
+    first_order,  // a stage, or both, were implicit Euler steps
+    unsolved  // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain
+              // energy; or joints do not hold (39): to be taken again
+  };
+
+  /// Forces of joints and contacts are not known at the start: extrapolated from the first stage alone they may drive.
+  template <class S>
+  static constexpr bool starts_itself = !uses<ContactsOf<S>> && !uses<typename S::Joints>;
+
+  /// Where the first stage ends, in steps.
+  static Real first_end(Begin begin) noexcept { return begin == Begin::by_itself ? d : c; }
+
   /// Out of the way of steps that need it not.
   template <Scene S>
   [[gnu::noinline]] static void solve_stages_as_euler(const Params<S>& par, const State<S>& x,
                                                       Scratch<S>& w) noexcept {
-    solve_stages(false, par, x, w);
+    solve_stages(Begin::as_euler, par, x, w);
   }
 
-  /// Both stages, implicit Euler steps where it is not smooth. False: among bodies something has come or gone meanwhile, of
-  /// which K_0 knew nothing, and which may gain energy; or joints do not hold (39).
+  /// Both stages.
   template <Scene S>
-  static bool solve_stages(bool smooth, const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+  static StepEnd solve_stages(Begin begin, const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     using T = Lanes<S>;
     const Real h = par.h;
+    const bool smooth = begin != Begin::as_euler;
 
     // (12)
-    const StageEnd first = solve_first_stage(smooth, par, x, w);
-    if (!first.solved) return false;
+    const StageEnd first = solve_first_stage(begin, par, x, w);
+    if (!first.solved) return StepEnd::unsolved;
     const Real h_1 = first.h, dh = smooth ? d * h : 0;
 
     // (13)
     bool still_smooth = smooth && turns_are_small(par, w);
     if constexpr (uses<ContactsOf<S>>) {
       const bool alike = touch_alike(x.contacts, w.contacts.memories[w.contacts.last]);
-      if (ContactsOf<S>::between_bodies && smooth && !alike) return false;
+      if (ContactsOf<S>::between_bodies && smooth && !alike) return StepEnd::unsolved;
       still_smooth = still_smooth && alike;
     }
     if constexpr (uses<NetOf<S>>)
       still_smooth = still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
-    const Real h_2 = still_smooth ? d * h : (1 - c) * h;
+    const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
     if constexpr (expects_turns<S>) w.turns.known = still_smooth;
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       const StageVelocityOf<T>& V_1 = w.velocities[g];
@@ -80,8 +102,11 @@ struct TrBdf2 {
         const Start<S> y(GroupIn<S>(g, num_bodies(par)), x);
         const Vector3<T> a_1 = (V_1.v_W - w.bases[g].v_W) * (1 / h_1);
         const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
-        w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
-                                     y.alpha_B + alpha_1, b * h);
+        if (starts_itself<S> && begin == Begin::by_itself)
+          w.bases[g] = extrapolated<T>(y.x, V_1.v_W, V_1.w_B, a_1, alpha_1, (1 - d) * h);
+        else
+          w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
+                                       y.alpha_B + alpha_1, b * h);
         if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
       } else {
         w.bases[g] = moved(w.bases[g], V_1, h_1);
@@ -97,7 +122,7 @@ struct TrBdf2 {
                     .goes_on = true},
                    w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
-    if (!last.solved) return false;
+    if (!last.solved) return StepEnd::unsolved;
 
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       Next<S>& next = w.next[g];
@@ -110,19 +135,22 @@ struct TrBdf2 {
     end_nodes(par, x, h_2, w);
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
-      if (ContactsOf<S>::between_bodies && smooth) return touch_alike(memories[0], memories[1]);
+      if (ContactsOf<S>::between_bodies && smooth && !touch_alike(memories[0], memories[1]))
+        return StepEnd::unsolved;
     }
-    return true;
+    return still_smooth ? StepEnd::second_order : StepEnd::first_order;
   }
 
-  /// (12), or where K_0 is not to be used an implicit Euler step of c h.
+  /// (12), or where there is no K_0 an implicit Euler step of d h, or of c h.
   template <Scene S>
-  static StageEnd solve_first_stage(bool smooth, const Params<S>& par, const State<S>& x,
+  static StageEnd solve_first_stage(Begin begin, const Params<S>& par, const State<S>& x,
                                     Scratch<S>& w) noexcept {
     using T = Lanes<S>;
+    const bool smooth = begin != Begin::as_euler;
     const Real h = par.h;
     const Real h_1 = smooth ? d * h : c * h;
-    const Real dh = smooth ? d * h : 0;
+    const Real dh = begin == Begin::from_K_0 ? d * h : 0;
+    const Real end = first_end(begin);
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       const GroupIn<S> group(g, num_bodies(par));
       const Start<S> y(group, x);
@@ -132,10 +160,10 @@ struct TrBdf2 {
       if constexpr (uses<typename S::Device>)
         w.inside[g] = interpolated<T>(
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
-            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), c, h);
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), end, h);
     }
     start_nodes(par, x, dh, w);
-    lead_joints(par, c, w);
+    lead_joints(par, end, w);
     if constexpr (expects_turns<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
@@ -167,9 +195,9 @@ struct TrBdf2 {
     return {.X_WB = moved<T>(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
   }
 
-  /// h |w| sqrt(I_max / I_min) <= 1/2: the gyroscopic term is resolved.
+  /// h |w| <= max_turn: the gyroscopic term is resolved.
   static bool turn_is_small(const RigidBodyParams& body, const Vec3& w_B, Real h) noexcept {
-    return 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm() <= 1;
+    return h * h * w_B.squaredNorm() <= body.max_turn * body.max_turn;
   }
 
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step.
@@ -185,16 +213,35 @@ struct TrBdf2 {
   }
 
   template <Scene S>
-  static bool start_is_smooth(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
-    bool smooth = true;
+  static Begin how_it_begins(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
+    bool smooth = true, known = true;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const BodyState<S>& y = x.bodies[i];
       const Real h_sq = par.h * par.h;
-      smooth = smooth && y.memory.known && turn_is_small(par.bodies[i].body, y.x.w_B, par.h) &&
+      smooth = smooth && (y.memory.known || x.tick == 0) &&
+               turn_is_small(par.bodies[i].body, y.x.w_B, par.h) &&
                4 * h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= 1;
-      if constexpr (uses<typename S::Device>) smooth = smooth && !w.pulls[i].fresh;
+      known = known && y.memory.known;
+      if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
     }
-    return smooth;
+    if (smooth && known) return Begin::from_K_0;
+    return smooth && may_start_itself(par, x) ? Begin::by_itself : Begin::as_euler;
+  }
+
+  /// d h (g + d h k) <= m: no stage overshoots what the coupling pulls to; h |w| sqrt(I_max / I_min) <= 1/2: a fast spin does not
+  /// gain in its first step.
+  template <Scene S>
+  static bool may_start_itself(const Params<S>& par, const State<S>& x) noexcept {
+    bool may = starts_itself<S>;
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const RigidBodyParams& body = par.bodies[i].body;
+      may = may && 2 * par.h * body.anisotropy * x.bodies[i].x.w_B.norm() <= 1;
+      if constexpr (uses<typename S::Coupling>) {
+        const SpringParams& spring = par.bodies[i].coupling;
+        may = may && d * par.h * (spring.g + d * par.h * spring.k) <= body.m;
+      }
+    }
+    return may;
   }
 
   template <Scene S>

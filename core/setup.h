@@ -37,10 +37,25 @@ inline Vec3 principal_moments(const Mat3& I_B) noexcept {
   return Eigen::SelfAdjointEigenSolver<Mat3>(I_B, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+/// |w'| <= nutation |w| |w| in the norm of the energy, w.I w, for a free body, I w' = I w x w: in principal axes
+/// w_i' = (I_j - I_k) / I_i w_j w_k. Bodies whose moments obey I_i <= I_j + I_k, all that are made of mass, have 1.
+inline Real nutation(const Vec3& moments) noexcept {
+  Real rate = 1;
+  for (int i = 0; i < 3; ++i) {
+    const Real I_j = moments[(i + 1) % 3], I_k = moments[(i + 2) % 3];
+    rate = std::max(rate, std::abs(I_j - I_k) / std::sqrt(moments[i] * std::max(I_j, I_k)));
+  }
+  return rate;
+}
+
 /// Fills in what is derived from mass and inertia.
 inline RigidBodyParams rigid_body(Real m, const Mat3& I_B) noexcept {
   const Vec3 moments = principal_moments(I_B);
-  return {.m = m, .I_B = I_B, .anisotropy = std::sqrt(moments.z() / moments.x())};
+  const Real anisotropy = std::sqrt(moments.z() / moments.x());
+  // a body that is nearly a ball may turn farther
+  const Real max_turn =
+      std::max(max_extrapolated_turn / nutation(moments), 2 * max_extrapolated_turn / anisotropy);
+  return {.m = m, .I_B = I_B, .anisotropy = anisotropy, .max_turn = max_turn};
 }
 
 inline bool is_gain(Real a) noexcept { return a >= 0 && a - a == 0; }

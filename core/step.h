@@ -125,7 +125,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
 
   // motion: (10), (11), by one or two stages (12), (13)
   if (!any(out.fault)) {
-    S::Integrator::advance(par, x, w);
+    out.limited |= S::Integrator::advance(par, x, w);
     if (!is_finite(par, w)) out.fault |= Fault::state_not_finite;
   }
   if (!any(out.fault)) commit(par, w, x);

@@ -10,6 +10,12 @@
 
 namespace godobject {
 
+// The second-order scheme (core/integrator_tr_bdf2.h).
+
+/// rad: a step in which a body, or its angular velocity, turns farther is taken as implicit Euler stages: an extrapolation
+/// along a straight line means nothing. tests/core/test_stability.cc; docs/decisions/045.
+inline constexpr Real max_extrapolated_turn = 0.25;
+
 // Joints where a stage is predicted to end (core/joint).
 
 /// rad: a stage that turns a body farther has its joints and contacts where it starts. tests/articulated, spins to

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/math/so3.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -13,7 +14,9 @@ struct RigidBodyParamsOf {
   T m = 1;  // mass, kg, > 0
   Matrix3<T> I_B =
       Matrix3<T>::Identity();  // inertia about the centre of mass, body axes, kg m^2, positive definite
-  T anisotropy = 1;            // sqrt(I_max / I_min): see rho in implicit_rotation; rigid_body() fills it in
+  // derived, rigid_body() fills them in
+  T anisotropy = 1;                    // sqrt(I_max / I_min): see rho in implicit_rotation
+  T max_turn = max_extrapolated_turn;  // rad: how far it may turn in a step of TrBdf2 that extrapolates
 };
 using RigidBodyParams = RigidBodyParamsOf<Real>;
 

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstdarg>
 #include <cstdio>
+#include <limits>
 
+#include "core/setup.h"
 #include "platform/cli/time_to_zero.h"
 #include "platform/scene/contact_params.h"
 #include "platform/scene/net/report.h"
@@ -67,6 +69,25 @@ void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& li
         line(i == 1 ? "time to zero" : "", "%s", table[i].substr(table[i].find_first_not_of("# ")).c_str()));
 }
 
+/// Up to which angular velocity TR-BDF2 is of second order: the least of all bodies.
+void add_order(const SceneConfig& scene, std::vector<std::string>& lines) {
+  if (scene.integrator != "tr-bdf2") return;
+  const BodyConfig* fastest = nullptr;
+  double bound = std::numeric_limits<double>::infinity();
+  for (const BodyConfig& body : scene.bodies) {
+    const double w = rigid_body(body.mass, body.inertia).max_turn / scene.step;
+    if (w >= bound) continue;
+    bound = w;
+    fastest = &body;
+  }
+  if (fastest == nullptr) return;
+  lines.push_back(
+      line("second order",
+           "below %.3g rad/s of '%s' and while no contact or stop comes or goes; other steps are limit "
+           "'first_order' of the report",
+           bound, fastest->name.c_str()));
+}
+
 void add_contacts(const SceneConfig& scene, const Composition& c, std::vector<std::string>& lines) {
   if (c.contacts != ContactScope::none) {
     const ContactCounts counts = contact_counts(scene);
@@ -118,6 +139,7 @@ std::vector<std::string> check_lines(const RunOptions& options, const PreparedRu
   lines.push_back(line("time", "%g s in steps of %g s, %s",
                        static_cast<double>(prepared.plan.num_cycles) * scene.step, scene.step,
                        scene.integrator.c_str()));
+  add_order(scene, lines);
   const char* const own_motion = scene.motion ? "of the scene" : "none: the hand rests";
   lines.push_back(line("motion", "%s", options.motion.empty() ? own_motion : options.motion.c_str()));
   if (scene.device) add_device(*scene.device, lines);

@@ -4,8 +4,8 @@
 namespace godobject {
 
 void add_joints_contacts(std::vector<CompositionRow>& table) {
-  table.push_back(row<Tool<ImplicitEuler, 8, AllJoints, ToolContacts>>("joints-contacts"));
-  table.push_back(row<Tool<TrBdf2, 8, AllJoints, ToolContacts>>("joints-contacts"));
+  table.push_back(row<Tool<ImplicitEuler, 64, AllJoints, ToolContacts>>("joints-contacts"));
+  table.push_back(row<Tool<TrBdf2, 64, AllJoints, ToolContacts>>("joints-contacts"));
 }
 
 }  // namespace godobject

@@ -146,7 +146,7 @@ struct SceneConfig {
   std::string about;
   double step = 1e-3;    // h, s
   double duration = 10;  // s
-  std::string integrator = "implicit-euler";
+  std::string integrator = "tr-bdf2";
   CouplingMode coupling = CouplingMode::god_object;
   Vec3 gravity = Vec3::Zero();      // m/s^2
   std::vector<BodyConfig> bodies;   // parents before children

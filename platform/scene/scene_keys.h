@@ -145,8 +145,12 @@ void visit_header(V& v, SceneConfig& s) {
               "how long a run lasts unless --duration says otherwise",
               {.min = 0, .max = 1e6, .min_open = true}},
           s.duration);
-  choose(v, Key{"integrator", "", "time-stepping scheme"}, {integrator_names.begin(), integrator_names.end()},
-         s.integrator);
+  choose(v,
+         Key{.name = "integrator",
+             .unit = "",
+             .meaning = "time-stepping scheme",
+             .otherwise = "`\"tr-bdf2\"`; where bodies may touch each other `\"implicit-euler\"`"},
+         {integrator_names.begin(), integrator_names.end()}, s.integrator);
   choose(v,
          Key{"coupling", "",
              "god-object: each [body.coupling] pulls; imposed: driven bodies are placed at their targets in "

@@ -1,5 +1,7 @@
 #include "tests/study/reference_scene.h"
 
+#include <algorithm>
+
 #include "tests/oracle/reference_case.h"
 #include "tests/oracle/scenes.h"
 #include "tests/oracle/target.h"
@@ -70,8 +72,8 @@ ReferenceScene reference_s3() {
 }
 
 ReferenceScene reference_chain() {
-  return {.name = "chain-5",
-          .about = "S5 with five links: on ball joints, released at 45 degrees",
+  return {.name = "S5",
+          .about = "five equal links on ball joints, released at 45 degrees",
           .problem = scene_s5(5),
           .duration = 0.5};
 }
@@ -80,16 +82,23 @@ std::vector<ReferenceScene> reference_scenes(const std::filesystem::path& shared
                                              std::vector<std::string>& skipped) {
   std::vector<ReferenceScene> scenes{coupling_step(), scene_s1(), torque_free(), reference_s3(),
                                      reference_chain()};
-  const std::filesystem::path lissajous = shared / "reference" / "coupling-lissajous";
-  if (std::filesystem::exists(lissajous / "case.json")) {
-    const oracle::ReferenceCase loaded = oracle::load_reference_case(lissajous);
-    scenes.insert(scenes.begin() + 1, {.name = "coupling-lissajous",
-                                       .about = "a very slender body on a moving target, from a file",
-                                       .problem = loaded.problem,
-                                       .duration = loaded.duration});
-  } else {
-    skipped.push_back("coupling-lissajous: its motion file was not found (set GODOBJECT_SHARED)");
-  }
+  // name, what it is, s at most: chains and tops that start alike part after that
+  const auto add = [&](const char* name, const char* about, double duration, std::size_t at) {
+    const std::filesystem::path folder = shared / "reference" / name;
+    if (!std::filesystem::exists(folder / "case.json")) {
+      skipped.push_back(std::string(name) + ": its files were not found (set GODOBJECT_SHARED)");
+      return;
+    }
+    const oracle::ReferenceCase loaded = oracle::load_reference_case(folder);
+    scenes.insert(scenes.begin() + static_cast<std::ptrdiff_t>(at),
+                  {.name = name,
+                   .about = about,
+                   .problem = loaded.problem,
+                   .duration = std::min(duration, loaded.duration)});
+  };
+  add("chain-5", "five links on ball joints, the last ten times heavier, from a file", 0.5, scenes.size());
+  add("heavy-top", "a fast top on a ball joint, from a file", 0.5, scenes.size());
+  add("coupling-lissajous", "a very slender body on a moving target, from a file", 100, 1);
   return scenes;
 }
 

@@ -10,9 +10,11 @@ namespace {
 
 /// Of the tools: error and drift against run time, at every step.
 void write_articulated_errors(std::ostream& out, const std::vector<ErrorRow>& rows) {
-  out << "S3 is a grasper of four bodies on four joints, chain-5 five links on ball joints; both with the "
-         "joints held "
-         "at the prediction:\n\n"
+  out << "S3 is a grasper of four bodies on four joints, S5 five equal links on ball joints; chain-5, five "
+         "links with an end "
+         "ten times heavier, and heavy-top are the reference cases of these names. All with the joints held "
+         "at the "
+         "prediction:\n\n"
          "| scene | integrator | step, ms | m | rad | drift, m | drift, rad | ns/step | compute per "
          "simulated s, us |\n"
          "|---|---|---|---|---|---|---|---|---|\n";

@@ -35,9 +35,17 @@ class PoseErrorStatistics {
 };
 
 /// Bounds that were met on purpose.
-inline constexpr std::array<std::string_view, 10> limit_names{
-    "force", "torque",       "force_rate",        "torque_rate",          "ramp",
-    "held",  "drive_torque", "drive_torque_rate", "drive_internal_limit", "drive_command_not_sent"};
+inline constexpr std::array<std::string_view, 11> limit_names{"force",
+                                                              "torque",
+                                                              "force_rate",
+                                                              "torque_rate",
+                                                              "ramp",
+                                                              "held",
+                                                              "first_order",
+                                                              "drive_torque",
+                                                              "drive_torque_rate",
+                                                              "drive_internal_limit",
+                                                              "drive_command_not_sent"};
 
 /// The worst of a run.
 struct NetStatistics {
@@ -79,7 +87,7 @@ struct RunStatistics {
       exact_following.add(record.exact_following);
       encoders.add(record.encoders);
     }
-    constexpr std::size_t num_core_limits = 6;
+    constexpr std::size_t num_core_limits = 7;
     for (std::size_t i = 0; i < num_core_limits; ++i)
       limit_cycles[i] += has(record.limited, Limited(1u << i)) ? 1 : 0;
     const CommandReport& drives = record.drives;

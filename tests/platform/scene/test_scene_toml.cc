@@ -71,7 +71,7 @@ TEST(SceneToml, MinimalSceneHasDefaultsAndTheDefaultDampingRatio) {
   EXPECT_THAT(result.warnings, IsEmpty());
   const SceneConfig& scene = *result.scene;
   EXPECT_EQ(scene.name, "test");
-  EXPECT_EQ(scene.integrator, "implicit-euler");
+  EXPECT_EQ(scene.integrator, "tr-bdf2");
   EXPECT_EQ(scene.step, 1e-3);
   ASSERT_EQ(scene.bodies.size(), 1u);
   ASSERT_TRUE(scene.bodies[0].coupling.has_value());
