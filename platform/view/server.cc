@@ -71,7 +71,9 @@ class Stream : public std::enable_shared_from_this<Stream> {
     Error ignored;
     static_cast<void>(beast::get_lowest_layer(socket_).socket().close(ignored));
   }
-  bool is_stalled(Clock::time_point now) const { return !waiting_.empty() && now - writing_since_ > write_patience; }
+  bool is_stalled(Clock::time_point now) const {
+    return !waiting_.empty() && now - writing_since_ > write_patience;
+  }
   std::uint64_t id() const { return id_; }
   FoxgloveClient* foxglove() { return foxglove_ ? &foxglove_client_ : nullptr; }
 
@@ -134,7 +136,9 @@ class Hub final : public ViewServer {
   const Door& door() const { return *door_; }
   /// The same line is said at most once a second; how often it was not said is.
   void log(const std::string& line);
-  void forget(const Requests* requests) { std::erase_if(requests_, [=](const auto& r) { return r.get() == requests; }); }
+  void forget(const Requests* requests) {
+    std::erase_if(requests_, [=](const auto& r) { return r.get() == requests; });
+  }
   void forget(const Stream* stream);
   void upgrade(beast::tcp_stream&& socket, const http::request<http::empty_body>& request, bool foxglove);
   void joined(Stream& stream);
@@ -169,10 +173,12 @@ void Stream::accept(const http::request<http::empty_body>& request) {
   beast::get_lowest_layer(socket_).expires_never();
   socket_.set_option(websocket::stream_base::timeout{
       .handshake_timeout = request_patience, .idle_timeout = silence_patience, .keep_alive_pings = true});
-  socket_.set_option(websocket::stream_base::decorator([foxglove = foxglove_](websocket::response_type& response) {
-    response.set(http::field::sec_websocket_protocol, foxglove ? foxglove_protocol : stream_protocol);
-  }));
+  socket_.set_option(
+      websocket::stream_base::decorator([foxglove = foxglove_](websocket::response_type& response) {
+        response.set(http::field::sec_websocket_protocol, foxglove ? foxglove_protocol : stream_protocol);
+      }));
   socket_.read_message_max(max_message_bytes);
+  socket_.auto_fragment(false);
   socket_.async_accept(request, [self = shared_from_this()](Error error) {
     if (error) return self->hub_.forget(self.get());
     self->hub_.joined(*self);
@@ -201,7 +207,8 @@ void Stream::take(Error error) {
       hub_.log("a client was closed: what it sent is no pointer's message");
       return close(websocket::close_code::policy_error, "that is no pointer's message");
     }
-    if (!hub_.source().point(id_, message)) hub_.log("a pointer was not listened to: --view-input is not given, or another moves it");
+    if (!hub_.source().point(id_, message))
+      hub_.log("a pointer was not listened to: --view-input is not given, or another moves it");
   }
   buffer_.consume(buffer_.size());
   read();
@@ -218,12 +225,13 @@ void Stream::write() {
   writing_since_ = Clock::now();
   socket_.binary(waiting_.front().binary);
   const std::vector<std::uint8_t>& bytes = *waiting_.front().bytes;
-  socket_.async_write(net::buffer(bytes.data(), bytes.size()), [self = shared_from_this()](Error error, std::size_t) {
-    self->waiting_.pop_front();
-    if (error) return;  // and the read ends with an error, too
-    if (self->closing_) return self->shut();
-    if (!self->waiting_.empty()) self->write();
-  });
+  socket_.async_write(net::buffer(bytes.data(), bytes.size()),
+                      [self = shared_from_this()](Error error, std::size_t) {
+                        self->waiting_.pop_front();
+                        if (error) return;  // and the read ends with an error, too
+                        if (self->closing_) return self->shut();
+                        if (!self->waiting_.empty()) self->write();
+                      });
 }
 
 void Stream::close(websocket::close_code code, std::string_view why) {
@@ -268,7 +276,8 @@ void Requests::answer() {
     case Route::file: {
       const PageFile file = page_file(verdict.path);
       constexpr int not_found = 404;
-      if (file.text.empty()) return reply(not_found, "text/plain; charset=utf-8", body_ = "there is no such file\n");
+      if (file.text.empty())
+        return reply(not_found, "text/plain; charset=utf-8", body_ = "there is no such file\n");
       return reply(verdict.status, file.type, file.text);
     }
     case Route::scene: return reply(verdict.status, "application/json", body_ = hub_.source().scene());
@@ -314,7 +323,8 @@ void Requests::reply(int status, std::string_view type, std::string_view body) {
 std::string Hub::listen() {
   Error error;
   const net::ip::address address = net::ip::make_address(settings_.address, error);
-  if (error) return "--view-address: '" + settings_.address + "' is no address of a machine, such as 127.0.0.1";
+  if (error)
+    return "--view-address: '" + settings_.address + "' is no address of a machine, such as 127.0.0.1";
   const int first = settings_.port != 0 ? settings_.port : default_view_port;
   const int last = settings_.port != 0 ? first : first + num_default_ports - 1;
   for (int port = first; port <= last; ++port) {
@@ -372,7 +382,11 @@ void Hub::accept() {
     if (ending_) return;
     if (error) {  // out of descriptors: not at once again
       timer_.expires_after(std::chrono::milliseconds(100));
-      return timer_.async_wait([this](Error) { polling_ = false; accept(); poll(); });
+      return timer_.async_wait([this](Error) {
+        polling_ = false;
+        accept();
+        poll();
+      });
     }
     if (requests_.size() >= max_requests) {  // who has come first has had his time
       log("a request was dropped: more than " + std::to_string(max_requests) + " at a time");
@@ -387,7 +401,8 @@ void Hub::accept() {
 }
 
 void Hub::upgrade(beast::tcp_stream&& socket, const http::request<http::empty_body>& request, bool foxglove) {
-  if (streams_.size() >= max_streams) return log("a client was refused: more than " + std::to_string(max_streams) + " look on");
+  if (streams_.size() >= max_streams)
+    return log("a client was refused: more than " + std::to_string(max_streams) + " look on");
   streams_.push_back(std::make_shared<Stream>(std::move(socket), *this, next_id_++, foxglove));
   streams_.back()->accept(request);
 }
@@ -428,7 +443,9 @@ void Hub::feed() {
       log("a client was closed: it has taken nothing for " + std::to_string(write_patience.count()) + " s");
       stream->drop();
     } else if (FoxgloveClient* const foxglove = stream->foxglove()) {
-      if (frame) foxglove->show(*frame, [&](ViewBytes bytes) { stream->offer({.binary = true, .bytes = std::move(bytes)}); });
+      if (frame)
+        foxglove->show(*frame,
+                       [&](ViewBytes bytes) { stream->offer({.binary = true, .bytes = std::move(bytes)}); });
     } else if (frame) {
       stream->offer({.binary = true, .bytes = frame});
     }
