@@ -113,7 +113,7 @@ std::vector<std::array<Vec3, 2>> round_wires(const MeshData& mesh) {
     for (std::uint32_t i = 0; i < num_sides; ++i) {
       const std::uint32_t a = ring * num_sides + i, b = ring * num_sides + (i + 1) % num_sides;
       if (ring % every == 0 || ring + 1 == num_profile) wires.push_back({mesh.vertices[a], mesh.vertices[b]});
-      if (i % every == 0 && ring + 1 < num_profile)
+      if (i % (2 * every) == 0 && ring + 1 < num_profile)
         wires.push_back({mesh.vertices[a], mesh.vertices[a + num_sides]});
     }
   return wires;
