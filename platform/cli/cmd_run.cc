@@ -186,18 +186,23 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
       ->type_name("FILE");
   verb.add_option_function<std::string>(
           "--view",
-          [&options](const std::string& port) { options.view = static_cast<std::uint16_t>(std::stoul("0" + port)); },
-          "serve a page that shows the run, at the address that is printed, on this machine alone; port: 7780, or the "
+          [&options](const std::string& port) {
+            options.view = static_cast<std::uint16_t>(std::stoul("0" + port));
+          },
+          "serve a page that shows the run, at the address that is printed, on this machine alone; port: "
+          "7780, or the "
           "next free one. The run is in wall time, unless --fast is given. See docs/view.md")
       ->type_name("[PORT]")
       ->expected(0, 1)
       ->check(port_number());
-  verb.add_option("--view-address", options.view_address,
-                  "listen on this address instead of 127.0.0.1: whoever reaches it and has the token sees the run")
+  verb.add_option(
+          "--view-address", options.view_address,
+          "listen on this address instead of 127.0.0.1: whoever reaches it and has the token sees the run")
       ->type_name("ADDRESS");
-  verb.add_flag("--view-input", options.view_input,
-                "the pointer in the page is the device: it takes hold of coupled bodies and moves them; without "
-                "buses, until the run is stopped");
+  verb.add_flag(
+      "--view-input", options.view_input,
+      "the pointer in the page is the device: it takes hold of coupled bodies and moves them; without "
+      "buses, until the run is stopped");
   verb.add_flag("--quiet", options.quiet, "print only warnings and faults; the exit code says the rest");
 }
 

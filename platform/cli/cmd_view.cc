@@ -70,16 +70,20 @@ RecordingResult read_trace_of(const std::string& path, const SceneConfig& scene)
 
 std::optional<Recording> load(const ViewOptions& options) {
   const bool is_scene = is(options.file, ".toml");
-  const std::string path = is_scene ? options.file : !options.scene.empty() ? options.scene : scene_of_report(options.file);
+  const std::string path = is_scene                 ? options.file
+                           : !options.scene.empty() ? options.scene
+                                                    : scene_of_report(options.file);
   if (path.empty()) {
-    complain({options.file + ": of which scene is it? Give its file with --scene, or the run's --report beside it as report.json"});
+    complain({options.file + ": of which scene is it? Give its file with --scene, or the run's --report "
+                             "beside it as report.json"});
     return std::nullopt;
   }
   const LoadResult loaded = load_scene(path);
   complain(loaded.errors);
   if (!loaded.scene) return std::nullopt;
   if (is_scene) return recording_of(*loaded.scene);
-  RecordingResult result = is(options.file, ".csv") ? read_trace_of(options.file, *loaded.scene) : replay_log(options.file, path, *loaded.scene);
+  RecordingResult result = is(options.file, ".csv") ? read_trace_of(options.file, *loaded.scene)
+                                                    : replay_log(options.file, path, *loaded.scene);
   complain(result.errors);
   return std::move(result.recording);
 }
@@ -89,16 +93,20 @@ std::vector<Image> frames_of(const ViewOptions& options, const Recording& record
   const double begin = options.time.value_or(recording.samples.front().record.t);
   const auto num = static_cast<int>(*options.duration * picture_rate_hz);
   for (int i = 0; i < std::max(1, num); ++i)
-    images.push_back(drawn(picture_of(recording, drawing, sample_at(recording, begin + i / picture_rate_hz)), options.size[0], options.size[1]));
+    images.push_back(drawn(picture_of(recording, drawing, sample_at(recording, begin + i / picture_rate_hz)),
+                           options.size[0], options.size[1]));
   return images;
 }
 
 ExitCode leave_picture(const ViewOptions& options, const Recording& recording) {
   const Drawing drawing = drawing_of(recording.scene);
   std::string bytes;
-  if (is(options.picture, ".gltf")) bytes = gltf_of(picture_of(recording, drawing, sample_at(recording, options.time)));
+  if (is(options.picture, ".gltf"))
+    bytes = gltf_of(picture_of(recording, drawing, sample_at(recording, options.time)));
   else if (options.duration) bytes = png_of(frames_of(options, recording, drawing), 1 / picture_rate_hz);
-  else bytes = png_of({drawn(picture_of(recording, drawing, sample_at(recording, options.time)), options.size[0], options.size[1])});
+  else
+    bytes = png_of({drawn(picture_of(recording, drawing, sample_at(recording, options.time)), options.size[0],
+                          options.size[1])});
   std::ofstream out(options.picture, std::ios::binary);
   out << bytes;
   out.close();
@@ -116,7 +124,8 @@ ExitCode serve(const ViewOptions& options, const Recording& recording) {
   const StopSignals stop;
   std::string why_not;
   const std::unique_ptr<ViewServer> server = ViewServer::start(
-      settings, source, [](const std::string& line) { std::fprintf(stderr, "view: %s\n", line.c_str()); }, why_not);
+      settings, source, [](const std::string& line) { std::fprintf(stderr, "view: %s\n", line.c_str()); },
+      why_not);
   if (!server) {
     complain({why_not});
     return ExitCode::not_available;
@@ -140,20 +149,33 @@ ExitCode view(const ViewOptions& options) {
 }  // namespace
 
 void add_view(CLI::App& app, ExitCode& code) {
-  CLI::App* verb = app.add_subcommand("view", "Look at a trace, a recording of buses or a scene, in a browser or as a picture.");
+  CLI::App* verb = app.add_subcommand(
+      "view", "Look at a trace, a recording of buses or a scene, in a browser or as a picture.");
   const auto options = std::make_shared<ViewOptions>();
   verb->add_option("FILE", options->file,
-                   "a trace (.csv) of `run --trace`; a log of its buses, of `run --record`; or a scene (.toml) as it begins")
+                   "a trace (.csv) of `run --trace`; a log of its buses, of `run --record`; or a scene "
+                   "(.toml) as it begins")
       ->required();
-  verb->add_option("--scene", options->scene, "the scene of the trace or the log; default: the one that report.json beside it names")
+  verb->add_option("--scene", options->scene,
+                   "the scene of the trace or the log; default: the one that report.json beside it names")
       ->type_name("SCENE");
-  verb->add_option("--picture", options->picture, "leave a picture in this file instead, .png or .gltf, and end")->type_name("FILE");
-  verb->add_option("--time", options->time, "s, of the picture; default: the last instant")->check(number_in(0, 1e9));
-  verb->add_option("--duration", options->duration, "s, from --time or the beginning on: a picture that moves (.png)")
+  verb->add_option("--picture", options->picture,
+                   "leave a picture in this file instead, .png or .gltf, and end")
+      ->type_name("FILE");
+  verb->add_option("--time", options->time, "s, of the picture; default: the last instant")
+      ->check(number_in(0, 1e9));
+  verb->add_option("--duration", options->duration,
+                   "s, from --time or the beginning on: a picture that moves (.png)")
       ->check(number_above(0, 60));
-  verb->add_option("--size", options->size, "of a picture, pixels: WIDTH HEIGHT")->expected(2)->check(CLI::Range(16, 8192))->type_name("N");
-  verb->add_option("--port", options->port, "of the page; default: 7780, or the next free one")->check(CLI::Range(1, 65535))->type_name("PORT");
-  verb->add_option("--address", options->address, "listen on this address instead of 127.0.0.1")->type_name("ADDRESS");
+  verb->add_option("--size", options->size, "of a picture, pixels: WIDTH HEIGHT")
+      ->expected(2)
+      ->check(CLI::Range(16, 8192))
+      ->type_name("N");
+  verb->add_option("--port", options->port, "of the page; default: 7780, or the next free one")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("PORT");
+  verb->add_option("--address", options->address, "listen on this address instead of 127.0.0.1")
+      ->type_name("ADDRESS");
   verb->callback([options, &code] { code = view(*options); });
 }
 

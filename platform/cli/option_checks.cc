@@ -30,8 +30,10 @@ CLI::Validator port_number() {
   const auto check = [](const std::string& text) -> std::string {
     unsigned port = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-    const bool complete = error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= highest;
-    return text.empty() || complete ? "" : "'" + text + "' is no port, from 1 to 65535; SCENE comes before --view";
+    const bool complete =
+        error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= highest;
+    return text.empty() || complete ? ""
+                                    : "'" + text + "' is no port, from 1 to 65535; SCENE comes before --view";
   };
   return {check, "", "port"};
 }

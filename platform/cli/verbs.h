@@ -35,7 +35,8 @@ void add_encoder(CLI::App& app, ExitCode& code);
 void add_view(CLI::App& app, ExitCode& code);
 void add_documents(CLI::App& app, ExitCode& code);
 
-inline constexpr std::array<AddVerb, 12> verbs{add_run,    add_check, add_simulate, add_view,  add_bus_load, add_monitor,
-                                               add_faults, add_sdo,   add_lss,      add_drive, add_encoder,  add_documents};
+inline constexpr std::array<AddVerb, 12> verbs{add_run,      add_check,   add_simulate, add_view,
+                                               add_bus_load, add_monitor, add_faults,   add_sdo,
+                                               add_lss,      add_drive,   add_encoder,  add_documents};
 
 }  // namespace godobject

@@ -33,6 +33,7 @@ void Session::cycle(CycleRecord& record) noexcept {
 /// What the devices know of the hand.
 void Session::read() noexcept {
   Period& period = begin_period();
+  for (BodySample& sample : samples_) sample.valid = true;  // also of bodies of which no device speaks
   for (HandDevice* const device : devices_) device->read(period, samples_);
 }
 

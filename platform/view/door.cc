@@ -21,7 +21,8 @@ constexpr std::size_t token_digits = 32;
 bool is_address(std::string_view text) {
   std::array<std::uint8_t, 16> bytes{};
   const std::string name(text);
-  return inet_pton(AF_INET, name.c_str(), bytes.data()) == 1 || inet_pton(AF_INET6, name.c_str(), bytes.data()) == 1;
+  return inet_pton(AF_INET, name.c_str(), bytes.data()) == 1 ||
+         inet_pton(AF_INET6, name.c_str(), bytes.data()) == 1;
 }
 
 /// Takes as long wherever they differ.
@@ -79,7 +80,8 @@ std::string token_in_file(const std::string& path) {
   if (file < 0) return "";
   struct stat status {};
   std::string token;
-  if (fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid() && (status.st_mode & 077u) == 0) {
+  if (fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid() &&
+      (status.st_mode & 077u) == 0) {
     std::array<char, token_digits> text{};
     const ssize_t size = read(file, text.data(), text.size());
     token.assign(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
@@ -100,7 +102,8 @@ std::string run_time_folder() {
     const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets it
     return value != nullptr && *value == '/' ? value : "";
   };
-  if (const std::string folder = in_environment("XDG_RUNTIME_DIR"); !folder.empty()) return folder + "/godobject";
+  if (const std::string folder = in_environment("XDG_RUNTIME_DIR"); !folder.empty())
+    return folder + "/godobject";
   const std::string home = in_environment("HOME");
   return home.empty() ? "" : home + "/.cache/godobject";
 }
@@ -137,16 +140,19 @@ bool Door::knows_host(std::string_view host) const {
 Verdict Door::judge(const KnockHead& head) const {
   constexpr int bad_method = 405, forbidden = 403, upgrade_required = 426, switching = 101;
   if (!knows_host(head.host))
-    return refusal(forbidden, "host '" + std::string(head.host.substr(0, 64)) + "' is no name of this server");
+    return refusal(forbidden,
+                   "host '" + std::string(head.host.substr(0, 64)) + "' is no name of this server");
   if (head.method != "GET") return refusal(bad_method, "only GET is answered");
   const std::size_t question = head.target.find('?');
   const std::string path(head.target.substr(0, question));
   const std::string_view query = question == std::string_view::npos ? "" : head.target.substr(question + 1);
-  const bool is_stream = path == "/stream", is_foxglove = is_stream && offers(head.protocols, foxglove_protocol);
+  const bool is_stream = path == "/stream",
+             is_foxglove = is_stream && offers(head.protocols, foxglove_protocol);
   if (!is_stream && path != "/scene" && path != "/frames") return {.route = Route::file, .path = path};
 
   if (head.origin && !is_foxglove && *head.origin != "http://" + std::string(head.host))
-    return refusal(forbidden, "a page of '" + std::string(head.origin->substr(0, 64)) + "' asked, not this server's own");
+    return refusal(forbidden, "a page of '" + std::string(head.origin->substr(0, 64)) +
+                                  "' asked, not this server's own");
   if (token_.empty() || !same_secret(token_in(query), token_))
     return refusal(forbidden, "the token is missing or wrong: use the address as it was printed");
   if (path == "/scene") return {.route = Route::scene};

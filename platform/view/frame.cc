@@ -32,7 +32,8 @@ class FrameWriter {
 
 std::uint8_t flags_of(const ViewSample& sample) noexcept {
   const CycleRecord& record = sample.record;
-  return static_cast<std::uint8_t>((record.engaged ? frame_engaged : 0) | (record.on_hold ? frame_on_hold : 0) |
+  return static_cast<std::uint8_t>((record.engaged ? frame_engaged : 0) |
+                                   (record.on_hold ? frame_on_hold : 0) |
                                    (record.force_oscillates ? frame_oscillates : 0) |
                                    (sample.missed_deadlines ? frame_missed_deadlines : 0));
 }
@@ -79,7 +80,9 @@ void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::
   }
   for (std::size_t i = 0; i < num_contacts; ++i) {
     const ContactView& contact = sample.touching[i];
-    const auto index = [](std::size_t body) { return body == world ? UINT32_MAX : static_cast<std::uint32_t>(body); };
+    const auto index = [](std::size_t body) {
+      return body == world ? UINT32_MAX : static_cast<std::uint32_t>(body);
+    };
     to.put(contact.is_node ? UINT32_MAX : index(contact.a)).put(index(contact.b)).put(contact.p_W).put(contact.n_W).put(contact.F_W);
   }
   for (const Vec3& p : vertices) to.put(p);

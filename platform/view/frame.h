@@ -23,7 +23,12 @@ inline constexpr std::size_t frame_header_bytes = 120, frame_body_bytes = 28, fr
 inline constexpr std::size_t max_frame_contacts = 4096;
 
 /// Bits of a frame's flags.
-enum : std::uint8_t { frame_engaged = 1, frame_on_hold = 2, frame_oscillates = 4, frame_missed_deadlines = 8 };
+enum : std::uint8_t {
+  frame_engaged = 1,
+  frame_on_hold = 2,
+  frame_oscillates = 4,
+  frame_missed_deadlines = 8
+};
 
 /// Appends nothing else: `out` is the frame. vertices: of all moving surfaces, in their order.
 void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::span<const Vec3> vertices,
@@ -34,10 +39,10 @@ enum : std::uint16_t { pointer_holds = 1, pointer_moves = 2 };
 
 /// What the pointer of a page says, as a relative device.
 struct PointerMessage {
-  std::uint32_t number = 0;  // rises with each message of a connection
-  bool holds = false;        // the device has hold of the body
-  bool moves = false;        // the clutch is closed: the target moves with the pointer
-  std::uint32_t target = 0;  // index of the driven body
+  std::uint32_t number = 0;    // rises with each message of a connection
+  bool holds = false;          // the device has hold of the body
+  bool moves = false;          // the clutch is closed: the target moves with the pointer
+  std::uint32_t target = 0;    // index of the driven body
   Vec3 dp_W = Vec3::Zero();    // shift since the message before, m
   Vec3 dphi_W = Vec3::Zero();  // turn since then, rad
 };

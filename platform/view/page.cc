@@ -4,9 +4,9 @@
 
 #ifdef GODOBJECT_PAGE_DIR
 // The files as they were built, between two labels each.
-#define GODOBJECT_EMBED(label, file)                                                                       \
-  asm(".pushsection .rodata\n.global page_" label "\npage_" label ":\n.incbin \"" GODOBJECT_PAGE_DIR "/" file \
-      "\"\n.global page_" label "_end\npage_" label "_end:\n.byte 0\n.popsection\n")
+#define GODOBJECT_EMBED(label, file)                                                                 \
+  asm(".pushsection .rodata\n.global page_" label "\npage_" label ":\n.incbin \"" GODOBJECT_PAGE_DIR \
+      "/" file "\"\n.global page_" label "_end\npage_" label "_end:\n.byte 0\n.popsection\n")
 GODOBJECT_EMBED("html", "index.html");
 GODOBJECT_EMBED("js", "app.js");
 GODOBJECT_EMBED("css", "app.css");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/math/rotation_error.h"
 #include "core/math/so3.h"
 
 namespace godobject {
@@ -19,6 +20,7 @@ PointerDevice::PointerDevice(const SceneConfig& scene, Nanoseconds (*clock)() no
     : clock_(clock), driven_(driven_bodies(scene)) {
   if (!driven_.empty()) said_.X.p = scene.bodies[driven_.front()].X_WB.p;
   heard_ = said_;
+  shown_.X_WD = said_.X;
 }
 
 bool PointerDevice::take(std::uint64_t client, const PointerMessage& message, const Vec3& p_WB) {
@@ -55,16 +57,32 @@ void PointerDevice::read(Period& period, std::span<BodySample> samples) noexcept
   period.begin_by(clock_);
   const Nanoseconds now = period.now;
   for (Sample sample; samples_.try_pop(sample); heard_ = sample) {
-    if (sample.grip != heard_.grip) track_ = PoseTrack(pointer_stale_ns);
+    if (sample.grip != heard_.grip) {  // taken hold of anew, elsewhere
+      track_ = PoseTrack(pointer_stale_ns);
+      shown_ = {.X_WD = sample.X, .V_WD = {}};
+    }
     track_.push(sample.X, sample.t, now);
   }
   const PoseTrack::Played played = track_.at(now);
+  follow(played, period.step);
   for (const std::size_t body : driven_) {
-    samples[body].X_WD = played.valid ? played.target.X_WD : heard_.X;
-    samples[body].V_WD = played.valid ? played.target.V_WD : Twist{};
+    samples[body].X_WD = shown_.X_WD;
+    samples[body].V_WD = shown_.V_WD;
     samples[body].valid = played.valid || !heard_.body;  // a device that holds nothing is at rest
   }
   wish_ = heard_.body ? HoldWish{.kind = HoldWish::Kind::body, .body = *heard_.body} : HoldWish{};
+}
+
+/// No faster than allowed; at rest where nothing is played.
+void PointerDevice::follow(const PoseTrack::Played& played, double step) noexcept {
+  shown_.V_WD = {};
+  if (!played.valid) return;
+  Pose& X = shown_.X_WD;
+  const RotationError turn = rotation_error(X.q, played.target.X_WD.q, Vec3::Zero());
+  const Vec3 dp_W = limited(played.target.X_WD.p - X.p, step * max_pointer_speed);
+  const Vec3 dphi_W = limited(to_world(X.q, turn.phi_B), step * max_pointer_turn_rate);
+  X = {.p = X.p + dp_W, .q = renormalized(exp_so3(dphi_W) * X.q)};
+  shown_.V_WD = {.w = dphi_W / step, .v = dp_W / step};
 }
 
 void lead_by_pointer(SceneConfig& scene) {

@@ -14,7 +14,7 @@ namespace godobject {
 
 /// A page sends a sample at least so often, and mostly 60 times a second: one that draws without a graphics card is slow.
 inline constexpr Nanoseconds pointer_period_ns = 100'000'000, pointer_stale_ns = 3 * pointer_period_ns;
-/// Faster a pointer does not move its target: the rest of a shift or turn is left out.
+/// Faster a pointer does not move its target: what a message asks for beyond is left out, and the loop sees to it.
 inline constexpr double max_pointer_speed = 1, max_pointer_turn_rate = 10;  // m/s, rad/s
 
 class PointerDevice final : public HandDevice {
@@ -52,8 +52,11 @@ class PointerDevice final : public HandDevice {
   std::optional<std::uint64_t> client_;  // that holds
   std::uint32_t number_ = 0;             // of its last message
 
+  void follow(const PoseTrack::Played& played, double step) noexcept;
+
   // The loop's.
   Sample heard_;
+  Target shown_;
   PoseTrack track_{pointer_stale_ns};
   HoldWish wish_;
 };

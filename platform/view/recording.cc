@@ -49,18 +49,21 @@ struct Columns {
   std::vector<std::size_t> body;     // that body
 };
 
-Columns columns_of(const std::vector<std::string>& names, const SceneConfig& scene, const std::vector<std::size_t>& driven) {
+Columns columns_of(const std::vector<std::string>& names, const SceneConfig& scene,
+                   const std::vector<std::size_t>& driven) {
   const auto find = [&](const std::string& name) -> std::optional<std::size_t> {
     const auto found = std::ranges::find(names, name);
-    return found == names.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - names.begin()));
+    return found == names.end() ? std::nullopt
+                                : std::optional(static_cast<std::size_t>(found - names.begin()));
   };
-  Columns columns{.first_target = driven.empty() ? std::nullopt : find(scene.bodies[driven.front()].name + ".target.x"),
-                  .held = find("held"),
-                  .penetration = find("penetration"),
-                  .contacts = find("contacts"),
-                  .energy = find("energy"),
-                  .contact = {},
-                  .body = {}};
+  Columns columns{
+      .first_target = driven.empty() ? std::nullopt : find(scene.bodies[driven.front()].name + ".target.x"),
+      .held = find("held"),
+      .penetration = find("penetration"),
+      .contacts = find("contacts"),
+      .energy = find("energy"),
+      .contact = {},
+      .body = {}};
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     if (const auto column = find(scene.bodies[i].name + ".contact.fx")) {
       columns.contact.push_back(*column);
@@ -74,12 +77,13 @@ void add_contact(std::size_t body, const Wrench& F_W, ViewSample& sample) {
   sample.record.bodies[body].contact_W = F_W;
   const double size = F_W.f.norm();
   if (!(size > 0)) return;
-  sample.touching.push_back({.a = body, .p_W = sample.record.bodies[body].X_WB.p, .n_W = F_W.f / size, .F_W = F_W.f});
+  sample.touching.push_back(
+      {.a = body, .p_W = sample.record.bodies[body].X_WB.p, .n_W = F_W.f / size, .F_W = F_W.f});
   sample.num_touching = sample.touching.size();
 }
 
-ViewSample sample_of(std::span<const double> numbers, const std::vector<std::size_t>& driven, std::size_t num_bodies,
-                     const Columns& columns) {
+ViewSample sample_of(std::span<const double> numbers, const std::vector<std::size_t>& driven,
+                     std::size_t num_bodies, const Columns& columns) {
   Row row(numbers);
   ViewSample sample{.record = {}, .phase = RunPhase::running, .counters = {}, .touching = {}};
   CycleRecord& record = sample.record;
@@ -142,16 +146,19 @@ bool read_numbers(std::string_view line, std::span<double> numbers) {
   return true;
 }
 
-std::string why_not_of(const std::vector<std::string>& names, const SceneConfig& scene, const std::string& path) {
+std::string why_not_of(const std::vector<std::string>& names, const SceneConfig& scene,
+                       const std::string& path) {
   const std::vector<std::string> expected = trace_columns(scene);
   const std::size_t common = std::min(expected.size(), names.size());
   for (std::size_t i = 0; i < common; ++i)
     if (names[i] != expected[i])
-      return path + ":1: column " + std::to_string(i + 1) + " is '" + names[i].substr(0, 64) + "', and a trace of scene '" +
-             scene.name + "' has '" + expected[i] + "' there: is it of another scene? Give its file with --scene";
+      return path + ":1: column " + std::to_string(i + 1) + " is '" + names[i].substr(0, 64) +
+             "', and a trace of scene '" + scene.name + "' has '" + expected[i] +
+             "' there: is it of another scene? Give its file with --scene";
   if (names.size() == expected.size()) return "";
-  return path + ":1: " + std::to_string(names.size()) + " columns, and a trace of scene '" + scene.name + "' has " +
-         std::to_string(expected.size()) + ": is it of another scene, or version? Give the scene's file with --scene";
+  return path + ":1: " + std::to_string(names.size()) + " columns, and a trace of scene '" + scene.name +
+         "' has " + std::to_string(expected.size()) +
+         ": is it of another scene, or version? Give the scene's file with --scene";
 }
 
 /// Takes the rows that are shown, however long the trace is.
@@ -223,7 +230,8 @@ RecordingResult read_trace(const std::string& path, const SceneConfig& scene) {
     ++number;
     if (in.eof()) break;  // without a line end: a run that was killed was about to write it
     if (!reader.add(line))
-      return fail(path + ":" + std::to_string(number) + ": not the " + std::to_string(names.size()) + " numbers of a trace's row");
+      return fail(path + ":" + std::to_string(number) + ": not the " + std::to_string(names.size()) +
+                  " numbers of a trace's row");
   }
   if (reader.samples.empty()) return fail(path + ": the trace has no rows");
   result.recording = Recording{.scene = scene, .samples = std::move(reader.samples)};
@@ -232,7 +240,8 @@ RecordingResult read_trace(const std::string& path, const SceneConfig& scene) {
 
 const ViewSample& sample_at(const Recording& recording, std::optional<double> t) {
   if (!t) return recording.samples.back();
-  return *std::ranges::min_element(recording.samples, {}, [t](const ViewSample& sample) { return std::abs(sample.record.t - *t); });
+  return *std::ranges::min_element(recording.samples, {},
+                                   [t](const ViewSample& sample) { return std::abs(sample.record.t - *t); });
 }
 
 RecordedView::RecordedView(const Recording& recording, const ViewAbout& about)

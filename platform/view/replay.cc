@@ -50,7 +50,8 @@ class LogLink final : public RigLink {
     for (const auto& bus : buses_) ports_.push_back(bus.get());
   }
   void add(std::size_t bus, const ReceivedFrame& frame) {
-    if (bus == 0 && !frame.frame.extended && frame.frame.id == canopen::make_sync().id) syncs_.push_back(frame.t_ns);
+    if (bus == 0 && !frame.frame.extended && frame.frame.id == canopen::make_sync().id)
+      syncs_.push_back(frame.t_ns);
     else if (!is_of_host(bus, frame.frame)) buses_[bus]->add(frame);
     end_ = std::max(end_, frame.t_ns);
     if (now_ == 0) now_ = frame.t_ns - period_;
@@ -104,13 +105,17 @@ std::string read_log(const std::string& path, const std::vector<BusParams>& buse
     const CandumpResult result = parse_candump(line, frame, name);
     if (result == CandumpResult::ignored || result == CandumpResult::error_frame) continue;
     if (result != CandumpResult::ok)
-      return path + ":" + std::to_string(number) + ": no line of a log, as candump -l or godobject run --record writes it";
+      return path + ":" + std::to_string(number) +
+             ": no line of a log, as candump -l or godobject run --record writes it";
     const auto bus = std::ranges::find(buses, name, &BusParams::name);
     if (bus == buses.end()) continue;
     link.add(static_cast<std::size_t>(bus - buses.begin()), frame);
     ++num_frames;
   }
-  return num_frames > 0 ? "" : path + ": holds no frame of the scene's buses: is it of another scene? Give its file with --scene";
+  return num_frames > 0 ? ""
+                        : path +
+                              ": holds no frame of the scene's buses: is it of another scene? Give its file "
+                              "with --scene";
 }
 
 }  // namespace
@@ -118,7 +123,8 @@ std::string read_log(const std::string& path, const std::vector<BusParams>& buse
 RecordingResult replay_log(const std::string& log, const std::string& scene_path, const SceneConfig& scene) {
   RecordingResult result;
   if (!scene.device || !scene.device->rig) {
-    result.errors.push_back(scene_path + ": scene '" + scene.name + "' describes no buses, and " + log + " is no trace (.csv)");
+    result.errors.push_back(scene_path + ": scene '" + scene.name + "' describes no buses, and " + log +
+                            " is no trace (.csv)");
     return result;
   }
   auto link = std::make_unique<LogLink>(*scene.device->rig, to_ns(scene.step));
@@ -139,7 +145,8 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
   sample.net_nodes.resize(session.engine().nets().nodes.size());
   double due = 0;
   while (!read.ended() && session.phase() != RunPhase::ended) {
-    if (!session.advance(sample.record) || sample.record.t < due || recording.samples.size() >= max_recorded) continue;
+    if (!session.advance(sample.record) || sample.record.t < due || recording.samples.size() >= max_recorded)
+      continue;
     due += 1 / recorded_rate_hz;
     sample.phase = session.phase();
     sample.num_touching = session.engine().contacts(sample.touching);
@@ -148,7 +155,9 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
     recording.samples.back().touching.resize(sample.num_touching);
   }
   if (recording.samples.empty())
-    result.errors.push_back(log + ": the scene's device does not come up by these frames: does the log begin before the run's first?");
+    result.errors.push_back(
+        log +
+        ": the scene's device does not come up by these frames: does the log begin before the run's first?");
   else result.recording = std::move(recording);
   return result;
 }

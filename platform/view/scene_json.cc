@@ -15,9 +15,7 @@ using Json = nlohmann::ordered_json;
 Json to_json(const Vec3& a) { return {a.x(), a.y(), a.z()}; }
 
 /// Position, then x, y, z, w of the quaternion.
-Json to_json(const Pose& X) {
-  return {X.p.x(), X.p.y(), X.p.z(), X.q.x(), X.q.y(), X.q.z(), X.q.w()};
-}
+Json to_json(const Pose& X) { return {X.p.x(), X.p.y(), X.p.z(), X.q.x(), X.q.y(), X.q.z(), X.q.w()}; }
 
 Json to_json(const Solid& solid) {
   return {{"kind", solid_kind_names.at(static_cast<std::size_t>(solid.kind))},
@@ -94,7 +92,8 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
   for (const Solid& solid : drawing.solids) json["solids"].push_back(to_json(solid));
   for (const MeshData& mesh : drawing.meshes) json["meshes"].push_back(to_json(mesh));
   for (const NetRange& net : scene_nets(scene).nets) json["surfaces"].push_back(to_json(net));
-  for (const BusLoadText& bus : about.buses) json["buses"].push_back({{"name", bus.name}, {"percent", bus.percent}});
+  for (const BusLoadText& bus : about.buses)
+    json["buses"].push_back({{"name", bus.name}, {"percent", bus.percent}});
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

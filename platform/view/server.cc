@@ -1,4 +1,4 @@
-// The only source that sees Boost.
+// The only source that sees Boost, with server_parts.h.
 #include "platform/view/server.h"
 
 #include <pthread.h>
@@ -6,162 +6,12 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <deque>
-#include <list>
-#include <thread>
-#include <utility>
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
-
-#include "platform/view/door.h"
-#include "platform/view/foxglove.h"
 #include "platform/view/page.h"
+#include "platform/view/server_parts.h"
 
 namespace godobject {
-namespace {
-
-namespace beast = boost::beast;
-namespace http = beast::http;
-namespace websocket = beast::websocket;
-namespace net = boost::asio;
-using net::ip::tcp;
-using Error = beast::error_code;
-using Clock = std::chrono::steady_clock;
-
-constexpr std::chrono::seconds request_patience{5}, write_patience{5}, silence_patience{30};
-constexpr std::chrono::milliseconds poll_period{4}, farewell_patience{300};
-constexpr std::size_t max_requests = 64, max_streams = 32, max_waiting = 64;
-constexpr std::uint32_t max_header_bytes = 8192;
-constexpr std::size_t max_message_bytes = 65536;
-constexpr int num_default_ports = 10;
-
-struct Message {
-  bool binary = false;
-  ViewBytes bytes;
-};
-
-Message text_message(const std::string& text) {
-  return {.binary = false, .bytes = std::make_shared<std::vector<std::uint8_t>>(text.begin(), text.end())};
-}
-
-class Hub;
-
-/// A WebSocket. What is late for it is left out, and where it takes nothing for too long it is closed.
-class Stream : public std::enable_shared_from_this<Stream> {
- public:
-  Stream(beast::tcp_stream&& socket, Hub& hub, std::uint64_t id, bool foxglove)
-      : socket_(std::move(socket)), hub_(hub), id_(id), foxglove_(foxglove) {}
-
-  void accept(const http::request<http::empty_body>& request);
-  /// Left out where the client has not taken what came before.
-  void offer(const Message& frame) {
-    if (waiting_.empty()) send(frame);
-  }
-  void send(const Message& message);
-  void close(websocket::close_code code, std::string_view why);
-  /// Without a word.
-  void drop() {
-    Error ignored;
-    static_cast<void>(beast::get_lowest_layer(socket_).socket().close(ignored));
-  }
-  bool is_stalled(Clock::time_point now) const { return !waiting_.empty() && now - writing_since_ > write_patience; }
-  std::uint64_t id() const { return id_; }
-  FoxgloveClient* foxglove() { return foxglove_ ? &foxglove_client_ : nullptr; }
-
- private:
-  void read();
-  void take(Error error);
-  void write();
-  void shut();
-
-  websocket::stream<beast::tcp_stream> socket_;
-  Hub& hub_;
-  std::uint64_t id_;
-  bool foxglove_;
-  FoxgloveClient foxglove_client_;
-  beast::flat_buffer buffer_;
-  std::deque<Message> waiting_;  // the first is being written
-  Clock::time_point writing_since_;
-  std::optional<websocket::close_reason> closing_;
-};
-
-/// A connection that asks for files, or becomes a stream.
-class Requests : public std::enable_shared_from_this<Requests> {
- public:
-  Requests(tcp::socket&& socket, Hub& hub) : socket_(std::move(socket)), hub_(hub) {}
-
-  void read();
-  void drop() { socket_.close(); }
-
- private:
-  void answer();
-  void reply(int status, std::string_view type, std::string_view body);
-
-  beast::tcp_stream socket_;
-  Hub& hub_;
-  beast::flat_buffer buffer_{max_header_bytes};
-  std::optional<http::request_parser<http::empty_body>> parser_;
-  http::response<http::span_body<const char>> response_;
-  std::string body_;
-  ViewBytes frames_;
-};
-
-/// All connections, and the timer that feeds the streams. One thread.
-class Hub final : public ViewServer {
- public:
-  Hub(const ServerSettings& settings, ViewSource& source, Log log)
-      : settings_(settings), source_(source), log_(std::move(log)) {}
-  ~Hub() override;
-  Hub(const Hub&) = delete;
-  Hub& operator=(const Hub&) = delete;
-
-  std::string listen();
-  void run_thread();
-  std::string url() const override {
-    const bool v6 = settings_.address.find(':') != std::string::npos;
-    const std::string host = v6 ? "[" + settings_.address + "]" : settings_.address;
-    return "http://" + host + ":" + std::to_string(port_) + "/?token=" + settings_.token;
-  }
-
-  ViewSource& source() { return source_; }
-  const Door& door() const { return *door_; }
-  /// The same line is said at most once a second; how often it was not said is.
-  void log(const std::string& line);
-  void forget(const Requests* requests) { std::erase_if(requests_, [=](const auto& r) { return r.get() == requests; }); }
-  void forget(const Stream* stream);
-  void upgrade(beast::tcp_stream&& socket, const http::request<http::empty_body>& request, bool foxglove);
-  void joined(Stream& stream);
-
- private:
-  void accept();
-  void poll();
-  void feed();
-  void say_farewell();
-
-  ServerSettings settings_;
-  ViewSource& source_;
-  Log log_;
-  std::optional<Door> door_;
-  net::io_context io_{1};
-  tcp::acceptor acceptor_{io_};
-  net::steady_timer timer_{io_};
-  bool polling_ = false, ending_ = false;
-  std::uint16_t port_ = 0;
-  std::uint64_t next_id_ = 1;
-  std::list<std::shared_ptr<Requests>> requests_;
-  std::list<std::shared_ptr<Stream>> streams_;
-  std::string last_line_;
-  Clock::time_point last_logged_;
-  std::uint64_t num_unsaid_ = 0;
-  std::thread thread_;
-};
+namespace server {
 
 // --- a stream ---------------------------------------------------------------------------------------
 
@@ -169,10 +19,12 @@ void Stream::accept(const http::request<http::empty_body>& request) {
   beast::get_lowest_layer(socket_).expires_never();
   socket_.set_option(websocket::stream_base::timeout{
       .handshake_timeout = request_patience, .idle_timeout = silence_patience, .keep_alive_pings = true});
-  socket_.set_option(websocket::stream_base::decorator([foxglove = foxglove_](websocket::response_type& response) {
-    response.set(http::field::sec_websocket_protocol, foxglove ? foxglove_protocol : stream_protocol);
-  }));
+  socket_.set_option(
+      websocket::stream_base::decorator([foxglove = foxglove_](websocket::response_type& response) {
+        response.set(http::field::sec_websocket_protocol, foxglove ? foxglove_protocol : stream_protocol);
+      }));
   socket_.read_message_max(max_message_bytes);
+  socket_.auto_fragment(false);
   socket_.async_accept(request, [self = shared_from_this()](Error error) {
     if (error) return self->hub_.forget(self.get());
     self->hub_.joined(*self);
@@ -201,7 +53,8 @@ void Stream::take(Error error) {
       hub_.log("a client was closed: what it sent is no pointer's message");
       return close(websocket::close_code::policy_error, "that is no pointer's message");
     }
-    if (!hub_.source().point(id_, message)) hub_.log("a pointer was not listened to: --view-input is not given, or another moves it");
+    if (!hub_.source().point(id_, message))
+      hub_.log("a pointer was not listened to: --view-input is not given, or another moves it");
   }
   buffer_.consume(buffer_.size());
   read();
@@ -218,12 +71,13 @@ void Stream::write() {
   writing_since_ = Clock::now();
   socket_.binary(waiting_.front().binary);
   const std::vector<std::uint8_t>& bytes = *waiting_.front().bytes;
-  socket_.async_write(net::buffer(bytes.data(), bytes.size()), [self = shared_from_this()](Error error, std::size_t) {
-    self->waiting_.pop_front();
-    if (error) return;  // and the read ends with an error, too
-    if (self->closing_) return self->shut();
-    if (!self->waiting_.empty()) self->write();
-  });
+  socket_.async_write(net::buffer(bytes.data(), bytes.size()),
+                      [self = shared_from_this()](Error error, std::size_t) {
+                        self->waiting_.pop_front();
+                        if (error) return;  // and the read ends with an error, too
+                        if (self->closing_) return self->shut();
+                        if (!self->waiting_.empty()) self->write();
+                      });
 }
 
 void Stream::close(websocket::close_code code, std::string_view why) {
@@ -268,7 +122,8 @@ void Requests::answer() {
     case Route::file: {
       const PageFile file = page_file(verdict.path);
       constexpr int not_found = 404;
-      if (file.text.empty()) return reply(not_found, "text/plain; charset=utf-8", body_ = "there is no such file\n");
+      if (file.text.empty())
+        return reply(not_found, "text/plain; charset=utf-8", body_ = "there is no such file\n");
       return reply(verdict.status, file.type, file.text);
     }
     case Route::scene: return reply(verdict.status, "application/json", body_ = hub_.source().scene());
@@ -314,7 +169,8 @@ void Requests::reply(int status, std::string_view type, std::string_view body) {
 std::string Hub::listen() {
   Error error;
   const net::ip::address address = net::ip::make_address(settings_.address, error);
-  if (error) return "--view-address: '" + settings_.address + "' is no address of a machine, such as 127.0.0.1";
+  if (error)
+    return "--view-address: '" + settings_.address + "' is no address of a machine, such as 127.0.0.1";
   const int first = settings_.port != 0 ? settings_.port : default_view_port;
   const int last = settings_.port != 0 ? first : first + num_default_ports - 1;
   for (int port = first; port <= last; ++port) {
@@ -371,8 +227,8 @@ void Hub::accept() {
   acceptor_.async_accept([this](Error error, tcp::socket socket) {
     if (ending_) return;
     if (error) {  // out of descriptors: not at once again
-      timer_.expires_after(std::chrono::milliseconds(100));
-      return timer_.async_wait([this](Error) { polling_ = false; accept(); poll(); });
+      accept_timer_.expires_after(std::chrono::milliseconds(100));
+      return accept_timer_.async_wait([this](Error) { accept(); });
     }
     if (requests_.size() >= max_requests) {  // who has come first has had his time
       log("a request was dropped: more than " + std::to_string(max_requests) + " at a time");
@@ -387,7 +243,8 @@ void Hub::accept() {
 }
 
 void Hub::upgrade(beast::tcp_stream&& socket, const http::request<http::empty_body>& request, bool foxglove) {
-  if (streams_.size() >= max_streams) return log("a client was refused: more than " + std::to_string(max_streams) + " look on");
+  if (streams_.size() >= max_streams)
+    return log("a client was refused: more than " + std::to_string(max_streams) + " look on");
   streams_.push_back(std::make_shared<Stream>(std::move(socket), *this, next_id_++, foxglove));
   streams_.back()->accept(request);
 }
@@ -422,13 +279,17 @@ void Hub::poll() {
 void Hub::feed() {
   const ViewBytes frame = source_.frame();
   const Clock::time_point now = Clock::now();
+  const auto of_day = std::chrono::system_clock::now().time_since_epoch();
+  const auto now_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(of_day).count());
   for (auto next = streams_.begin(); next != streams_.end();) {
     const std::shared_ptr<Stream> stream = *next++;  // it may be forgotten
     if (stream->is_stalled(now)) {
       log("a client was closed: it has taken nothing for " + std::to_string(write_patience.count()) + " s");
       stream->drop();
     } else if (FoxgloveClient* const foxglove = stream->foxglove()) {
-      if (frame) foxglove->show(*frame, [&](ViewBytes bytes) { stream->offer({.binary = true, .bytes = std::move(bytes)}); });
+      if (frame)
+        foxglove->show(*frame, now_ns,
+                       [&](ViewBytes bytes) { stream->offer({.binary = true, .bytes = std::move(bytes)}); });
     } else if (frame) {
       stream->offer({.binary = true, .bytes = frame});
     }
@@ -448,11 +309,11 @@ void Hub::log(const std::string& line) {
   if (log_) log_(line);
 }
 
-}  // namespace
+}  // namespace server
 
 std::unique_ptr<ViewServer> ViewServer::start(const ServerSettings& settings, ViewSource& source, Log log,
                                               std::string& why_not) {
-  auto hub = std::make_unique<Hub>(settings, source, std::move(log));
+  auto hub = std::make_unique<server::Hub>(settings, source, std::move(log));
   why_not = hub->listen();
   if (!why_not.empty()) return nullptr;
   hub->run_thread();

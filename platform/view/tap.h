@@ -16,8 +16,8 @@ struct ViewSample {
   RunPhase phase = RunPhase::off;
   bool missed_deadlines = false;  // for good
   RigCounters counters;
-  Nanoseconds wake_ns = 0;             // the longest since the sample before
-  std::vector<ContactView> touching;   // with room for all; the first num_touching are
+  Nanoseconds wake_ns = 0;            // the longest since the sample before
+  std::vector<ContactView> touching;  // with room for all; the first num_touching are
   std::size_t num_touching = 0;
   std::vector<Vec3> net_nodes{};  // all of them
 };

@@ -78,12 +78,14 @@ void check_view(const RunOptions& options, std::vector<std::string>& errors) {
     return;
   }
   if (!options.view_input) return;
-  if (options.fast)
-    errors.push_back("--view-input: a hand takes part in wall time: leave --fast out");
+  if (options.fast) errors.push_back("--view-input: a hand takes part in wall time: leave --fast out");
   if (!options.motion.empty())
     errors.push_back("--view-input: the pages' pointer moves the bodies, not --motion: leave either out");
-  if (!options.trackers.empty() || std::ranges::any_of(options.buses, [](const std::string& bus) { return bus != "direct"; }))
-    errors.push_back("--view-input: the pages' pointer is the device, and no motor shows its force: leave --bus and --tracker out");
+  if (!options.trackers.empty() ||
+      std::ranges::any_of(options.buses, [](const std::string& bus) { return bus != "direct"; }))
+    errors.push_back(
+        "--view-input: the pages' pointer is the device, and no motor shows its force: leave --bus and "
+        "--tracker out");
 }
 
 bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }

@@ -32,7 +32,7 @@ struct RunOptions {
   std::string motion;
   RunFileNames files;
   std::string report;
-  std::optional<std::uint16_t> view;        // port of the view; 0: a default one
+  std::optional<std::uint16_t> view;  // port of the view; 0: a default one
   std::string view_address = "127.0.0.1";
   bool view_input = false;  // the page's pointer is the device
   bool quiet = false;       // nothing but warnings, faults and the exit code
@@ -41,7 +41,7 @@ struct RunOptions {
 
 struct PreparedRun {
   std::unique_ptr<PointerDevice> pointer;  // --view-input; null without
-  std::unique_ptr<Session> session;  // null where there are errors
+  std::unique_ptr<Session> session;        // null where there are errors
   RunPlan plan;
   BusPlan buses;
   LinuxLink* link = nullptr;          // the session's, where its buses are real; they are closed

@@ -14,7 +14,8 @@ constexpr std::size_t view_console_bytes = 1 << 16;
 
 template <class Text>
 BitText words_of(const Text& text) {
-  return {.name = std::string(text.name), .text = std::string(text.meaning) + ": " + std::string(text.remedy)};
+  return {.name = std::string(text.name),
+          .text = std::string(text.meaning) + ": " + std::string(text.remedy)};
 }
 
 }  // namespace
@@ -28,18 +29,24 @@ void add_words(ViewAbout& about) {
 
 std::string view_warning(const std::string& address) {
   if (is_loopback(address)) return "";
-  return "served on " + address + ", in clear text: whoever reaches this address and sees the token can look on";
+  return "served on " + address +
+         ", in clear text: whoever reaches this address and sees the token can look on";
 }
 
 std::string RunView::start(const RunOptions& options, PreparedRun& prepared) {
-  ViewAbout about{.title = options.scene, .takes_pointer = options.view_input, .warning = view_warning(options.view_address)};
+  ViewAbout about{.title = options.scene,
+                  .takes_pointer = options.view_input,
+                  .warning = view_warning(options.view_address)};
   add_words(about);
-  for (const BusLoad& load : prepared.bus_loads) about.buses.push_back({.name = load.bus, .percent = load.worst_percent});
+  for (const BusLoad& load : prepared.bus_loads)
+    about.buses.push_back({.name = load.bus, .percent = load.worst_percent});
   address_ = options.view_address;
   console_ = std::make_unique<BackgroundFile>(STDERR_FILENO, view_console_bytes);
   live_ = std::make_unique<LiveView>(*prepared.session, about, prepared.pointer.get());
   const ServerSettings settings{.address = address_, .port = *options.view, .token = view_token()};
-  const auto log = [this](const std::string& line) { static_cast<void>(console_->write("view: " + line + "\n")); };
+  const auto log = [this](const std::string& line) {
+    static_cast<void>(console_->write("view: " + line + "\n"));
+  };
   std::string why_not;
   server_ = ViewServer::start(settings, *live_, log, why_not);
   if (server_) prepared.plan.tap = &live_->tap();
@@ -48,9 +55,12 @@ std::string RunView::start(const RunOptions& options, PreparedRun& prepared) {
 
 std::vector<std::string> view_lines(const std::string& url, const std::string& address) {
   std::vector<std::string> lines{"view: " + url};
-  if (const std::string warning = view_warning(address); !warning.empty()) lines.push_back("view: WARNING: " + warning);
+  if (const std::string warning = view_warning(address); !warning.empty())
+    lines.push_back("view: WARNING: " + warning);
   if (!has_page())
-    lines.push_back("view: this program was built without its page, which needs npm and esbuild: ./dev setup view, then build again");
+    lines.push_back(
+        "view: this program was built without its page, which needs npm and esbuild: ./dev setup view, then "
+        "build again");
   return lines;
 }
 

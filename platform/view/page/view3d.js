@@ -38,6 +38,7 @@ export class View {
     this.world.traverse((object) => { object.geometry?.dispose(); });
     this.world.clear();
     this.about = about;
+    this.geometries = new Map();
     this.bounds = boundsOf(about);
     this.extent = Math.max(0.01, 0.5 * this.bounds.getSize(new THREE.Vector3()).length());
     this.driven = about.driven;
@@ -67,11 +68,18 @@ export class View {
     const colour = !onBody ? COLOURS.obstacle : isTool && !this.about.takes_hold ? COLOURS.tool : COLOURS.body;
     const material = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.65, side: solid.kind === "mesh" ? THREE.DoubleSide : THREE.FrontSide });
     if (solid.kind === "plane") Object.assign(material, { transparent: true, opacity: 0.35, side: THREE.DoubleSide, depthWrite: false });
-    const mesh = new THREE.Mesh(geometryOf(solid, this.about.meshes, this.extent), material);
+    const mesh = new THREE.Mesh(this.geometry(solid), material);
     setPose(mesh, solid.pose);
     mesh.userData.solid = solid;
     if (solid.kind === "box") mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(mesh.geometry), new THREE.LineBasicMaterial({ color: 0x223344, transparent: true, opacity: 0.5 })));
     (onBody ? this.bodies[solid.body] : this.world).add(mesh);
+  }
+
+  // Equal solids share one: an organ is some hundred spheres.
+  geometry(solid) {
+    const key = JSON.stringify([solid.kind, solid.size, solid.mesh]);
+    if (!this.geometries.has(key)) this.geometries.set(key, geometryOf(solid, this.about.meshes, this.extent));
+    return this.geometries.get(key);
   }
 
   // The device: the tool in wireframe at the target, the coupling to it, the force that it shows.
@@ -153,8 +161,9 @@ export class View {
 
   showSpheres(on) {
     for (const mesh of this.sphereMeshes ?? []) mesh.removeFromParent();
+    const material = new THREE.MeshStandardMaterial({ color: COLOURS.sphere });
     this.sphereMeshes = !on ? [] : this.spheres.map((solid) => {
-      const mesh = new THREE.Mesh(geometryOf(solid), new THREE.MeshStandardMaterial({ color: COLOURS.sphere }));
+      const mesh = new THREE.Mesh(this.geometry(solid), material);
       setPose(mesh, solid.pose);
       this.bodies[solid.body].add(mesh);
       return mesh;

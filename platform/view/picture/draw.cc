@@ -8,7 +8,7 @@
 namespace godobject {
 namespace {
 
-constexpr std::uint32_t samples = 2;  // a side of a pixel
+constexpr std::uint32_t samples = 2;     // a side of a pixel
 constexpr double field_of_view = 0.698;  // rad, of the height
 constexpr Colour back{0xf4, 0xf5, 0xf7}, edge_colour{0x2a, 0x34, 0x42};
 
@@ -19,7 +19,8 @@ struct Point {
 
 class Camera {
  public:
-  Camera(const Picture& picture, double width, double height) : half_width_(0.5 * width), half_height_(0.5 * height) {
+  Camera(const Picture& picture, double width, double height)
+      : half_width_(0.5 * width), half_height_(0.5 * height) {
     const Vec3 eye = Vec3(-0.38, -0.8, 0.46) * 2.6 * picture.extent;  // from the centre, as in the page
     eye_ = picture.centre + eye;
     back_ = eye.normalized();
@@ -34,7 +35,8 @@ class Camera {
   Point seen(const Vec3& p) const {
     const Vec3 d = p - eye_;
     const double z = 1 / depth(p);
-    return {.x = half_width_ + scale_ * d.dot(right_) * z, .y = half_height_ - scale_ * d.dot(up_) * z, .z = z};
+    return {
+        .x = half_width_ + scale_ * d.dot(right_) * z, .y = half_height_ - scale_ * d.dot(up_) * z, .z = z};
   }
   /// Share of the light that a surface with this normal gives back; both sides alike.
   double shade(const Vec3& n) const { return 0.5 + 0.5 * std::abs(n.dot(light_)); }
@@ -47,13 +49,18 @@ class Camera {
 class Canvas {
  public:
   Canvas(std::uint32_t width, std::uint32_t height)
-      : width_(width), height_(height), pixels_(std::size_t{width} * height, back), depth_(pixels_.size(), 0) {}
+      : width_(width),
+        height_(height),
+        pixels_(std::size_t{width} * height, back),
+        depth_(pixels_.size(), 0) {}
 
   void triangle(const Point& a, const Point& b, const Point& c, const Colour& colour) {
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (!(std::abs(area) > 0)) return;
-    const int left = clamped(std::min({a.x, b.x, c.x}), width_), right = clamped(std::max({a.x, b.x, c.x}) + 1, width_);
-    const int top = clamped(std::min({a.y, b.y, c.y}), height_), bottom = clamped(std::max({a.y, b.y, c.y}) + 1, height_);
+    const int left = clamped(std::min({a.x, b.x, c.x}), width_),
+              right = clamped(std::max({a.x, b.x, c.x}) + 1, width_);
+    const int top = clamped(std::min({a.y, b.y, c.y}), height_),
+              bottom = clamped(std::max({a.y, b.y, c.y}) + 1, height_);
     for (int y = top; y < bottom; ++y)
       for (int x = left; x < right; ++x) {
         const double px = x + 0.5, py = y + 0.5;
@@ -68,7 +75,8 @@ class Canvas {
     const double dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
     if (!(length > 0)) return;
     const double nx = -0.5 * width * dy / length, ny = 0.5 * width * dx / length;
-    const Point a1{a.x + nx, a.y + ny, a.z}, a2{a.x - nx, a.y - ny, a.z}, b1{b.x + nx, b.y + ny, b.z}, b2{b.x - nx, b.y - ny, b.z};
+    const Point a1{a.x + nx, a.y + ny, a.z}, a2{a.x - nx, a.y - ny, a.z}, b1{b.x + nx, b.y + ny, b.z},
+        b2{b.x - nx, b.y - ny, b.z};
     triangle(a1, a2, b1, colour);
     triangle(b1, a2, b2, colour);
   }
@@ -82,14 +90,17 @@ class Canvas {
         for (std::size_t channel = 0; channel < 3; ++channel) {
           unsigned sum = 0;
           for (std::uint32_t i = 0; i < samples * samples; ++i)
-            sum += pixels_[std::size_t{y * samples + i / samples} * width_ + x * samples + i % samples][channel];
+            sum +=
+                pixels_[std::size_t{y * samples + i / samples} * width_ + x * samples + i % samples][channel];
           image.rgb.push_back(static_cast<std::uint8_t>(sum / (samples * samples)));
         }
     return image;
   }
 
  private:
-  static int clamped(double x, std::uint32_t size) { return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(size))); }
+  static int clamped(double x, std::uint32_t size) {
+    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(size)));
+  }
   void put(int x, int y, double z, const Colour& colour) {
     const std::size_t i = static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x);
     if (z < depth_[i]) return;
@@ -103,7 +114,8 @@ class Canvas {
 };
 
 /// A line that ends where it would pass the camera.
-void draw_line(const Camera& camera, Vec3 a, Vec3 b, double width, double nearer, const Colour& colour, Canvas& canvas) {
+void draw_line(const Camera& camera, Vec3 a, Vec3 b, double width, double nearer, const Colour& colour,
+               Canvas& canvas) {
   if (camera.depth(a) < camera.depth(b)) std::swap(a, b);
   const double far = camera.depth(a), near = camera.depth(b);
   if (far <= camera.near()) return;
@@ -115,7 +127,8 @@ void draw_line(const Camera& camera, Vec3 a, Vec3 b, double width, double nearer
 }
 
 /// Corners behind the camera are cut off.
-void draw_triangle(const Camera& camera, const std::array<Vec3, 3>& corners, const Colour& colour, Canvas& canvas) {
+void draw_triangle(const Camera& camera, const std::array<Vec3, 3>& corners, const Colour& colour,
+                   Canvas& canvas) {
   std::vector<Point> kept;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 &a = corners[i], &b = corners[(i + 1) % 3];
@@ -139,7 +152,8 @@ void draw_mesh(const Camera& camera, const PictureMesh& item, Canvas& canvas) {
   if (!item.has_edges) return;
   for (std::uint32_t face = 0; face + 4 <= item.mesh.vertices.size(); face += 4)
     for (std::uint32_t i = 0; i < 4; ++i)
-      draw_line(camera, item.mesh.vertices[face + i], item.mesh.vertices[face + (i + 1) % 4], 1.2, lift, edge_colour, canvas);
+      draw_line(camera, item.mesh.vertices[face + i], item.mesh.vertices[face + (i + 1) % 4], 1.2, lift,
+                edge_colour, canvas);
 }
 
 }  // namespace

@@ -11,10 +11,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int triangles_mode = 4, lines_mode = 1, float_type = 5126, u32_type = 5125, vertex_target = 34962, index_target = 34963;
+constexpr int triangles_mode = 4, lines_mode = 1, float_type = 5126, u32_type = 5125, vertex_target = 34962,
+              index_target = 34963;
 
 std::string base64_of(const std::vector<std::uint8_t>& bytes) {
-  static constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  static constexpr std::string_view digits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
@@ -30,15 +32,21 @@ class GltfBuilder {
   GltfBuilder() {
     json_ = {{"asset", {{"version", "2.0"}, {"generator", "godobject"}}}, {"scene", 0}};
     // Up is z here and y there.
-    json_["nodes"] = Json::array({{{"name", "world"}, {"rotation", {-0.7071067811865476, 0.0, 0.0, 0.7071067811865476}}, {"children", Json::array()}}});
+    json_["nodes"] = Json::array({{{"name", "world"},
+                                   {"rotation", {-0.7071067811865476, 0.0, 0.0, 0.7071067811865476}},
+                                   {"children", Json::array()}}});
     json_["scenes"] = Json::array({{{"nodes", {0}}}});
     for (const char* list : {"meshes", "materials", "accessors", "bufferViews"}) json_[list] = Json::array();
   }
 
-  void add(const std::string& name, const std::vector<Vec3>& vertices, const std::vector<std::uint32_t>& indices, int mode, const Colour& colour) {
+  void add(const std::string& name, const std::vector<Vec3>& vertices,
+           const std::vector<std::uint32_t>& indices, int mode, const Colour& colour) {
     if (vertices.empty() || indices.empty()) return;
     const std::size_t positions = add_positions(vertices), order = add_indices(indices);
-    json_["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorFactor", linear(colour)}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.7}}}, {"doubleSided", true}});
+    json_["materials"].push_back(
+        {{"pbrMetallicRoughness",
+          {{"baseColorFactor", linear(colour)}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.7}}},
+         {"doubleSided", true}});
     json_["meshes"].push_back({{"name", name},
                                {"primitives", Json::array({{{"attributes", {{"POSITION", positions}}},
                                                             {"indices", order},
@@ -49,7 +57,8 @@ class GltfBuilder {
   }
 
   std::string take() {
-    json_["buffers"] = Json::array({{{"byteLength", bytes_.size()}, {"uri", "data:application/octet-stream;base64," + base64_of(bytes_)}}});
+    json_["buffers"] = Json::array({{{"byteLength", bytes_.size()},
+                                     {"uri", "data:application/octet-stream;base64," + base64_of(bytes_)}}});
     return json_.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   }
 
@@ -61,10 +70,12 @@ class GltfBuilder {
     return factors;
   }
   void put(std::uint32_t word) {
-    for (unsigned shift = 0; shift < 32; shift += 8) bytes_.push_back(static_cast<std::uint8_t>(word >> shift & 0xFFu));
+    for (unsigned shift = 0; shift < 32; shift += 8)
+      bytes_.push_back(static_cast<std::uint8_t>(word >> shift & 0xFFu));
   }
   std::size_t add_view(std::size_t first, int target) {
-    json_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", first}, {"byteLength", bytes_.size() - first}, {"target", target}});
+    json_["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", first}, {"byteLength", bytes_.size() - first}, {"target", target}});
     return json_["bufferViews"].size() - 1;
   }
   std::size_t add_positions(const std::vector<Vec3>& vertices) {
@@ -78,13 +89,21 @@ class GltfBuilder {
         h = i == 0 ? x : std::max(h, x);
         put(std::bit_cast<std::uint32_t>(x));
       }
-    json_["accessors"].push_back({{"bufferView", add_view(first, vertex_target)}, {"componentType", float_type}, {"count", vertices.size()}, {"type", "VEC3"}, {"min", low}, {"max", high}});
+    json_["accessors"].push_back({{"bufferView", add_view(first, vertex_target)},
+                                  {"componentType", float_type},
+                                  {"count", vertices.size()},
+                                  {"type", "VEC3"},
+                                  {"min", low},
+                                  {"max", high}});
     return json_["accessors"].size() - 1;
   }
   std::size_t add_indices(const std::vector<std::uint32_t>& indices) {
     const std::size_t first = bytes_.size();
     for (const std::uint32_t index : indices) put(index);
-    json_["accessors"].push_back({{"bufferView", add_view(first, index_target)}, {"componentType", u32_type}, {"count", indices.size()}, {"type", "SCALAR"}});
+    json_["accessors"].push_back({{"bufferView", add_view(first, index_target)},
+                                  {"componentType", u32_type},
+                                  {"count", indices.size()},
+                                  {"type", "SCALAR"}});
     return json_["accessors"].size() - 1;
   }
 

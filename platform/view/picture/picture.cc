@@ -11,13 +11,14 @@ namespace godobject {
 namespace {
 
 // The page's colours.
-constexpr Colour tool_colour{0xd5, 0x45, 0x2c}, body_colour{0x7e, 0x9f, 0xc7}, obstacle_colour{0xa9, 0xa2, 0x94},
-    ghost_colour{0xe0, 0x8a, 0x1e}, calm_colour{0x2c, 0x9c, 0x5a}, loaded_colour{0xd5, 0x26, 0x1c}, force_colour{0xb0, 0x1f, 0xb0},
-    contact_colour{0x1f, 0x7f, 0xd0};
+constexpr Colour tool_colour{0xd5, 0x45, 0x2c}, body_colour{0x7e, 0x9f, 0xc7},
+    obstacle_colour{0xa9, 0xa2, 0x94}, ghost_colour{0xe0, 0x8a, 0x1e}, calm_colour{0x2c, 0x9c, 0x5a},
+    loaded_colour{0xd5, 0x26, 0x1c}, force_colour{0xb0, 0x1f, 0xb0}, contact_colour{0x1f, 0x7f, 0xd0};
 
 Colour between(const Colour& a, const Colour& b, double s) {
   Colour c{};
-  for (std::size_t i = 0; i < c.size(); ++i) c[i] = static_cast<std::uint8_t>(std::lround((1 - s) * a[i] + s * b[i]));
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c[i] = static_cast<std::uint8_t>(std::lround((1 - s) * a[i] + s * b[i]));
   return c;
 }
 
@@ -50,7 +51,11 @@ MeshData placed(MeshData mesh, const Pose& X) {
 class PictureBuilder {
  public:
   PictureBuilder(const Recording& recording, const Drawing& drawing, const ViewSample& sample)
-      : scene_(recording.scene), drawing_(drawing), record_(sample.record), sample_(sample), driven_(driven_bodies(scene_)) {
+      : scene_(recording.scene),
+        drawing_(drawing),
+        record_(sample.record),
+        sample_(sample),
+        driven_(driven_bodies(scene_)) {
     set_bounds(scene_, drawing_, picture_);
     max_force_ = scene_.device ? scene_.device->limits.force : LimitConfig{}.force;
   }
@@ -67,7 +72,9 @@ class PictureBuilder {
 
  private:
   /// Of a device that takes hold of bodies: the one that it holds.
-  bool is_shown(std::size_t body) const { return takes_hold(scene_) ? record_.held == body : std::ranges::find(driven_, body) != driven_.end(); }
+  bool is_shown(std::size_t body) const {
+    return takes_hold(scene_) ? record_.held == body : std::ranges::find(driven_, body) != driven_.end();
+  }
 
   void add(const Solid& solid) {
     if (solid.role == SolidRole::contact) return;
@@ -96,17 +103,20 @@ class PictureBuilder {
     for (const Solid& solid : drawing_.solids) {
       if (solid.body != body || solid.role == SolidRole::contact) continue;
       const Pose X = composed(view.target.X_WD, solid.X);
-      for (const auto& [a, b] : wires_of(solid, drawing_)) wires.lines.push_back({X.p + X.q * a, X.p + X.q * b});
+      for (const auto& [a, b] : wires_of(solid, drawing_))
+        wires.lines.push_back({X.p + X.q * a, X.p + X.q * b});
     }
     picture_.wires.push_back(std::move(wires));
     constexpr double shortest = 1e-9;
     const double load = std::min(1.0, view.coupling_B.f.norm() / max_force_);
     if ((view.target.X_WD.p - view.X_WB.p).norm() > shortest)
-      picture_.meshes.push_back({.name = "coupling",
-                                 .mesh = rod(view.X_WB.p, view.target.X_WD.p, 0.006 * picture_.extent * (1 + load)),
-                                 .colour = between(calm_colour, loaded_colour, load),
-                                 .in_front = true});
-    add_arrow("force to the hand", view.target.X_WD.p, takes_hold(scene_) ? record_.hand_W.f : view.feedback_D.f, force_colour);
+      picture_.meshes.push_back(
+          {.name = "coupling",
+           .mesh = rod(view.X_WB.p, view.target.X_WD.p, 0.006 * picture_.extent * (1 + load)),
+           .colour = between(calm_colour, loaded_colour, load),
+           .in_front = true});
+    add_arrow("force to the hand", view.target.X_WD.p,
+              takes_hold(scene_) ? record_.hand_W.f : view.feedback_D.f, force_colour);
   }
 
   void add_arrow(const char* name, const Vec3& from, const Vec3& F, const Colour& colour) {

@@ -61,7 +61,8 @@ class Deflate {
   /// Least significant bit first.
   void put(std::uint32_t value, unsigned bits) {
     bits_ |= value << num_bits_;
-    for (num_bits_ += bits; num_bits_ >= 8; num_bits_ -= 8, bits_ >>= 8u) to_ += static_cast<char>(bits_ & 0xFFu);
+    for (num_bits_ += bits; num_bits_ >= 8; num_bits_ -= 8, bits_ >>= 8u)
+      to_ += static_cast<char>(bits_ & 0xFFu);
   }
   /// Codes of Huffman come with their most significant bit first.
   void code(std::uint32_t value, unsigned bits) {
@@ -78,9 +79,11 @@ class Deflate {
   void literal(std::uint8_t byte) { symbol(byte); }
   /// `length` bytes, 3 to 258, as the one before.
   void match(unsigned length) {
-    static constexpr std::array<unsigned, 29> base{3,  4,  5,  6,  7,  8,  9,  10, 11,  13,  15,  17,  19,  23, 27,
-                                                   31, 35, 43, 51, 59, 67, 83, 99, 115, 131, 163, 195, 227, 258};
-    static constexpr std::array<unsigned, 29> extra{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 0};
+    static constexpr std::array<unsigned, 29> base{3,  4,  5,  6,   7,   8,   9,   10,  11, 13,
+                                                   15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
+                                                   67, 83, 99, 115, 131, 163, 195, 227, 258};
+    static constexpr std::array<unsigned, 29> extra{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2,
+                                                    2, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 0};
     std::size_t i = base.size() - 1;
     while (base[i] > length) --i;
     symbol(static_cast<unsigned>(257 + i));

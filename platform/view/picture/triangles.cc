@@ -88,7 +88,9 @@ std::vector<std::array<Vec3, 2>> sharp_edges(const MeshData& mesh) {
   };
   std::map<std::array<std::array<double, 3>, 2>, Edge> edges;
   for (const TriangleIndices& t : mesh.triangles) {
-    const Vec3 n = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]).normalized();
+    const Vec3 n = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                       .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
+                       .normalized();
     for (std::size_t k = 0; k < 3; ++k) {
       std::array ends{key(t[k]), key(t[(k + 1) % 3])};
       std::ranges::sort(ends);
@@ -111,7 +113,8 @@ std::vector<std::array<Vec3, 2>> round_wires(const MeshData& mesh) {
     for (std::uint32_t i = 0; i < num_sides; ++i) {
       const std::uint32_t a = ring * num_sides + i, b = ring * num_sides + (i + 1) % num_sides;
       if (ring % every == 0 || ring + 1 == num_profile) wires.push_back({mesh.vertices[a], mesh.vertices[b]});
-      if (i % every == 0 && ring + 1 < num_profile) wires.push_back({mesh.vertices[a], mesh.vertices[a + num_sides]});
+      if (i % (2 * every) == 0 && ring + 1 < num_profile)
+        wires.push_back({mesh.vertices[a], mesh.vertices[a + num_sides]});
     }
   return wires;
 }
@@ -125,7 +128,9 @@ MeshData triangles_of(const Solid& solid, const Drawing& drawing, double plane_h
     case SolidKind::sphere: return turned(rounded(r, 0));
     case SolidKind::capsule: return turned(rounded(r, l));
     case SolidKind::cylinder: return turned({{r, -l}, {r, l}});
-    case SolidKind::plane: return {.vertices = {{-s, -s, 0}, {s, -s, 0}, {s, s, 0}, {-s, s, 0}}, .triangles = {{0, 1, 2}, {0, 2, 3}}};
+    case SolidKind::plane:
+      return {.vertices = {{-s, -s, 0}, {s, -s, 0}, {s, s, 0}, {-s, s, 0}},
+              .triangles = {{0, 1, 2}, {0, 2, 3}}};
     case SolidKind::mesh: break;
   }
   return drawing.meshes[solid.mesh];
@@ -133,7 +138,8 @@ MeshData triangles_of(const Solid& solid, const Drawing& drawing, double plane_h
 
 std::vector<std::array<Vec3, 2>> wires_of(const Solid& solid, const Drawing& drawing) {
   const MeshData mesh = triangles_of(solid, drawing, 1);
-  const bool is_round = solid.kind == SolidKind::sphere || solid.kind == SolidKind::capsule || solid.kind == SolidKind::cylinder;
+  const bool is_round = solid.kind == SolidKind::sphere || solid.kind == SolidKind::capsule ||
+                        solid.kind == SolidKind::cylinder;
   return is_round ? round_wires(mesh) : sharp_edges(mesh);
 }
 
@@ -145,7 +151,8 @@ MeshData rod(const Vec3& a, const Vec3& b, double radius) {
 
 MeshData arrow(const Vec3& a, const Vec3& b, double shaft_radius) {
   const double length = (b - a).norm(), head = std::min(0.4 * length, 8 * shaft_radius);
-  MeshData mesh = turned({{shaft_radius, 0}, {shaft_radius, length - head}, {3 * shaft_radius, length - head}, {0, length}});
+  MeshData mesh = turned(
+      {{shaft_radius, 0}, {shaft_radius, length - head}, {3 * shaft_radius, length - head}, {0, length}});
   place(mesh, a, b);
   return mesh;
 }

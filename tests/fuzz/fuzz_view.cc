@@ -1,0 +1,39 @@
+// What a page may send: any bytes as a pointer's message, and any text as the head of a request.
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "platform/view/door.h"
+#include "platform/view/frame.h"
+#include "tests/fuzz/decode.h"
+
+using namespace godobject;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  {
+    const fuzz::NoAllocation guard;
+    PointerMessage message;
+    if (decode(std::span(data, size), message) == ParseResult::ok) {
+      if (!(message.dp_W.norm() <= max_pointer_shift) || !(message.dphi_W.norm() <= max_pointer_turn))
+        std::abort();
+      PointerMessage again;
+      if (decode(encode(message), again) != ParseResult::ok || again.dp_W != message.dp_W ||
+          again.holds != message.holds)
+        std::abort();
+    }
+  }
+  fuzz::Input in(data, size);
+  const auto text = [&] {
+    const auto bytes = in.bytes(in.byte());
+    return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  static const Door door("127.0.0.1", 7780, "0123456789abcdef0123456789abcdef");
+  KnockHead head{.method = "GET", .target = text(), .host = in.byte() % 2 == 0 ? "127.0.0.1:7780" : text()};
+  if (in.byte() % 2 == 0) head.origin = text();
+  head.upgrade = in.byte() % 2 == 0;
+  head.protocols = text();
+  const Verdict verdict = door.judge(head);
+  const bool is_open = verdict.route != Route::refused && verdict.route != Route::file;
+  if (is_open && head.target.find("0123456789abcdef0123456789abcdef") == std::string_view::npos) std::abort();
+  return 0;
+}

@@ -1,0 +1,258 @@
+#!/usr/bin/env python3
+"""The view's page in a real browser: the tool is where the run says, the device beyond the wall, the pointer moves it, and the page knows when
+the run is gone and when it is back. Skipped where chromium, chromedriver, selenium, WebGL or the page itself is not there.
+
+usage: test_browser.py --program PATH
+"""
+import base64
+import csv
+import os
+import shutil
+import signal
+import struct
+import sys
+import tempfile
+import threading
+import time
+import zlib
+
+from viewed_run import ViewedRun, arguments, skip
+
+ARGS = arguments()
+FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update "
+         "--disable-sync --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=900,620").split()
+TOOL, GHOST = (0xD5, 0x45, 0x2C), (0xE0, 0x8A, 0x1E)
+SLOW = 15  # s: of a page in software, on a busy machine
+
+try:
+    from selenium import webdriver
+    from selenium.common.exceptions import WebDriverException
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.action_chains import ActionChains
+except ImportError:
+    skip("no selenium: apt-get install python3-selenium")
+
+
+def open_browser(profile):
+    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if not chromium or not driver:
+        skip("no browser: apt-get install chromium chromium-driver")
+    options = Options()
+    options.binary_location = chromium
+    for flag in [*FLAGS, "--user-data-dir=" + profile]:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    try:
+        return webdriver.Chrome(service=Service(driver), options=options)
+    except WebDriverException as error:
+        return skip(f"the browser does not start: {str(error).splitlines()[0]}")
+
+
+class Page:
+    def __init__(self, browser, url):
+        self.browser = browser
+        start = time.monotonic()
+        browser.get(url)
+        self.wait("!!window.godobject", "the page's script runs")
+        self.wait("godobject.state.frame && godobject.drawn > 1", "a first picture")
+        self.first_picture_s = time.monotonic() - start
+
+    def js(self, text):
+        return self.browser.execute_script("return " + text)
+
+    def wait(self, condition, what, patience=SLOW):
+        end = time.monotonic() + patience
+        while not self.js(f"Boolean({condition})"):
+            assert time.monotonic() < end, (what, self.js("window.godobject ? godobject.phase() : 'no script'"))
+            time.sleep(0.02)
+
+    def errors(self):
+        return [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE" and "WebSocket" not in entry["message"]
+                and "ERR_CONNECTION_REFUSED" not in entry["message"]]
+
+    def pixels(self):
+        """Rows of the canvas, drawn this moment."""
+        data = self.js("(() => { godobject.view.render(); return document.getElementById('canvas').toDataURL('image/png'); })()")
+        return png_rows(base64.b64decode(data.split(",")[1]))
+
+
+def png_rows(data):
+    at, body, width, height, kind = 8, b"", 0, 0, 0
+    while at < len(data):
+        size, = struct.unpack_from(">I", data, at)
+        if data[at + 4:at + 8] == b"IHDR":
+            width, height, _, kind = struct.unpack_from(">IIBB", data, at + 8)
+        if data[at + 4:at + 8] == b"IDAT":
+            body += data[at + 8:at + 8 + size]
+        at += 12 + size
+    channels = {2: 3, 6: 4}[kind]
+    raw, stride, rows, above = zlib.decompress(body), channels * width, [], bytearray(channels * width)
+    for y in range(height):
+        how, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for i in range(stride):
+            a = line[i - channels] if i >= channels else 0
+            b = above[i]
+            c = above[i - channels] if i >= channels else 0
+            near = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
+            line[i] = (line[i] + (0, a, b, (a + b) // 2, near)[how]) & 255
+        above = line
+        rows.append([tuple(line[x:x + 3]) for x in range(0, stride, channels)])
+    return rows
+
+
+def like(pixel, colour):
+    """Of this hue, in whatever light."""
+    light = max(pixel) / max(colour)
+    return light > 0.4 and all(abs(p - light * c) < 30 for p, c in zip(pixel, colour))
+
+
+def centre_x(rows, colour):
+    xs = [x for row in rows for x, pixel in enumerate(row) if like(pixel, colour)]
+    assert len(xs) > 20, (colour, len(xs))
+    return sum(xs) / len(xs)
+
+
+def distance(a, b):
+    return sum((x - y) ** 2 for x, y in zip(a[:3], b[:3])) ** 0.5
+
+
+def seen_on(page, tool):
+    """Cycle, where the frame has the tool, and where it is drawn."""
+    return page.js(f"(godobject.view.update(godobject.state.frame), [godobject.state.frame.cycle, godobject.body('{tool}'), godobject.drawnAt('{tool}')])")
+
+
+def test_the_tool_is_where_the_trace_says(browser, folder):
+    for scene, tool, bus in (("grasper", "tube", []), ("organ", "tube", ["--bus", "direct"])):
+        trace = os.path.join(folder, scene + ".csv")
+        with ViewedRun(ARGS.program, "run", f"sim/scenes/{scene}.toml", *bus, "--view", "--duration", "120", "--trace", trace, folder=folder) as run:
+            page = Page(browser, run.url)
+            print(f"  {scene}: first picture after {page.first_picture_s:.2f} s")
+            seen = []
+            for _ in range(6):
+                seen.append(seen_on(page, tool))
+                time.sleep(0.2)
+            assert not page.errors(), page.errors()
+        with open(trace, newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        at = rows[0].index(tool + ".x")
+        moved = 0.0
+        for cycle, body, drawn in seen:
+            told = [float(x) for x in rows[1 + cycle][at:at + 3]]  # row 1 is the state at the start
+            assert distance(body, told) < 1e-6 and distance(drawn, told) < 1e-6, (scene, cycle, body, drawn, told)
+            moved = max(moved, distance(told, seen[0][1]))
+        assert moved > 1e-3, "it moves"
+
+
+def test_all_onlookers_see_one_run(browser, folder):
+    with ViewedRun(ARGS.program, "run", "sim/scenes/lego.toml", "--bus", "direct", "--view", "--duration", "120", folder=folder) as run:
+        page = Page(browser, run.url)
+        print(f"  lego: first picture after {page.first_picture_s:.2f} s")
+        stream, frames = run.stream(), {}
+        index = [body["name"] for body in stream.scene()["bodies"]].index("mover")
+
+        def read():
+            try:
+                while True:
+                    frame = stream.frame()
+                    frames[frame["cycle"]] = frame["bodies"][index]
+            except (ConnectionError, OSError):
+                pass
+
+        reader = threading.Thread(target=read)
+        reader.start()
+        time.sleep(0.5)
+        seen = [seen_on(page, "mover") for _ in range(10)]
+        time.sleep(0.5)
+        run.end()
+        reader.join()
+        common = [(body, frames[cycle]) for cycle, body, _ in seen if cycle in frames]
+        assert common, "one frame at least is the same"
+        assert all(distance(a, b) == 0 for a, b in common)
+
+
+def test_the_device_is_beyond_the_wall(browser, folder):
+    with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--view", "--duration", "120", folder=folder) as run:
+        page = Page(browser, run.url)
+        page.wait("godobject.target('peg')[0] - godobject.body('peg')[0] > 0.02", "pressed on the wall")
+        tool, ghost = page.js("(godobject.view.update(godobject.state.frame), [godobject.drawnAt('peg'), godobject.ghostAt('peg')])")
+        assert tool[0] < 0.067 < 0.08 < ghost[0] + 0.015, (tool, ghost)
+        rows = page.pixels()
+        assert centre_x(rows, GHOST) - centre_x(rows, TOOL) > 4, "apart in pixels"
+        assert not page.errors(), page.errors()
+
+
+def test_the_pointer_moves_the_tool(browser, folder):
+    with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--view", "--view-input", folder=folder) as run:
+        page = Page(browser, run.url)
+        peg, wall = page.js("[godobject.pixel(godobject.drawnAt('peg')), godobject.pixel([0.2, 0, 0])]")
+        canvas = browser.find_element("id", "canvas")
+        width, height = page.js("[godobject.view.width, godobject.view.height]")
+        steps, hand = 20, ActionChains(browser, duration=40)
+        hand.move_to_element_with_offset(canvas, int(peg["x"] - width / 2), int(peg["y"] - height / 2)).click_and_hold().perform()
+        page.wait("godobject.state.frame.held === 0", "the tool is held")
+        hand = ActionChains(browser, duration=40)
+        for _ in range(steps):
+            hand.move_by_offset(round((wall["x"] - peg["x"]) / steps), round((wall["y"] - peg["y"]) / steps))
+        hand.perform()
+        page.wait("godobject.target('peg')[0] > 0.1", "the target follows the pointer, into the wall")
+        page.wait("Math.abs(godobject.body('peg')[0] - 0.065) < 0.004", "the tool stops at it")
+        page.wait("Math.hypot(...godobject.state.frame.handForce) > 5", "the hand is pushed back")
+        ActionChains(browser).release().perform()
+        time.sleep(0.5)
+        assert page.js("godobject.state.frame.held") == 0, "the grip stays until it is released"
+        page.js("document.getElementById('release').click()")
+        page.wait("godobject.state.frame.held === -1", "released")
+        assert not page.errors(), page.errors()
+
+
+def test_the_page_knows_when_the_run_is_gone(browser, folder):
+    arguments_ = ("run", "sim/scenes/wall.toml", "--view", "7795", "--duration", "300")
+    with ViewedRun(ARGS.program, *arguments_, folder=folder) as run:
+        page = Page(browser, run.url)
+        run.process.send_signal(signal.SIGKILL)
+        killed = time.monotonic()
+        page.wait("/lost|ended/.test(godobject.phase())", "the page says so", 5)
+        print(f"  said after {time.monotonic() - killed:.2f} s")
+        assert time.monotonic() - killed < 1.5, "within a second, and what a busy machine needs"
+        assert page.js("document.body.classList.contains('stale')")
+    with ViewedRun(ARGS.program, *arguments_, folder=folder):
+        page.wait("/^running/.test(godobject.phase()) && !document.body.classList.contains('stale')", "it comes back by itself")
+    page.wait("/ended/.test(godobject.phase())", "a run that ends says so")
+
+
+def test_a_recording_has_a_slider(browser, folder):
+    trace = os.path.join(folder, "t.csv")
+    with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--fast", "--view", "--duration", "600", "--trace", trace, "--trace-every", "10", folder=folder) as run:
+        time.sleep(2)
+        run.end()
+    with ViewedRun(ARGS.program, "view", trace, "--scene", "sim/scenes/wall.toml", folder=folder) as run:
+        page = Page(browser, run.url)
+        page.js("godobject.player.playing = false, godobject.player.seek(2.5)")
+        page.wait("Math.abs(godobject.state.frame.t - 2.5) < 0.02 && godobject.target('peg')[0] > 0.09", "the instant that was asked for")
+        assert not page.js("document.getElementById('player').hidden")
+        page.js("godobject.player.toggle()")
+        page.wait("godobject.state.frame.t > 2.8", "it plays")
+        assert not page.errors(), page.errors()
+
+
+def main():
+    folder = tempfile.mkdtemp(prefix="godobject-view-")
+    with ViewedRun(ARGS.program, "view", "sim/scenes/wall.toml", folder=folder) as run:
+        if run.ask("/app.js")[0] != 200:
+            skip("the program was built without its page: ./dev setup view, then build again")
+    browser = open_browser(tempfile.mkdtemp(prefix="godobject-browser-"))
+    try:
+        browser.get("data:text/html,<canvas id=c></canvas>")
+        if not browser.execute_script("return Boolean(document.getElementById('c').getContext('webgl2'))"):
+            skip("this browser has no WebGL here")
+        for test in (test_the_tool_is_where_the_trace_says, test_all_onlookers_see_one_run, test_the_device_is_beyond_the_wall, test_the_pointer_moves_the_tool,
+                     test_the_page_knows_when_the_run_is_gone, test_a_recording_has_a_slider):
+            print(test.__name__)
+            sys.stdout.flush()
+            test(browser, folder)
+    finally:
+        browser.quit()
+
+
+main()

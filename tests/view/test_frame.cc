@@ -1,0 +1,164 @@
+// Frames and pointers on the wire are what docs/view.md says, and what is no pointer's message is refused.
+#include "platform/view/frame.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+namespace godobject::test_frame {
+namespace {
+
+/// A sample with numbers drawn at random.
+ViewSample random_sample(std::mt19937& random, std::size_t num_bodies, std::size_t num_contacts) {
+  std::uniform_real_distribution<double> number(-1, 1);
+  const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
+  const auto pose = [&] {
+    return Pose{.p = vector(),
+                .q = Quat(number(random), number(random), number(random), number(random)).normalized()};
+  };
+  ViewSample sample{.record = {}, .phase = RunPhase::running, .counters = {}, .touching = {}};
+  CycleRecord& record = sample.record;
+  record.cycle = random();
+  record.t = number(random);
+  record.engaged = true;
+  record.fault = Fault::contacts_full;
+  record.limited = Limited::torque | Limited::ramp;
+  record.rig_faults = RigFault::second_host;
+  record.drives.rate_limited = 4;
+  record.held = num_bodies - 1;
+  record.hand_W = {.tau = vector(), .f = vector()};
+  for (std::size_t i = 0; i < num_bodies; ++i) {
+    BodyView body;
+    body.X_WB = pose();
+    body.target.X_WD = pose();
+    body.coupling_B = {.tau = vector(), .f = vector()};
+    body.feedback_D = {.tau = vector(), .f = vector()};
+    record.bodies.push_back(body);
+  }
+  for (std::size_t i = 0; i < num_contacts; ++i)
+    sample.touching.push_back({.a = i % num_bodies,
+                               .b = i % 2 == 0 ? world : 0,
+                               .p_W = vector(),
+                               .n_W = vector(),
+                               .F_W = vector()});
+  sample.num_touching = num_contacts;
+  return sample;
+}
+
+template <class T>
+T at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
+  T value;
+  std::memcpy(&value, bytes.data() + place, sizeof value);  // this machine's order is the wire's
+  return value;
+}
+
+void expect_vector(const std::vector<std::uint8_t>& bytes, std::size_t place, const Vec3& expected) {
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(at<float>(bytes, place + 4 * static_cast<std::size_t>(i)), static_cast<float>(expected[i]))
+        << place;
+}
+
+TEST(Frame, HasTheDocumentedLayout) {
+  static_assert(std::endian::native == std::endian::little);
+  std::mt19937 random(1);
+  for (int round = 0; round < 20; ++round) {
+    const std::size_t num_bodies = 1 + random() % 9, num_contacts = random() % 20;
+    const ViewSample sample = random_sample(random, num_bodies, num_contacts);
+    const std::vector<std::size_t> driven{num_bodies / 2};
+    const std::vector<Vec3> vertices(3, Vec3(1, 2, 3));
+    std::vector<std::uint8_t> bytes;
+    encode(sample, driven, vertices, bytes);
+    ASSERT_EQ(bytes.size(), 120 + 28 * num_bodies + 76 + 44 * num_contacts + 12 * 3);
+    EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 4), "GOVF");
+    EXPECT_EQ(at<std::uint16_t>(bytes, 4), 1);
+    EXPECT_EQ(at<std::uint16_t>(bytes, 6), 120);
+    EXPECT_EQ(at<std::uint64_t>(bytes, 8), sample.record.cycle);
+    EXPECT_EQ(at<double>(bytes, 16), sample.record.t);
+    EXPECT_EQ(bytes[24], 2);
+    EXPECT_EQ(bytes[25], frame_engaged);
+    EXPECT_EQ(at<std::uint16_t>(bytes, 26), 1);
+    EXPECT_EQ(at<std::uint32_t>(bytes, 28), 1u << 3);
+    EXPECT_EQ(at<std::uint32_t>(bytes, 32), 1u << 1 | 1u << 4 | 1u << 7)
+        << "torque, ramp, and the drives' rate";
+    EXPECT_EQ(at<std::uint32_t>(bytes, 36), 1u << 14);
+    EXPECT_EQ(at<std::int32_t>(bytes, 40), static_cast<std::int32_t>(num_bodies - 1));
+    EXPECT_EQ(at<std::uint32_t>(bytes, 44), num_bodies);
+    EXPECT_EQ(at<std::uint32_t>(bytes, 48), num_contacts);
+    EXPECT_EQ(at<std::uint32_t>(bytes, 52), 3u);
+    expect_vector(bytes, 80, sample.record.hand_W.f);
+    expect_vector(bytes, 120 + 28 * (num_bodies - 1), sample.record.bodies.back().X_WB.p);
+    const BodyView& tool = sample.record.bodies[driven.front()];
+    const std::size_t after_bodies = 120 + 28 * num_bodies;
+    expect_vector(bytes, after_bodies, tool.target.X_WD.p);
+    expect_vector(bytes, after_bodies + 12, Vec3(tool.target.X_WD.q.vec()));
+    EXPECT_EQ(at<float>(bytes, after_bodies + 24), static_cast<float>(tool.target.X_WD.q.w()));
+    expect_vector(bytes, after_bodies + 28, tool.coupling_B.f);
+    expect_vector(bytes, after_bodies + 52, tool.feedback_D.f);
+    if (num_contacts > 0) {
+      const std::size_t contact = after_bodies + 76;
+      EXPECT_EQ(at<std::uint32_t>(bytes, contact + 4), UINT32_MAX) << "the world";
+      expect_vector(bytes, contact + 32, sample.touching.front().F_W);
+    }
+    expect_vector(bytes, bytes.size() - 12, Vec3(1, 2, 3));
+  }
+}
+
+TEST(Frame, LeavesOutContactsBeyondItsRoom) {
+  std::mt19937 random(2);
+  const ViewSample sample = random_sample(random, 2, max_frame_contacts + 100);
+  std::vector<std::uint8_t> bytes;
+  encode(sample, {}, {}, bytes);
+  EXPECT_EQ(at<std::uint32_t>(bytes, 48), max_frame_contacts);
+}
+
+TEST(Pointer, IsReadBackAsItWasWritten) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-0.5, 0.5);
+  for (int round = 0; round < 1000; ++round) {
+    const PointerMessage sent{.number = static_cast<std::uint32_t>(random()),
+                              .holds = random() % 2 == 0,
+                              .moves = random() % 2 == 0,
+                              .target = static_cast<std::uint32_t>(random()),
+                              .dp_W = Vec3(number(random), number(random), number(random)),
+                              .dphi_W = Vec3(number(random), number(random), number(random))};
+    PointerMessage read;
+    ASSERT_EQ(decode(encode(sent), read), ParseResult::ok);
+    EXPECT_EQ(read.number, sent.number);
+    EXPECT_EQ(read.holds, sent.holds);
+    EXPECT_EQ(read.moves, sent.moves);
+    EXPECT_EQ(read.target, sent.target);
+    EXPECT_EQ(read.dp_W, sent.dp_W.cast<float>().cast<double>());
+    EXPECT_EQ(read.dphi_W, sent.dphi_W.cast<float>().cast<double>());
+  }
+}
+
+TEST(Pointer, IsRefusedWhereItIsNone) {
+  const auto with = [](std::size_t place, std::uint8_t byte) {
+    auto bytes = encode(PointerMessage{});
+    bytes[place] = byte;
+    return bytes;
+  };
+  PointerMessage out{.number = 7};
+  EXPECT_EQ(decode(with(0, 'X'), out), ParseResult::other_message);
+  EXPECT_EQ(decode(with(4, 2), out), ParseResult::bad_value) << "another version";
+  EXPECT_EQ(decode(with(6, 4), out), ParseResult::bad_value) << "a button that there is not";
+  const auto bytes = encode(PointerMessage{});
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_EQ(decode(std::span(bytes).first(size), out), ParseResult::too_short);
+  std::vector<std::uint8_t> longer(bytes.begin(), bytes.end());
+  longer.push_back(0);
+  EXPECT_EQ(decode(longer, out), ParseResult::too_long);
+  for (const double x :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1.5, -4.0}) {
+    EXPECT_EQ(decode(encode(PointerMessage{.dp_W = Vec3(0, x, 0)}), out), ParseResult::bad_value) << x;
+    EXPECT_EQ(decode(encode(PointerMessage{.dphi_W = Vec3(x * 3, 0, 0)}), out), ParseResult::bad_value) << x;
+  }
+  EXPECT_EQ(out.number, 7u) << "untouched";
+}
+
+}  // namespace
+}  // namespace godobject::test_frame

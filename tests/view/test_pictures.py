@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Pictures without a browser: what the files hold, and that the device is seen apart from the tool while that is pressed on the wall.
+
+usage: test_pictures.py --program PATH
+"""
+import base64
+import json
+import os
+import struct
+import subprocess
+import tempfile
+import zlib
+
+from viewed_run import SOURCE, arguments
+
+ARGS = arguments()
+TOOL, GHOST, WALL = (0xD5, 0x45, 0x2C), (0xE0, 0x8A, 0x1E), (0xA9, 0xA2, 0x94)
+
+
+def godobject(*args, code=0):
+    result = subprocess.run([ARGS.program, *args], cwd=SOURCE, capture_output=True, text=True, timeout=120, check=False)
+    assert result.returncode == code, (args, result.returncode, result.stderr)
+    return result.stderr
+
+
+def chunks(data):
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at = 8
+    while at < len(data):
+        size, = struct.unpack_from(">I", data, at)
+        kind, body = data[at + 4:at + 8], data[at + 8:at + 8 + size]
+        assert zlib.crc32(kind + body) == struct.unpack_from(">I", data, at + 8 + size)[0], kind
+        yield kind, body
+        at += 12 + size
+
+
+def image(path):
+    """Rows of pixels, and how many frames there are."""
+    with open(path, "rb") as file:
+        parts = list(chunks(file.read()))
+    width, height = struct.unpack_from(">II", parts[0][1])
+    raw = zlib.decompress(b"".join(body for kind, body in parts if kind == b"IDAT"))
+    stride, rows, above = 3 * width, [], bytes(3 * width)
+    assert len(raw) == (stride + 1) * height
+    for y in range(height):
+        line = raw[y * (stride + 1):(y + 1) * (stride + 1)]
+        assert line[0] == 2
+        above = bytes((a + b) & 255 for a, b in zip(line[1:], above))
+        rows.append([tuple(above[x:x + 3]) for x in range(0, stride, 3)])
+    for kind, body in parts:
+        if kind == b"fdAT":
+            assert len(zlib.decompress(body[4:])) == len(raw)
+    return rows, sum(kind == b"fcTL" for kind, _ in parts)
+
+
+def like(pixel, colour, shade=0.45):
+    """The colour in some light: its channels in the same ratio."""
+    light = max(pixel) / max(colour)
+    return light > shade and all(abs(p - light * c) < 14 for p, c in zip(pixel, colour))
+
+
+def centre(rows, colour):
+    places = [(x, y) for y, row in enumerate(rows) for x, pixel in enumerate(row) if like(pixel, colour)]
+    assert len(places) > 30, (colour, len(places))
+    return sum(x for x, _ in places) / len(places), sum(y for _, y in places) / len(places)
+
+
+def main():
+    folder = tempfile.mkdtemp(prefix="godobject-view-")
+    path = lambda name: os.path.join(folder, name)
+    godobject("run", "sim/scenes/wall.toml", "--fast", "--duration", "4", "--trace", path("wall.csv"), "--report", path("report.json"))
+
+    godobject("view", path("wall.csv"), "--picture", path("pressed.png"), "--time", "2.5")  # 35 mm in; the report names the scene
+    rows, _ = image(path("pressed.png"))
+    assert len(rows) == 600 and len(rows[0]) == 960
+    (tool, _), (ghost, _) = centre(rows, TOOL), centre(rows, GHOST)
+    assert ghost - tool > 15, ("the device is beyond the tool", ghost, tool)
+
+    godobject("view", path("wall.csv"), "--picture", path("free.png"), "--time", "0", "--size", "320", "200")
+    rows, _ = image(path("free.png"))
+    assert len(rows) == 200
+    (tool, _), (ghost, _) = centre(rows, TOOL), centre(rows, GHOST)
+    assert abs(ghost - tool) < 4, ("they are in one place", ghost, tool)
+
+    godobject("view", path("wall.csv"), "--picture", path("moving.png"), "--duration", "1", "--size", "160", "100")
+    assert image(path("moving.png"))[1] == 12
+
+    godobject("view", path("wall.csv"), "--picture", path("pressed.gltf"), "--time", "2.5")
+    with open(path("pressed.gltf"), encoding="utf-8") as file:
+        gltf = json.load(file)
+    names = [node["name"] for node in gltf["nodes"]]
+    assert {"peg", "wall", "post", "peg, device", "coupling", "force to the hand"} <= set(names), names
+    data = base64.b64decode(gltf["buffers"][0]["uri"].split(",")[1])
+    assert len(data) == gltf["buffers"][0]["byteLength"]
+    for accessor in gltf["accessors"]:
+        view = gltf["bufferViews"][accessor["bufferView"]]
+        assert view["byteLength"] == accessor["count"] * (12 if accessor["type"] == "VEC3" else 4)
+        assert view["byteOffset"] + view["byteLength"] <= len(data)
+    for mesh in gltf["meshes"]:
+        primitive, = mesh["primitives"]
+        order, points = (gltf["accessors"][primitive[key]] for key in ("indices",)), gltf["accessors"][primitive["attributes"]["POSITION"]]
+        order = next(order)
+        at = gltf["bufferViews"][order["bufferView"]]["byteOffset"]
+        assert max(struct.unpack_from(f"<{order['count']}I", data, at)) < points["count"]
+    peg = gltf["accessors"][gltf["meshes"][[m["name"] for m in gltf["meshes"]].index("peg")]["primitives"][0]["attributes"]["POSITION"]]
+    assert peg["max"][0] < 0.082, "the peg ends at the wall"
+
+    godobject("view", "sim/scenes/organ.toml", "--picture", path("organ.png"))
+    centre(image(path("organ.png"))[0], WALL)
+
+    godobject("run", "sim/scenes/grasper.toml", "--fast", "--quiet", "--duration", "2", "--record", path("bus.log"))
+    godobject("view", path("bus.log"), "--scene", "sim/scenes/grasper.toml", "--picture", path("bus.png"), "--time", "1.5")
+    centre(image(path("bus.png"))[0], TOOL)
+
+    assert "describes no buses" in godobject("view", path("bus.log"), "--scene", "sim/scenes/wall.toml", "--picture", path("x.png"), code=2)
+    os.remove(path("report.json"))
+    assert "of which scene is it?" in godobject("view", path("wall.csv"), "--picture", path("x.png"), code=2)
+    assert "must end in .png or .gltf" in godobject("view", path("wall.csv"), "--picture", path("x.jpg"), code=2)
+    assert "is it of another scene" in godobject("view", path("wall.csv"), "--scene", "sim/scenes/organ.toml", "--picture", path("x.png"), code=2)
+
+
+main()

@@ -1,0 +1,117 @@
+// Traces are read back as they were written, and what is none is refused with its line.
+#include "platform/view/recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "platform/cli/run/files.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/make_session.h"
+#include "tests/support/program.h"
+
+namespace godobject::test_recording {
+namespace {
+
+using testing::HasSubstr;
+
+SceneConfig scene_named(const std::string& name) {
+  return *load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/" + name + ".toml").scene;
+}
+
+class RecordingTest : public test::ProgramTest {
+ protected:
+  /// A trace of so many steps; the records of all of them.
+  std::vector<CycleRecord> trace(const SceneConfig& scene, int steps) {
+    Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
+    RunFiles files({.trace = path("t.csv"), .contacts = {}, .record = {}}, scene, 0);
+    made.session->start(1);
+    CycleRecord record = made.session->at_start();
+    std::vector<CycleRecord> records{record};
+    files.add(record);
+    for (int i = 0; i < steps; ++i) {
+      static_cast<void>(made.session->advance(record));
+      records.push_back(record);
+      files.add(record);
+    }
+    EXPECT_TRUE(files.close().empty());
+    return records;
+  }
+};
+
+TEST_F(RecordingTest, OfATraceHasItsPoses) {
+  for (const char* name : {"organ", "lego", "grasp", "wall"}) {
+    const SceneConfig scene = scene_named(name);
+    const std::vector<CycleRecord> records = trace(scene, 100);
+    const RecordingResult result = read_trace(path("t.csv"), scene);
+    ASSERT_TRUE(result.recording.has_value()) << name << ": " << result.errors.front();
+    ASSERT_EQ(result.recording->samples.size(), 11u) << "100 a second";
+    for (std::size_t i = 0; i < result.recording->samples.size(); ++i) {
+      const CycleRecord &read = result.recording->samples[i].record, &written = records[10 * i];
+      EXPECT_EQ(read.t, written.t);
+      EXPECT_EQ(read.fault, written.fault);
+      EXPECT_EQ(read.limited, written.limited);
+      EXPECT_EQ(read.held, written.held);
+      EXPECT_EQ(read.energy.balance, written.energy.balance);
+      for (std::size_t body = 0; body < scene.bodies.size(); ++body) {
+        EXPECT_EQ(read.bodies[body].X_WB.p, written.bodies[body].X_WB.p) << name << " " << body;
+        EXPECT_EQ(read.bodies[body].X_WB.q.coeffs(), written.bodies[body].X_WB.q.coeffs());
+      }
+      for (const std::size_t body : driven_bodies(scene)) {
+        EXPECT_EQ(read.bodies[body].target.X_WD.p, written.bodies[body].target.X_WD.p);
+        EXPECT_EQ(read.bodies[body].coupling_B.f, written.bodies[body].coupling_B.f);
+        EXPECT_EQ(read.bodies[body].feedback_D.tau, written.bodies[body].feedback_D.tau);
+      }
+    }
+  }
+}
+
+TEST_F(RecordingTest, OfARunThatWasKilledEndsWithItsLastWholeRow) {
+  const SceneConfig scene = scene_named("wall");
+  trace(scene, 50);
+  std::string text = test::read_file(path("t.csv"));
+  text.resize(text.size() - 40);
+  const RecordingResult result = read_trace(write("cut.csv", text), scene);
+  ASSERT_TRUE(result.recording.has_value());
+  EXPECT_EQ(result.recording->samples.size(), 5u);
+}
+
+TEST_F(RecordingTest, IsRefusedWhereItIsNone) {
+  const SceneConfig scene = scene_named("wall");
+  trace(scene, 5);
+  const std::string text = test::read_file(path("t.csv"));
+  const auto error_of = [&](const std::string& changed, const SceneConfig& of) {
+    const RecordingResult result = read_trace(write("x.csv", changed), of);
+    return result.errors.empty() ? std::string("none") : result.errors.front();
+  };
+  EXPECT_THAT(error_of(text, scene_named("organ")),
+              HasSubstr("x.csv:1: column 2 is 'peg.x', and a trace of scene 'organ' has 'trocar.x'"));
+  EXPECT_THAT(error_of("", scene), HasSubstr("is empty"));
+  EXPECT_THAT(error_of(text.substr(0, text.find('\n') + 1), scene), HasSubstr("no rows"));
+  EXPECT_THAT(error_of(text + "a,b\n", scene), HasSubstr("x.csv:8: not the"));
+  EXPECT_THAT(error_of(text + "9,1\n", scene), HasSubstr("x.csv:8: not the"));
+  EXPECT_THAT(error_of(text + "nan,1\n", scene), HasSubstr("x.csv:8: not the"));
+}
+
+TEST_F(RecordingTest, TakesEveryOtherInstantOfOneThatIsTooLong) {
+  const SceneConfig scene = scene_named("wall");
+  trace(scene, 1);
+  std::string text = test::read_file(path("t.csv"));
+  const std::size_t first = text.find('\n') + 1;
+  const std::string row =
+      text.substr(text.find(',', first), text.find('\n', first) - text.find(',', first)) + "\n";
+  text.resize(first);
+  for (int i = 0; i < 30'000; ++i) text += std::to_string(0.01 * i) + row;
+  const RecordingResult result = read_trace(write("long.csv", text), scene);
+  ASSERT_TRUE(result.recording.has_value());
+  EXPECT_LT(result.recording->samples.size(), max_recorded);
+  EXPECT_NEAR(result.recording->samples.back().record.t, 300, 0.05);
+}
+
+TEST(Recording, OfASceneIsItsStart) {
+  const Recording recording = recording_of(scene_named("organ"));
+  ASSERT_EQ(recording.samples.size(), 1u);
+  EXPECT_EQ(recording.samples[0].record.bodies[1].X_WB.p, recording.scene.bodies[1].X_WB.p);
+}
+
+}  // namespace
+}  // namespace godobject::test_recording

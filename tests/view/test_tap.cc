@@ -1,0 +1,129 @@
+// What a view takes from the loop costs it nothing but a copy when one was asked for.
+#include "platform/view/tap.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <array>
+#include <atomic>
+#include <thread>
+
+#include "platform/cli/run/cycle.h"
+#include "platform/scene/scene_toml.h"
+#include "platform/session/make_session.h"
+#include "platform/view/live.h"
+#include "tests/support/allocation_guard.h"
+
+namespace godobject::test_tap {
+namespace {
+
+TEST(Latest, IsGivenWhenItWasAskedForAndThenStays) {
+  Latest<int> latest(0);
+  EXPECT_FALSE(latest.wanted());
+  EXPECT_EQ(latest.get(), nullptr);
+  latest.ask();
+  EXPECT_TRUE(latest.wanted());
+  EXPECT_EQ(latest.get(), nullptr);
+  latest.slot() = 7;
+  latest.give();
+  EXPECT_FALSE(latest.wanted());
+  ASSERT_NE(latest.get(), nullptr);
+  EXPECT_EQ(*latest.get(), 7);
+}
+
+TEST(Latest, IsNeverTornBetweenTwoThreads) {
+  constexpr std::uint64_t num_values = 200'000;
+  Latest<std::array<std::uint64_t, 64>> latest({});
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; i <= num_values; ++i) {
+      if (!latest.wanted()) continue;
+      latest.slot().fill(i);
+      latest.give();
+    }
+    done = true;
+  });
+  std::uint64_t last = 0;
+  for (latest.ask(); !done;) {
+    const auto* const value = latest.get();
+    if (value == nullptr) continue;
+    for (const std::uint64_t part : *value) ASSERT_EQ(part, value->front());
+    ASSERT_GE(value->front(), last);
+    last = value->front();
+    latest.ask();
+  }
+  writer.join();
+}
+
+class TapOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(TapOf, LeavesTheLoopWithoutAllocationLockSystemCallAndFault) {
+  const LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + GetParam());
+  ASSERT_TRUE(loaded.scene.has_value());
+  Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
+  ASSERT_NE(made.session, nullptr) << made.errors.front();
+  LiveView view(*made.session, {}, nullptr);
+  made.session->start(5);
+  constexpr std::uint64_t num_cycles = 2000;
+  Ring<CycleEntry> cycles(num_cycles, entry_of(*made.session));
+  const std::atomic<bool> stop{false};
+  RealtimeCycle cycle(*made.session, RunPlan{.num_cycles = num_cycles, .tap = &view.tap()}, stop, cycles);
+
+  std::atomic<int> frames{0};
+  std::atomic<bool> done{false};
+  std::thread onlooker([&] {
+    while (!done) {
+      if (view.frame()) ++frames;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  while (frames == 0 && cycle.cycle().left() > num_cycles / 2 && cycle(Wake{}))
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  rusage before{}, after{};
+  getrusage(RUSAGE_THREAD, &before);
+  long calls = 0;
+  std::string report;
+  {
+    AllocationGuard guard;
+    while (cycle(Wake{})) continue;
+    guard.disarm();
+    calls = guard.calls();
+    report = guard.report();
+  }
+  getrusage(RUSAGE_THREAD, &after);
+  done = true;
+  onlooker.join();
+  if (AllocationGuard::works()) {
+    EXPECT_EQ(calls, 0) << report;
+    EXPECT_EQ(after.ru_majflt - before.ru_majflt, 0);
+  }
+  EXPECT_GT(frames, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, TapOf,
+                         testing::Values("lego.toml", "organ.toml", "grasper.toml", "wall.toml"));
+
+TEST(Tap, ChangesNothingOfTheRun) {
+  const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/organ.toml");
+  ASSERT_TRUE(loaded.scene.has_value());
+  std::array<std::uint64_t, 2> hashes{};
+  for (const bool looks : {false, true}) {
+    Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
+    ASSERT_NE(made.session, nullptr);
+    ViewTap tap(*made.session);
+    const std::atomic<bool> stop{false};
+    RunCycle cycle(*made.session, RunPlan{.num_cycles = 500, .tap = looks ? &tap : nullptr}, stop);
+    made.session->start(5);
+    CycleRecord record = made.session->at_start();
+    for (int i = 0; !cycle.ended(); ++i) {
+      if (i % 16 == 0) tap.ask();
+      static_cast<void>(cycle.run(record));
+      static_cast<void>(tap.get());
+    }
+    hashes[looks ? 1 : 0] = made.session->engine().state_hash();
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+}  // namespace
+}  // namespace godobject::test_tap
