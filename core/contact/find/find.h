@@ -348,13 +348,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
       const Real distance_sq = apart.squaredNorm();
       if (distance_sq >= (both + reach) * (both + reach)) continue;
       const Real distance = std::sqrt(distance_sq);
-      Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
-      Real depth = both - distance;
-      if (on_a.travel + on_b.travel > std::min(sphere_a.r, sphere_b.r)) {
-        const Vec3 back = w.since() * (velocity_at(w, b, sphere_b.p_W) - velocity_at(w, a, sphere_a.p_W));
-        n = swept_normal(apart, back, both, n);
-        depth = both - n.dot(apart);
-      }
+      const Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
       constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
       add_near(w,
                {.key = pair | touch_key(t, s),  // in the order of the loops
@@ -362,7 +356,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
                 .on = spheres + t,
                 .a = a,
                 .b = b,
-                .d = depth,
+                .d = both - distance,
                 .p_W = sphere_a.p_W - sphere_a.r * n,
                 .n_W = n},
                least, near);

@@ -63,16 +63,6 @@ inline SweptContact swept(const ShapeParams& shape, const Mat3& R_WS, const Vec3
   return {.touches = true, .depth = r - s.distance + left * s.n.dot(back_W), .n_W = s.n};
 }
 
-/// Spheres of both bodies: the second comes from `back` against the first to where they are `apart`. The normal where they
-/// touch first.
-inline Vec3 swept_normal(const Vec3& apart, const Vec3& back, Real both, const Vec3& otherwise) noexcept {
-  // |apart + s back| = both, s from 1 to 0
-  const Real a = back.squaredNorm(), b = apart.dot(back), c = apart.squaredNorm() - both * both;
-  const Real root = b * b - a * c;
-  if (!(a + 2 * b + c > 0) || !(root >= 0) || !(b + std::sqrt(root) >= 0)) return otherwise;
-  return (apart + back * ((std::sqrt(root) - b) / a)).normalized();
-}
-
 /// The boxes are so deep in each other at most, along the normal of a face or an edge: < 0: so far apart at least.
 inline Real depth_of(const BoxOnBox& w) noexcept {
   Real depth = least_face(w).depth;
