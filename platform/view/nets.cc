@@ -2,14 +2,28 @@
 
 namespace godobject {
 
-std::vector<Vec3> nodes_of(const SceneNets& nets, const ViewSample& sample) {
-  if (sample.net_nodes.size() == nets.nodes.size()) return sample.net_nodes;
+namespace {
+
+/// X_WB(body): where that body is.
+template <class Where>
+std::vector<Vec3> on_anchors(const SceneNets& nets, const Where& X_WB) {
   std::vector<Vec3> nodes;
   for (const NetNode& node : nets.nodes) {
-    const Pose X_WB = node.body == world ? Pose{} : sample.record.bodies[node.body].X_WB;
-    nodes.push_back(X_WB.p + X_WB.q * node.p_B);
+    const Pose X = node.body == world ? Pose{} : X_WB(node.body);
+    nodes.push_back(X.p + X.q * node.p_B);
   }
   return nodes;
+}
+
+}  // namespace
+
+std::vector<Vec3> nodes_of(const SceneNets& nets, const ViewSample& sample) {
+  if (sample.net_nodes.size() == nets.nodes.size()) return sample.net_nodes;
+  return on_anchors(nets, [&](std::size_t body) { return sample.record.bodies[body].X_WB; });
+}
+
+std::vector<Vec3> nodes_at_start(const SceneConfig& scene) {
+  return on_anchors(scene_nets(scene), [&](std::size_t body) { return scene.bodies[body].X_WB; });
 }
 
 std::vector<TriangleIndices> triangles_of(const NetRange& net) {

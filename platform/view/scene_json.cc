@@ -36,11 +36,18 @@ Json to_json(const MeshData& mesh) {
   return {{"vertices", std::move(vertices)}, {"triangles", std::move(triangles)}};
 }
 
-Json to_json(const NetRange& net) {
+/// nodes: of all nets, at the start.
+Json to_json(const NetRange& net, const std::vector<Vec3>& nodes) {
+  Vec3 low = nodes[net.first_node], high = low;
+  for (std::size_t i = net.first_node; i < net.first_node + net.num_nodes; ++i) {
+    low = low.cwiseMin(nodes[i]);
+    high = high.cwiseMax(nodes[i]);
+  }
   Json triangles = Json::array();
   for (const TriangleIndices& triangle : triangles_of(net))
     for (const std::uint32_t corner : triangle) triangles.push_back(corner);
-  return {{"name", net.name}, {"num_vertices", net.num_nodes}, {"triangles", std::move(triangles)}};
+  return {{"name", net.name}, {"num_vertices", net.num_nodes}, {"bounds", {to_json(low), to_json(high)}},
+          {"triangles", std::move(triangles)}};
 }
 
 Json to_json(const JointConfig& joint, const SceneConfig& scene) {
@@ -91,7 +98,8 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
   for (const JointConfig& joint : scene.joints) json["joints"].push_back(to_json(joint, scene));
   for (const Solid& solid : drawing.solids) json["solids"].push_back(to_json(solid));
   for (const MeshData& mesh : drawing.meshes) json["meshes"].push_back(to_json(mesh));
-  for (const NetRange& net : scene_nets(scene).nets) json["surfaces"].push_back(to_json(net));
+  const std::vector<Vec3> nodes = nodes_at_start(scene);
+  for (const NetRange& net : scene_nets(scene).nets) json["surfaces"].push_back(to_json(net, nodes));
   for (const BusLoadText& bus : about.buses)
     json["buses"].push_back({{"name", bus.name}, {"percent", bus.percent}});
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

@@ -59,7 +59,7 @@ void print_nets(std::FILE* out, const RunReport& report) {
   const double cycles = static_cast<double>(std::max<std::uint64_t>(report.result.statistics.cycles, 1));
   std::fprintf(
       out,
-      "  %-26s %zu nodes, %zu springs; stretched to %.3g at most; %zu contacts at most, %.3g m deep; %.1f "
+      "  %-26s %zu nodes, %zu springs; stretched to %.4g at most; %zu contacts at most, %.3g m deep; %.1f "
       "iterations a step, %d at most, residual %.3g N\n",
       "nets", nets.nodes.size(), nets.springs.size(), n.stretch, n.contacts, n.deepest,
       static_cast<double>(n.iterations) / cycles, n.most_iterations, n.residual);

@@ -296,5 +296,7 @@ function boundsOf(about) {
     const { vertices } = about.meshes[solid.mesh];
     for (let i = 0; i < vertices.length; i += 3) box.expandByPoint(new THREE.Vector3(...vertices.slice(i, i + 3)).applyQuaternion(inBody.quaternion).add(inBody.position));
   }
+  for (const surface of about.surfaces)
+    for (const corner of surface.bounds) box.expandByPoint(new THREE.Vector3(...corner));
   return box.isEmpty() ? box.expandByPoint(at) : box;
 }

@@ -37,6 +37,7 @@ void set_bounds(const SceneConfig& scene, const Drawing& drawing, Picture& pictu
     if (solid.kind == SolidKind::mesh)
       for (const Vec3& p : drawing.meshes[solid.mesh].vertices) add(X.p + X.q * p);
   }
+  for (const Vec3& p : nodes_at_start(scene)) add(p);
   if (low.x() > high.x()) low = high = Vec3::Zero();
   constexpr double least = 0.01;
   picture.centre = 0.5 * (low + high);
