@@ -8,11 +8,13 @@ namespace godobject {
 
 /// Anchors and springs, linear from where the nodes are led. The bodies are in w.finder.at.
 template <class Contacts, std::size_t N>
-void linearise_net(const NetInput<typename Contacts::Net>& in, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
+                   BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
   for (std::size_t k = 0; k < net.num_runs; ++k) {
     const NetRun& run = net.runs[k];
-    begin_anchors<typename Contacts::Net>(in.par, run, run.body == world ? TreePlace{} : w.finder.at[run.body], h, net);
+    begin_anchors<typename Contacts::Net>(in.par, run,
+                                          run.body == world ? TreePlace{} : w.finder.at[run.body], h, net);
   }
   begin_springs<typename Contacts::Net>(in.par, h, net);
 }
@@ -57,7 +59,8 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
 
 /// (46)  The same, with the springs taken where the nodes are led to until they hold.
 template <class Contacts, std::size_t N>
-void solve_net(Real h, const NetInput<typename Contacts::Net>& in, BodyContactScratch<Contacts, N>& w) noexcept {
+void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
+               BodyContactScratch<Contacts, N>& w) noexcept {
   using Net = typename Contacts::Net;
   auto& net = w.net;
   net.is_calm = true;
@@ -68,7 +71,9 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in, BodyContactSc
   int linearisations = 1;
   for (; linearisations < max_linearisations; ++linearisations) {
     const SpringMiss miss = spring_miss<Net>(in.par, w.x.V.nodes, h, net);
-    if (miss.missed <= max_spring_miss * miss.kinetic) break;
+    const Real tolerance_sq =
+        in.par.tolerance * in.par.tolerance;  // at rest there is no kinetic energy to compare with
+    if (miss.missed <= max_spring_miss * miss.kinetic + miss.mass * tolerance_sq) break;
     // from where they are on their carriers, then from where that leads
     if (net.is_calm) {
       for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));

@@ -42,7 +42,8 @@ void index_net(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
   w.num_nodes = par.num_nodes;
   w.num_runs = 0;
   for (std::uint32_t n = 0; n < par.num_nodes; ++n) {
-    if (n == 0 || par.nodes[n].body != par.nodes[n - 1].body) w.runs[w.num_runs++] = {.body = par.nodes[n].body, .first = n};
+    if (n == 0 || par.nodes[n].body != par.nodes[n - 1].body)
+      w.runs[w.num_runs++] = {.body = par.nodes[n].body, .first = n};
     w.runs[w.num_runs - 1].end = n + 1;
   }
   std::uint32_t s = 0;
@@ -93,7 +94,8 @@ void begin_anchors(const typename Net::Params& par, const NetRun& run, const Tre
 inline Vector3<Pack> in_lanes(const Column& a, const Column& b, const Column& c, const Column& d) noexcept {
   const Pack ab_02 = shuffled<0, 4, 2, 6>(a.p, b.p), cd_02 = shuffled<0, 4, 2, 6>(c.p, d.p);
   const Pack ab_13 = shuffled<1, 5, 3, 7>(a.p, b.p), cd_13 = shuffled<1, 5, 3, 7>(c.p, d.p);
-  return {shuffled<0, 1, 4, 5>(ab_02, cd_02), shuffled<0, 1, 4, 5>(ab_13, cd_13), shuffled<2, 3, 6, 7>(ab_02, cd_02)};
+  return {shuffled<0, 1, 4, 5>(ab_02, cd_02), shuffled<0, 1, 4, 5>(ab_13, cd_13),
+          shuffled<2, 3, 6, 7>(ab_02, cd_02)};
 }
 /// Columns whose fourth places are these lanes.
 inline std::array<Column, 4> columns(const Vector3<Pack>& a, const Pack& fourth) noexcept {
@@ -117,7 +119,8 @@ inline SpringPack spring_stage(const Pack& k, const Pack& g, const Pack& l_0, co
   const Pack a = max(h_k * (1 - l_0 * r), Pack(0)) * h * select(has_length, Pack(1), Pack(0));
   const Pack along = max(h_k * h + h_g - a, Pack(0)), u_x_dot = u.dot(x_dot);
   // J = K x' - h (k (l - l_0) + g u . x') u: the force of the law at the predicted velocities
-  return {.q = u * sqrt(along), .J = x_dot * a + u * ((along - h_g) * u_x_dot - h_k * (l - l_0)), .a = a, .l = l};
+  return {
+      .q = u * sqrt(along), .J = x_dot * a + u * ((along - h_g) * u_x_dot - h_k * (l - l_0)), .a = a, .l = l};
 }
 
 /// The springs; b of their nodes. Of springs that pull, what they resist of the turning of the carrier that both ends ride on:
@@ -136,8 +139,9 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
                         at[of[3]->j] - at[of[3]->i]);
       };
       const Vector3<Pack> x = between(w.p), x_dot = between(w.v);
-      const SpringPack four = spring_stage({of[0]->k, of[1]->k, of[2]->k, of[3]->k}, {of[0]->g, of[1]->g, of[2]->g, of[3]->g},
-                                           {of[0]->l_0, of[1]->l_0, of[2]->l_0, of[3]->l_0}, x, x_dot, h);
+      const SpringPack four =
+          spring_stage({of[0]->k, of[1]->k, of[2]->k, of[3]->k}, {of[0]->g, of[1]->g, of[2]->g, of[3]->g},
+                       {of[0]->l_0, of[1]->l_0, of[2]->l_0, of[3]->l_0}, x, x_dot, h);
       const std::array<Column, 4> q_a = columns(four.q, four.a), J = columns(four.J);
       Pack a = four.a;  // of springs between nodes of this run
       for (std::uint32_t n = 0; n < 4; ++n) {
@@ -158,7 +162,8 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
     if (run.body == world) continue;
     const auto sum = [&](std::size_t k_l) noexcept { return total(a_xx[k_l]); };
     Mat3 A;
-    A << sum(1) + sum(2), -sum(3), -sum(4), -sum(3), sum(0) + sum(2), -sum(5), -sum(4), -sum(5), sum(0) + sum(1);
+    A << sum(1) + sum(2), -sum(3), -sum(4), -sum(3), sum(0) + sum(2), -sum(5), -sum(4), -sum(5),
+        sum(0) + sum(1);
     w.prestress[run.body] = {.ww = block_of(A), .wv = Block::zero(), .vv = Block::zero()};
   }
 }
@@ -168,13 +173,16 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
 /// themselves: both squared and times mass.
 struct SpringMiss {
   Real missed = 0, kinetic = 0;
+  Real mass = 0;  // of all nodes, kg
 };
 template <class Net, std::size_t N, class Velocities>
-SpringMiss spring_miss(const typename Net::Params& par, const Velocities& v, Real h, const NetStage<Net, N>& w) noexcept {
+SpringMiss spring_miss(const typename Net::Params& par, const Velocities& v, Real h,
+                       const NetStage<Net, N>& w) noexcept {
   SpringMiss sum;
   for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
     const Column v_i = v[i], p_i = w.p[i], d_i = v_i - w.v[i];
     sum.kinetic += w.m[i] * dot(v_i, v_i);
+    sum.mass += w.m[i];
     for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) {
       const NetSpring& spring = par.springs[s];
       const std::uint32_t j = w.other[s];

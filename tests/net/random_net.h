@@ -13,7 +13,7 @@ enum class Ordeal {
   inside_out,  // mirrored at the start
   far_node,    // one node 1 m away at the start
   led,         // the hand sways at up to 5 m/s and 100 m/s^2, then rests
-  pinched,     // between two boxes of the world, of which one is where the net is
+  pinched,     // drawn between two boxes of the world that are nearer to each other than it is wide
   jaws,        // between two boxes on bodies that close on it
   hole,        // drawn through a gap smaller than itself, between two capsules
 };
@@ -75,8 +75,8 @@ struct RandomNet : Running<NetScene<I>> {
     of.anchors = random.integer(0, 3) == 0 ? 0 : random.log_uniform(1e-3, 10);
     of.h = random.log_uniform(1e-4, 5e-3);
     of.gravity = random.integer(0, 1) * 9.81;
-    of.on_carrier =
-        ordeal == Ordeal::led || ordeal == Ordeal::hole || ordeal == Ordeal::free || random.integer(0, 3) > 0;
+    of.on_carrier = ordeal == Ordeal::pinched || ordeal == Ordeal::led || ordeal == Ordeal::hole ||
+                    ordeal == Ordeal::free || random.integer(0, 3) > 0;
     of.carrier_m = random.log_uniform(1e-2, 1);
     of.coupling_k = random.log_uniform(100, 1e4);
     of.contact_k = of.k * random.log_uniform(0.1, 10);
@@ -148,10 +148,12 @@ struct RandomNet : Running<NetScene<I>> {
               .kind = ShapeKind::box, .X_WS = {.p = p, .q = q}, .half_extents = of.size * Vec3(1, 2, 2)}};
     };
     if (of.ordeal == Ordeal::pinched) {
-      const Real gap = random.uniform(0, 1) * of.size;
-      const Quat q = random.rotation();
-      box(world, q * Vec3(of.size + gap, 0, 0), q);
-      box(world, q * Vec3(-of.size - gap, 0, 0), q);
+      axis_0 = random.direction();  // along which the net goes
+      axis_1 = axis_0.unitOrthogonal();
+      const Real gap = random.uniform(0.1, 0.8) * of.size;
+      const Quat q = Quat::FromTwoVectors(Vec3::UnitX(), axis_1);
+      for (const Real side : {-1.0, 1.0})
+        box(world, 3.5 * of.size * axis_0 + side * (of.size + gap) * axis_1, q);
     }
     if (of.ordeal == Ordeal::jaws) {
       axis_0 = random.direction();
@@ -216,7 +218,7 @@ struct RandomNet : Running<NetScene<I>> {
     }
     const Real s = 0.5 * (1 - std::cos(pi * moving / of.rest_after));
     const Real ds = t < of.rest_after ? 0.5 * pi / of.rest_after * std::sin(pi * moving / of.rest_after) : 0;
-    if (of.ordeal == Ordeal::hole) {
+    if (of.ordeal == Ordeal::hole || of.ordeal == Ordeal::pinched) {
       in.devices[0].X_WD.p = 5 * of.size * s * axis_0;
       in.devices[0].V_WD.v = 5 * of.size * ds * axis_0;
     }

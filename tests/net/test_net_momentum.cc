@@ -67,9 +67,14 @@ void solve_completely(Running<S>& run) {
   run.par.net.tolerance = 1e-15;
 }
 
+/// The largest misses of flights, of the momenta that are there.
+struct Miss {
+  Real linear = 0;   // of what there was at first
+  Real angular = 0;  // after a step, of what there is after the exact solution of that step
+};
 template <class I>
-void expect_momentum_kept() {
-  Real linear = 0, angular = 0;
+Miss misses() {
+  Miss miss;
   for (unsigned seed = 0; seed < 12; ++seed) {
     for (const int cap : {1, 2, 12}) {
       auto run = in_flight<I>(seed, seed % 2 == 0 ? 0.1 : 0.01, cap);
@@ -79,27 +84,30 @@ void expect_momentum_kept() {
         solve_completely(*exact);
         exact->step();
         run->step();
-        ASSERT_EQ(run->out.fault, Fault::none);
-        EXPECT_LE(run->out.net.iterations, cap);
+        EXPECT_EQ(run->out.fault, Fault::none);
         const Momentum now = momentum(*run), by_exact = momentum(*exact);
-        linear = std::max(linear, (now.P - first.P).norm() / first.P_scale);
-        angular = std::max(angular, (now.L - by_exact.L).norm() / now.L_scale);
+        miss.linear = std::max(miss.linear, (now.P - first.P).norm() / first.P_scale);
+        miss.angular = std::max(miss.angular, (now.L - by_exact.L).norm() / now.L_scale);
       }
     }
   }
   std::printf(
       "%s: linear momentum within %.1e, angular momentum of a step within %.1e of the exact solution's\n",
-      I::name, linear, angular);
-  EXPECT_LT(linear, 1e-12);
-  EXPECT_LT(angular, 1e-9);
+      I::name, miss.linear, miss.angular);
+  return miss;
 }
 
-TEST(NetMomentum, IsKeptHoweverFewTheIterations) {
-  expect_momentum_kept<ImplicitEuler>();
-  expect_momentum_kept<TrBdf2>();
+TEST(NetMomentum, LinearIsKeptHoweverFewTheIterations) {
+  EXPECT_LT(misses<ImplicitEuler>().linear, 1e-12);
+  EXPECT_LT(misses<TrBdf2>().linear, 1e-12);
 }
 
-/// By how much a flight of 0.1 s changes the angular momentum: the springs are linear within a stage, which is not central.
+TEST(NetMomentum, AngularIsThatOfTheExactSolutionHoweverFewTheIterations) {
+  EXPECT_LT(misses<ImplicitEuler>().angular, 1e-9);
+  EXPECT_LT(misses<TrBdf2>().angular, 1e-9);
+}
+
+/// By how much a flight of 20 ms changes the angular momentum: the springs are linear within a stage, which is not central.
 template <class I>
 Real drift(Real h) {
   Real sum = 0;
@@ -108,17 +116,17 @@ Real drift(Real h) {
     solve_completely(*run);
     run->par.h = h;
     const Momentum first = momentum(*run);
-    run->step(static_cast<int>(std::lround(0.1 / h)));
+    run->step(static_cast<int>(std::lround(0.02 / h)));
     sum += (momentum(*run).L - first.L).norm() / first.L_scale;
   }
   return sum / 4;
 }
 
 TEST(NetMomentum, AngularDriftFallsWithTheOrderOfTheIntegrator) {
-  const Real e_1 = drift<ImplicitEuler>(2e-4), e_2 = drift<ImplicitEuler>(5e-5);
-  const Real t_1 = drift<TrBdf2>(2e-4), t_2 = drift<TrBdf2>(5e-5);
+  const Real e_1 = drift<ImplicitEuler>(1e-4), e_2 = drift<ImplicitEuler>(2.5e-5);
+  const Real t_1 = drift<TrBdf2>(1e-4), t_2 = drift<TrBdf2>(2.5e-5);
   std::printf(
-      "drift of angular momentum in 0.1 s: Euler %.1e, %.1e, TR-BDF2 %.1e, %.1e of it at 0.2 and 0.05 ms\n",
+      "drift of angular momentum in 20 ms: Euler %.1e, %.1e, TR-BDF2 %.1e, %.1e of it at 0.1 and 0.025 ms\n",
       e_1, e_2, t_1, t_2);
   EXPECT_LT(e_2, 0.35 * e_1);
   EXPECT_LT(t_2, 0.1 * t_1);

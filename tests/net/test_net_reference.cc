@@ -164,8 +164,9 @@ TEST(NetReference, PressedOnAPlane) {
     const Real e = error<TrBdf2>(1e-3, true, tight, truth), e_2 = error<TrBdf2>(5e-4, true, tight, truth);
     std::printf("pressed, %s iterations: %.2e, %.2e m of a deformation of %.2e m\n",
                 tight ? "many" : "default", e, e_2, truth.deformation);
-    EXPECT_LE(e, 0.01 * truth.deformation);
-    EXPECT_LE(e_2, 0.7 * e);
+    EXPECT_LE(e, 0.05 * truth.deformation);
+    EXPECT_LE(e_2, 0.02 * truth.deformation);
+    EXPECT_LE(e_2, 0.6 * e);
   }
 }
 

@@ -8,11 +8,11 @@ namespace godobject::test_net_stability {
 namespace {
 
 #ifdef NDEBUG
-constexpr unsigned seeds = 250;  // of each ordeal: 2000 in all
+constexpr unsigned seeds = 125;  // of each ordeal and integrator: 2000 in all
 #else
 constexpr unsigned seeds = 4;  // builds with assertions and sanitizers take a hundred times as long
 #endif
-constexpr int most_steps = 600;
+constexpr int most_steps = 400;
 
 /// What a case came to.
 struct Outcome {

@@ -80,12 +80,13 @@ void expect_equilibrium(bool tight) {
   auto run = empty_scene<S>();
   auto& par = run->par;
   par.gravity_W = Vec3(1, 0.5, -9.81);
-  add_sheet(par, {.m = 1e-3, .k = 60, .g = 0.12}, 7, 7, 0.01);
+  add_sheet(par, {.m = 1e-3, .k = 60, .g = 0.12, .g_a = 0.01}, 7, 7,
+            0.01);  // in air: springs do not damp a swing
   for (const std::size_t corner : {0u, 6u, 42u, 48u}) hold(*run, corner, 500);
   if (tight) solve_tightly(*run);
   place_net(par.net, run->x);
   ASSERT_EQ(validate(par), Invalid::nothing);
-  run->step(20000);
+  run->step(8000);
   VectorXd x(3 * 49), p(3 * 49);
   for (std::size_t n = 0; n < 49; ++n) {
     x.segment<3>(static_cast<Eigen::Index>(3 * n)) = run->x.net.nodes[n].p_W;

@@ -93,6 +93,18 @@ TEST(NetStep, SaysWhenContactsHaveNoRoom) {
   EXPECT_LE(large->out.net.num_near, 8u);
 }
 
+/// What iterations leave below their tolerance is no reason to take springs again.
+TEST(NetStep, AtRestTakesSpringsOnce) {
+  for (const unsigned seed : {1u, 3u, 6u, 20u, 24u, 26u}) {
+    auto net = std::make_unique<RandomNet<ImplicitEuler>>(seed, static_cast<int>(Ordeal::held));
+    for (int n = 0; n < 1000; ++n) net->step_and_watch();
+    for (int n = 0; n < 100; ++n) {
+      net->step_and_watch();
+      ASSERT_EQ(net->out.net.linearisations, 1) << "seed " << seed << ": " << net->of.text();
+    }
+  }
+}
+
 /// A box on a body that is turned has its faces turned.
 TEST(NetStep, NodesTouchABoxAsItsBodyIsTurned) {
   Random random(5);
