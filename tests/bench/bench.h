@@ -84,6 +84,7 @@ void add_ours();
 void add_peers();
 void add_our_contacts();
 void add_contact_peers();
+void add_our_nets();
 
 template <class Restart, class Step>
 void measure(benchmark::State& state, Row row, std::size_t steps, Restart restart, Step step) {
