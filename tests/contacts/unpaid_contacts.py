@@ -42,7 +42,7 @@ def main(compiler, source, eigen):
     with tempfile.TemporaryDirectory() as folder:
         untouched, over_obstacles, among_bodies, with_net = (
             headers_with_code(compiler, source, eigen, scene, folder)
-            for scene in ("Untouched", "OverObstacles", "AmongBodies", "WithNet"))
+            for scene in ("Untouched", "OverObstacles", "AmongBodies", "OfANet"))
     if not ("core/step.h" in untouched and "core/contact/bodies.h" in over_obstacles and
             BODIES <= among_bodies and "core/net/solve.h" in with_net):
         sys.exit("the line tables do not show code that is there: this says nothing")

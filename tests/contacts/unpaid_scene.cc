@@ -19,7 +19,7 @@ struct AmongBodies : Untouched {
   using Feedback = None;
   using Contacts = BodyContacts<6, 4, 12>;
 };
-struct WithNet : AmongBodies {
+struct OfANet : AmongBodies {
   using Net = MassSpringNet<8, 12, 8>;
 };
 
