@@ -136,6 +136,7 @@ int main(int argc, char** argv) {
   add_ours();
   add_peers();
   add_our_contacts();
+  add_our_nets();
   add_contact_peers();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
