@@ -56,7 +56,7 @@ struct TrBdf2 {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
     unsolved  // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain
-              // energy; or joints do not hold (39): to be taken again
+              // energy; or joints (39) or springs (46) do not hold: to be taken again
   };
 
   /// Forces of joints and contacts are not known at the start: extrapolated from the first stage alone they may drive.
@@ -92,8 +92,10 @@ struct TrBdf2 {
       if (ContactsOf<S>::between_bodies && smooth && !alike) return StepEnd::unsolved;
       still_smooth = still_smooth && alike;
     }
-    if constexpr (uses<NetOf<S>>)
+    if constexpr (uses<NetOf<S>>) {
+      if (smooth && !w.contacts.net.is_calm) return StepEnd::unsolved;
       still_smooth = still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
+    }
     const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
     if constexpr (expects_turns<S>) w.turns.known = still_smooth;
     for (std::size_t g = 0; g < num_groups(par); ++g) {
@@ -123,6 +125,8 @@ struct TrBdf2 {
                    w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved) return StepEnd::unsolved;
+    if constexpr (uses<NetOf<S>>)
+      if (still_smooth && !w.contacts.net.is_calm) return StepEnd::unsolved;
 
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       Next<S>& next = w.next[g];

@@ -181,10 +181,10 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
                   [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
       converged = taken < allowed;  // or in the last one
       iterations += taken;
+      if constexpr (System::is_coupled) compute_residual(system, x);
       left = largest_left(1, system, w);
     }
     if (move_contacts(island, w)) {
-      if constexpr (System::is_coupled) compute_residual(system, x);
       // those predicted solve nothing that could be lost
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
