@@ -166,7 +166,7 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
     const SpringMiss miss = spring_miss<Net>(in.par, w.x.V.nodes, h, net);
     const Real tolerance_sq =
         in.par.tolerance * in.par.tolerance;  // at rest there is no kinetic energy to compare with
-    if (miss.missed <= max_spring_miss * miss.kinetic + miss.mass * tolerance_sq) break;
+    if (miss.missed <= max_spring_miss * miss.kinetic + miss.mass * tolerance_sq / 2) break;
     // from where they are on their carriers, then from where that leads
     if (net.is_calm) {
       for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));
