@@ -148,7 +148,7 @@ void visit_header(V& v, SceneConfig& s) {
   choose(v,
          Key{.name = "integrator",
              .unit = "",
-             .meaning = "time-stepping scheme",
+             .meaning = "time-stepping scheme: \"implicit-euler\" or \"tr-bdf2\"",
              .otherwise = "`\"tr-bdf2\"`; where bodies may touch each other `\"implicit-euler\"`"},
          {integrator_names.begin(), integrator_names.end()}, s.integrator);
   choose(v,
