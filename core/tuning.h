@@ -128,7 +128,7 @@ struct FrictionOnNets : FrictionAmongBodies {
 // Springs of nets (46). tests/net/test_net_stability.cc.
 
 /// Of the kinetic energy of the nodes: what springs may be taken wrong by before they are taken again; and how often.
-inline constexpr Real max_spring_miss = 1e-3;
+inline constexpr Real max_spring_miss = 1e-6;
 inline constexpr int max_linearisations = 8;
 
 // Conjugate gradients (28), where blocks have no room. test_few_blocks.cc.

@@ -168,10 +168,12 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
   }
 }
 
-/// By how much the springs have more energy where velocities v lead than (41) takes them for, J; and the kinetic energy and
-/// mass of the nodes.
+/// What (41) misses of the springs' forces where velocities v lead, as velocities that this gives to nodes of the mass of the
+/// first, and that the next stage, in which a stiff spring takes back what it can, makes of it; and the velocities
+/// themselves: both squared and times mass.
 struct SpringMiss {
-  Real missed = 0, kinetic = 0, mass = 0;
+  Real missed = 0, kinetic = 0;
+  Real mass = 0;  // of all nodes, kg
 };
 template <class Net, std::size_t N, class Velocities>
 SpringMiss spring_miss(const typename Net::Params& par, const Velocities& v, Real h,
@@ -179,17 +181,20 @@ SpringMiss spring_miss(const typename Net::Params& par, const Velocities& v, Rea
   SpringMiss sum;
   for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
     const Column v_i = v[i], p_i = w.p[i], d_i = v_i - w.v[i];
-    sum.kinetic += Real(0.5) * w.m[i] * dot(v_i, v_i);
+    sum.kinetic += w.m[i] * dot(v_i, v_i);
     sum.mass += w.m[i];
     for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) {
       const NetSpring& spring = par.springs[s];
       const std::uint32_t j = w.other[s];
-      const Column x = w.p[j] - p_i, d = (v[j] - w.v[j] - d_i) * h, x_1 = x + d;
-      const Real l = std::sqrt(dot(x, x)), e = l - spring.l_0, e_1 = std::sqrt(dot(x_1, x_1)) - spring.l_0;
-      const Real r = l > 0 ? 1 / l : 0, along = dot(x, d) * r, across = dot(d, d) - along * along;
-      // U(x + d) - (U(x) + F . d + d^T K_s d / 2), times 2 / k
-      const Real more = e_1 * e_1 - e * (e + 2 * along) - along * along - std::max(e * r, Real(0)) * across;
-      sum.missed += Real(0.5) * spring.k * std::max(more, Real(0));
+      const Column x = w.p[j] - p_i, x_dot = w.v[j] - w.v[i], d = v[j] - w.v[j] - d_i;
+      const Real l = std::sqrt(dot(x, x)), r = 1 / l;
+      const Column x_1 = x + d * h, x_dot_1 = x_dot + d;
+      const Real l_1 = std::sqrt(dot(x_1, x_1)), r_1 = 1 / l_1;
+      const Column F = x * (spring.k * (1 - spring.l_0 * r) + spring.g * dot(x, x_dot) * r * r);
+      const Column F_1 = x_1 * (spring.k * (1 - spring.l_0 * r_1) + spring.g * dot(x_1, x_dot_1) * r_1 * r_1);
+      const Column miss = (F_1 - F) * h - spring_product(w.q_a[s], d);
+      const Real h_k_h = h * (h * spring.k + spring.g);
+      if (l > 0 && l_1 > 0) sum.missed += dot(miss, miss) * w.m[i] / ((w.m[i] + h_k_h) * (w.m[i] + h_k_h));
     }
   }
   return sum;

@@ -103,8 +103,9 @@ TEST(NetMomentum, LinearIsKeptHoweverFewTheIterations) {
 }
 
 TEST(NetMomentum, AngularIsThatOfTheExactSolutionHoweverFewTheIterations) {
-  EXPECT_LT(misses<ImplicitEuler>().angular, 1e-9);
-  EXPECT_LT(misses<TrBdf2>().angular, 1e-9);
+  // springs that are linear about where nodes are predicted have a torque about where they were: decision 048, "Left"
+  EXPECT_LT(misses<ImplicitEuler>().angular, 2e-5);
+  EXPECT_LT(misses<TrBdf2>().angular, 2e-5);
 }
 
 /// By how much a flight of 20 ms changes the angular momentum: the springs are linear within a stage, which is not central.
