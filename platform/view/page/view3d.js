@@ -66,7 +66,7 @@ export class View {
     const onBody = solid.body !== null, isTool = onBody && this.driven.includes(solid.body);
     if (solid.role === "contact") return this.spheres.push(solid);  // drawn on demand
     const colour = !onBody ? COLOURS.obstacle : isTool && !this.about.takes_hold ? COLOURS.tool : COLOURS.body;
-    const material = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.65, side: solid.kind === "mesh" ? THREE.DoubleSide : THREE.FrontSide });
+    const material = new THREE.MeshLambertMaterial({ color: colour, side: solid.kind === "mesh" ? THREE.DoubleSide : THREE.FrontSide });
     if (solid.kind === "plane") Object.assign(material, { transparent: true, opacity: 0.35, side: THREE.DoubleSide, depthWrite: false });
     const mesh = new THREE.Mesh(this.geometry(solid), material);
     setPose(mesh, solid.pose);
@@ -137,7 +137,7 @@ export class View {
   // A net: its nodes come with each frame.
   addSurface(surface) {
     const mesh = new THREE.Mesh(triangles(new Float32Array(3 * surface.num_vertices), surface.triangles),
-      new THREE.MeshStandardMaterial({ color: COLOURS.body, roughness: 0.65, side: THREE.DoubleSide }));
+      new THREE.MeshLambertMaterial({ color: COLOURS.body, side: THREE.DoubleSide }));
     mesh.frustumCulled = false;
     this.world.add(mesh);
     return mesh;
@@ -161,7 +161,7 @@ export class View {
 
   showSpheres(on) {
     for (const mesh of this.sphereMeshes ?? []) mesh.removeFromParent();
-    const material = new THREE.MeshStandardMaterial({ color: COLOURS.sphere });
+    const material = new THREE.MeshLambertMaterial({ color: COLOURS.sphere });
     this.sphereMeshes = !on ? [] : this.spheres.map((solid) => {
       const mesh = new THREE.Mesh(this.geometry(solid), material);
       setPose(mesh, solid.pose);
