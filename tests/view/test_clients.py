@@ -11,7 +11,7 @@ import subprocess
 import threading
 import time
 
-from viewed_run import ViewedRun, Stream, arguments, pointer
+from viewed_run import SOURCE, ViewedRun, Stream, arguments, pointer
 
 ARGS = arguments()
 WALL = ("run", "sim/scenes/wall.toml", "--view", "--duration", "300")
@@ -169,8 +169,8 @@ def test_the_loop_does_not_know_of_onlookers():
     for clients in (0, 1, 20):
         report = statistics_with(clients)
         names = [fault["name"] for fault in report["faults"]]
-        step = report.get("step_us") or report.get("compute_us") or {}
-        print(f"  {clients:2} clients: cycles {report['cycles']}, step p50 {step.get('p50')} us p99 {step.get('p99')} us, faults {names}")
+        step = report["timing"]["step_us"]
+        print(f"  {clients:2} clients: step p50 {step['p50']:.1f} us, p99 {step['p99']:.1f} us, faults {names}")
         assert report["cycles"] == 4000, report["cycles"]
 
 
@@ -181,6 +181,14 @@ def test_the_run_says_its_farewell():
         assert run.process.wait(30) in (0, 1)  # 1: a machine so busy that deadlines are missed
 
 
+def test_wrong_options():
+    for options, word in ((["--view-input"], "--view"), (["--view", "70000"], "no port"), (["--view", "--view-input", "--fast"], "--fast"),
+                          (["--view", "--view-input", "--bus", "sim"], "--bus"), (["--view", "--view-address", "here"], "no address")):
+        result = subprocess.run([ARGS.program, "run", "sim/scenes/wall.toml", *options, "--duration", "1"], cwd=SOURCE, capture_output=True,
+                                text=True, timeout=60, check=False)
+        assert result.returncode in (2, 3) and word in result.stderr, (options, result.returncode, result.stderr)
+
+
 def test_a_port_that_is_taken():
     with ViewedRun(ARGS.program, *WALL) as first, ViewedRun(ARGS.program, *WALL) as second:
         assert first.port != second.port, "the next free one"
@@ -188,7 +196,7 @@ def test_a_port_that_is_taken():
             taken.bind(("127.0.0.1", 0))
             taken.listen()
             result = subprocess.run([ARGS.program, "run", "sim/scenes/wall.toml", "--view", str(taken.getsockname()[1]), "--duration", "1"],
-                                    cwd=os.path.join(os.path.dirname(__file__), "..", ".."), capture_output=True, text=True, timeout=60, check=False)
+                                    cwd=SOURCE, capture_output=True, text=True, timeout=60, check=False)
             assert result.returncode == 3 and "Give another port" in result.stderr, result.stderr
 
 
@@ -198,7 +206,7 @@ def main():
                      test_a_thousand_connections):
             print(test.__name__)
             test(run)
-    for test in (test_the_run_says_its_farewell, test_a_port_that_is_taken, test_the_loop_does_not_know_of_onlookers):
+    for test in (test_wrong_options, test_the_run_says_its_farewell, test_a_port_that_is_taken, test_the_loop_does_not_know_of_onlookers):
         print(test.__name__)
         test()
 

@@ -79,8 +79,8 @@ def main():
     godobject("view", path("wall.csv"), "--picture", path("free.png"), "--time", "0", "--size", "320", "200")
     rows, _ = image(path("free.png"))
     assert len(rows) == 200
-    (tool, _), (ghost, _) = centre(rows, TOOL), centre(rows, GHOST)
-    assert abs(ghost - tool) < 4, ("they are in one place", ghost, tool)
+    centre(rows, TOOL)
+    assert not any(like(pixel, GHOST) for row in rows for pixel in row), "in one place the device is hardly seen"
 
     godobject("view", path("wall.csv"), "--picture", path("moving.png"), "--duration", "1", "--size", "160", "100")
     assert image(path("moving.png"))[1] == 12

@@ -23,7 +23,9 @@ class RecordingTest : public test::ProgramTest {
   /// A trace of so many steps; the records of all of them.
   std::vector<CycleRecord> trace(const SceneConfig& scene, int steps) {
     Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
-    RunFiles files({.trace = path("t.csv"), .contacts = {}, .record = {}}, scene, 0);
+    RunFileNames names;
+    names.trace = path("t.csv");
+    RunFiles files(names, scene, 0);
     made.session->start(1);
     CycleRecord record = made.session->at_start();
     std::vector<CycleRecord> records{record};

@@ -133,7 +133,6 @@ function draw(now) {
   if (state.isNew) {
     state.isNew = false;
     view.update(state.frame);
-    if (state.about.live) strips.add(state.frame, state.about.driven);
   }
   if (state.about) view.render();
   writeState(now);
@@ -157,7 +156,12 @@ window.godobject = {
 requestAnimationFrame(draw);
 connect({
   scene: setScene,
-  frame: (frame) => { state.arrived = performance.now(); state.lost = ""; show(frame); },
+  frame: (frame) => {
+    state.arrived = performance.now();
+    state.lost = "";
+    strips.add(frame, state.about.driven);  // also those that are not drawn
+    show(frame);
+  },
   lost: (why) => { state.lost = why; },
   recording: (frames) => { player.load(frames); for (const frame of frames) strips.add(frame, state.about.driven); },
 }).then((sender) => { send = sender; });

@@ -6,11 +6,12 @@ const SEGMENTS = 24;
 // about z, as the core's capsules and cylinders are
 const aboutZ = (geometry) => geometry.rotateX(Math.PI / 2);
 
-export function geometryOf(solid, meshes, extent) {
+// coarse: one of many.
+export function geometryOf(solid, meshes, extent, coarse) {
   const [a, b, c] = solid.size;
   switch (solid.kind) {
     case "box": return new THREE.BoxGeometry(2 * a, 2 * b, 2 * c);
-    case "sphere": return new THREE.SphereGeometry(a, SEGMENTS, SEGMENTS / 2);
+    case "sphere": return new THREE.SphereGeometry(a, coarse ? 12 : SEGMENTS, coarse ? 8 : SEGMENTS / 2);
     case "capsule": return aboutZ(new THREE.CapsuleGeometry(a, 2 * b, 8, SEGMENTS));
     case "cylinder": return aboutZ(new THREE.CylinderGeometry(a, a, 2 * b, SEGMENTS));
     case "plane": return new THREE.PlaneGeometry(8 * extent, 8 * extent);

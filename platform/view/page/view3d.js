@@ -8,7 +8,7 @@ export const COLOURS = {
   tool: 0xd5452c, body: 0x7e9fc7, obstacle: 0xa9a294, ghost: 0xe08a1e, calm: 0x2c9c5a, loaded: 0xd5261c,
   force: 0xb01fb0, contact: 0x1f7fd0, sphere: 0x333a44,
 };
-const MAX_ARROWS = 4096;
+const MAX_ARROWS = 4096, MANY = 150;
 const THEMES = { light: { back: 0xf4f5f7, grid: 0xc4c9d2 }, dark: { back: 0x14181f, grid: 0x3a4350 } };
 
 export class View {
@@ -66,7 +66,7 @@ export class View {
     const onBody = solid.body !== null, isTool = onBody && this.driven.includes(solid.body);
     if (solid.role === "contact") return this.spheres.push(solid);  // drawn on demand
     const colour = !onBody ? COLOURS.obstacle : isTool && !this.about.takes_hold ? COLOURS.tool : COLOURS.body;
-    const material = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.65, side: solid.kind === "mesh" ? THREE.DoubleSide : THREE.FrontSide });
+    const material = new THREE.MeshLambertMaterial({ color: colour, side: solid.kind === "mesh" ? THREE.DoubleSide : THREE.FrontSide });
     if (solid.kind === "plane") Object.assign(material, { transparent: true, opacity: 0.35, side: THREE.DoubleSide, depthWrite: false });
     const mesh = new THREE.Mesh(this.geometry(solid), material);
     setPose(mesh, solid.pose);
@@ -78,7 +78,7 @@ export class View {
   // Equal solids share one: an organ is some hundred spheres.
   geometry(solid) {
     const key = JSON.stringify([solid.kind, solid.size, solid.mesh]);
-    if (!this.geometries.has(key)) this.geometries.set(key, geometryOf(solid, this.about.meshes, this.extent));
+    if (!this.geometries.has(key)) this.geometries.set(key, geometryOf(solid, this.about.meshes, this.extent, this.about.solids.length > MANY));
     return this.geometries.get(key);
   }
 
@@ -137,7 +137,7 @@ export class View {
   // A net: its nodes come with each frame.
   addSurface(surface) {
     const mesh = new THREE.Mesh(triangles(new Float32Array(3 * surface.num_vertices), surface.triangles),
-      new THREE.MeshStandardMaterial({ color: COLOURS.body, roughness: 0.65, side: THREE.DoubleSide }));
+      new THREE.MeshLambertMaterial({ color: COLOURS.body, side: THREE.DoubleSide }));
     mesh.frustumCulled = false;
     this.world.add(mesh);
     return mesh;
@@ -161,7 +161,7 @@ export class View {
 
   showSpheres(on) {
     for (const mesh of this.sphereMeshes ?? []) mesh.removeFromParent();
-    const material = new THREE.MeshStandardMaterial({ color: COLOURS.sphere });
+    const material = new THREE.MeshLambertMaterial({ color: COLOURS.sphere });
     this.sphereMeshes = !on ? [] : this.spheres.map((solid) => {
       const mesh = new THREE.Mesh(this.geometry(solid), material);
       setPose(mesh, solid.pose);
@@ -290,8 +290,10 @@ function boundsOf(about) {
     setPose(object, solid.body === null ? [0, 0, 0, 0, 0, 0, 1] : about.bodies[solid.body].pose);
     setPose(inBody, solid.pose);
     at.copy(inBody.position).applyQuaternion(turn.copy(object.quaternion)).add(object.position);
-    const [a, b, c] = solid.size, reach = solid.kind === "box" ? Math.hypot(a, b, c) : a + b;
-    for (const side of [-1, 1]) box.expandByPoint(at.clone().addScalar(side * reach / Math.sqrt(3)));
+    const [a, b, c] = solid.size, reach = solid.kind === "box" ? Math.hypot(a, b, c) : a, isLong = /c(apsule|ylinder)/.test(solid.kind);
+    const axis = new THREE.Vector3(0, 0, isLong ? b : 0).applyQuaternion(inBody.quaternion).applyQuaternion(object.quaternion);
+    for (const side of [-1, 1])
+      for (const end of [-1, 1]) box.expandByPoint(at.clone().addScaledVector(axis, end).addScalar(side * reach / Math.sqrt(3)));
     if (solid.kind !== "mesh") continue;
     const { vertices } = about.meshes[solid.mesh];
     for (let i = 0; i < vertices.length; i += 3) box.expandByPoint(new THREE.Vector3(...vertices.slice(i, i + 3)).applyQuaternion(inBody.quaternion).add(inBody.position));

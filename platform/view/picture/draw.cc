@@ -80,6 +80,8 @@ class Canvas {
     triangle(a1, a2, b1, colour);
     triangle(b1, a2, b2, colour);
   }
+  /// Of what is drawn from here on.
+  void set_opacity(double opacity) { opacity_ = opacity; }
   /// What is drawn from here on is in front of all.
   void clear_depth() { std::ranges::fill(depth_, 0.0); }
 
@@ -105,10 +107,12 @@ class Canvas {
     const std::size_t i = static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x);
     if (z < depth_[i]) return;
     depth_[i] = z;
-    pixels_[i] = colour;
+    for (std::size_t k = 0; k < colour.size(); ++k)
+      pixels_[i][k] = static_cast<std::uint8_t>(opacity_ * colour[k] + (1 - opacity_) * pixels_[i][k]);
   }
 
   std::uint32_t width_, height_;
+  double opacity_ = 1;
   std::vector<Colour> pixels_;
   std::vector<double> depth_;
 };
@@ -165,8 +169,11 @@ Image drawn(const Picture& picture, std::uint32_t width, std::uint32_t height) {
     if (!mesh.in_front) draw_mesh(camera, mesh, canvas);
   canvas.clear_depth();
   constexpr double wire_width = 2.6;
-  for (const PictureWires& wires : picture.wires)
+  for (const PictureWires& wires : picture.wires) {
+    canvas.set_opacity(wires.opacity);
     for (const auto& [a, b] : wires.lines) draw_line(camera, a, b, wire_width, 1, wires.colour, canvas);
+  }
+  canvas.set_opacity(1);
   canvas.clear_depth();
   for (const PictureMesh& mesh : picture.meshes)
     if (mesh.in_front) draw_mesh(camera, mesh, canvas);

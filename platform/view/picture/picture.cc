@@ -32,8 +32,11 @@ void set_bounds(const SceneConfig& scene, const Drawing& drawing, Picture& pictu
   for (const Solid& solid : drawing.solids) {
     if (solid.kind == SolidKind::plane || solid.role == SolidRole::contact) continue;
     const Pose X = solid.body ? composed(scene.bodies[*solid.body].X_WB, solid.X) : solid.X;
-    const double reach = solid.kind == SolidKind::box ? solid.size.norm() : solid.size.x() + solid.size.y();
-    for (const double side : {-1.0, 1.0}) add(X.p + Vec3::Constant(side * reach / std::sqrt(3.0)));
+    const bool is_long = solid.kind == SolidKind::capsule || solid.kind == SolidKind::cylinder;
+    const double reach = solid.kind == SolidKind::box ? solid.size.norm() : solid.size.x();
+    const Vec3 axis = X.q * Vec3(0, 0, is_long ? solid.size.y() : 0);
+    for (const double side : {-1.0, 1.0}) add(X.p + side * (axis + Vec3::Constant(reach / std::sqrt(3.0))));
+    for (const double side : {-1.0, 1.0}) add(X.p + side * (axis - Vec3::Constant(reach / std::sqrt(3.0))));
     if (solid.kind == SolidKind::mesh)
       for (const Vec3& p : drawing.meshes[solid.mesh].vertices) add(X.p + X.q * p);
   }
@@ -100,7 +103,11 @@ class PictureBuilder {
 
   void add_device(std::size_t body) {
     const BodyView& view = record_.bodies[body];
-    PictureWires wires{.name = scene_.bodies[body].name + ", device", .lines = {}, .colour = ghost_colour};
+    const double apart = (view.target.X_WD.p - view.X_WB.p).norm() / (0.02 * picture_.extent);
+    PictureWires wires{.name = scene_.bodies[body].name + ", device",
+                       .lines = {},
+                       .colour = ghost_colour,
+                       .opacity = std::min(1.0, 0.35 + 0.65 * apart)};
     for (const Solid& solid : drawing_.solids) {
       if (solid.body != body || solid.role == SolidRole::contact) continue;
       const Pose X = composed(view.target.X_WD, solid.X);

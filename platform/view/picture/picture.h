@@ -23,6 +23,7 @@ struct PictureWires {
   std::string name;
   std::vector<std::array<Vec3, 2>> lines;
   Colour colour{};
+  double opacity = 1;
 };
 struct Picture {
   std::vector<PictureMesh> meshes;
