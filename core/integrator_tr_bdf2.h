@@ -94,7 +94,8 @@ struct TrBdf2 {
     }
     if constexpr (uses<NetOf<S>>) {
       if (smooth && !w.contacts.net.is_calm) return StepEnd::unsolved;
-      still_smooth = still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
+      still_smooth =
+          still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
     }
     const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
     if constexpr (expects_turns<S>) w.turns.known = still_smooth;
@@ -212,7 +213,8 @@ struct TrBdf2 {
     if constexpr (uses<ContactsOf<S>>)
       calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
     if constexpr (uses<NetOf<S>>)
-      calm = calm && w.contacts.net.is_calm && touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
+      calm = calm && w.contacts.net.is_calm &&
+             touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
     return calm;
   }
 

@@ -50,11 +50,12 @@ void follow_nodes(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>&
 /// The end of the last stage, of length h.
 template <Scene S>
 void end_nodes(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
-  each_node(par, x, w, [&](const NodeState<S>&, NodeMotion& base, const Vec3& v, NodeState<S>& next) noexcept {
-    next.v_W = v;
-    next.p_W = base.p_W + h * v;
-    if constexpr (keeps_accelerations<S>) next.memory = (v - base.v_W) * (1 / h);
-  });
+  each_node(par, x, w,
+            [&](const NodeState<S>&, NodeMotion& base, const Vec3& v, NodeState<S>& next) noexcept {
+              next.v_W = v;
+              next.p_W = base.p_W + h * v;
+              if constexpr (keeps_accelerations<S>) next.memory = (v - base.v_W) * (1 / h);
+            });
 }
 
 }  // namespace godobject

@@ -143,9 +143,10 @@ template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || contacts_ar
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
-concept Scene = HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> &&
-    CouplingIsAPart<S> && FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && ContactsAreAPart<S> &&
-    NodesAndTermsNeedContacts<S> && NetNeedsBodyContacts<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+concept Scene =
+    HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> && CouplingIsAPart<S> &&
+    FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && ContactsAreAPart<S> && NodesAndTermsNeedContacts<S> &&
+    NetNeedsBodyContacts<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
 template <class S>

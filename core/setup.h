@@ -27,7 +27,7 @@ enum class Invalid : std::uint8_t {
   contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
   contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
   node,             // more nodes than there is room for, or one without mass
-  net,   // more nodes or springs than there is room for, a node without mass or of no body, carriers or springs not in order
+  net,  // more nodes or springs than there is room for, a node without mass or of no body, carriers or springs not in order
   term,  // between bodies or nodes that are not there, or with a number that is negative or not finite
   not_imposable,  // an imposed joint of a kind without coordinates of its own: free, fixed or ball
 };

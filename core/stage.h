@@ -3,11 +3,11 @@
 
 #include "core/body/implicit_stage.h"
 #include "core/contact/bodies.h"
-#include "core/net/solve.h"
 #include "core/device/device.h"
 #include "core/joint/tree.h"
 #include "core/math/flatten.h"
 #include "core/math/lanes.h"
+#include "core/net/solve.h"
 
 namespace godobject {
 

@@ -140,7 +140,7 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
 
 /// How a system is solved, and when its iterations are to end.
 struct Solving {
-  bool is_coupled = false;              // with the nodes of nets: by iteration
+  bool is_coupled = false;  // with the nodes of nets: by iteration
   bool has_contacts = false;
   int most_iterations = 0;              // if coupled: in all Newton iterations
   Real tolerance = velocity_tolerance;  // m/s
@@ -174,11 +174,12 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
       left = 0;
     } else {
       const bool seeks = pass_of<Seeking>(newton_iterations) != Pass::as_it_was;
-      const int allowed = how.is_coupled ? how.allowed(iterations) : seeks ? max_iterations_seeking : max_iterations;
+      const int allowed = how.is_coupled ? how.allowed(iterations)
+                          : seeks        ? max_iterations_seeking
+                                         : max_iterations;
       factorize(w.system);
-      const int taken =
-          iterate(allowed, how.tolerance, system, x,
-                  [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
+      const int taken = iterate(allowed, how.tolerance, system, x,
+                                [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
       converged = taken < allowed;  // or in the last one
       iterations += taken;
       if constexpr (System::is_coupled) compute_residual(system, x);
@@ -210,7 +211,8 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
 /// The velocities of all bodies that touch anything; V_0: those they are predicted to have. net: NetInput, or nothing.
 template <class Contacts, std::size_t N, class... Net>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w, const Net&... net) noexcept {
+                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w,
+                    const Net&... net) noexcept {
   // (12), (13)
   w.finder.of_stage = w.stage.goes_on ? &w.memories[w.last] : nullptr;
   w.finder.extrapolated = w.stage.t_0 > 0 ? w.stage.t_0 + w.stage.t_1 : 0;

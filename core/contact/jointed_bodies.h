@@ -284,7 +284,9 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
   });
   if constexpr (Contacts::has_net) {
     each_carried(w.net, [&](const NetRun& run) noexcept {
-      if (all.joined[run.body]) F[static_cast<std::uint32_t>(run.body)] = F[static_cast<std::uint32_t>(run.body)] - w.net.on_carriers[run.body];
+      if (all.joined[run.body])
+        F[static_cast<std::uint32_t>(run.body)] =
+            F[static_cast<std::uint32_t>(run.body)] - w.net.on_carriers[run.body];
     });
   }
   for (std::uint32_t i = 0; i < num_bodies(par); ++i)

@@ -129,23 +129,24 @@ struct BodyContactScratch {
                                       : max_pairs + max_terms > 0
                                           ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
                                           : N;
-  static constexpr std::size_t max_entries =
-      std::max<std::size_t>(max_pairs + max_terms + (Contacts::jointed ? N : 0) + max_net_pairs<Contacts, N>, 1);
-  using System = BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room, Contacts::jointed,
-                             Contacts::has_net>;
+  static constexpr std::size_t max_entries = std::max<std::size_t>(
+      max_pairs + max_terms + (Contacts::jointed ? N : 0) + max_net_pairs<Contacts, N>, 1);
+  using System = BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room,
+                             Contacts::jointed, Contacts::has_net>;
   using OfNet = NetStageType<Contacts, N, System>;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;
   std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
   std::size_t num_groups = 0;
-  std::array<BegunContact, max_contacts> begun;  // of the near ones
-  std::array<ContactPack, max_packs> packs;      // each of one pair, or one body with the world
+  std::array<BegunContact, max_contacts> begun;         // of the near ones
+  std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
   LinePacks<max_packs + max_net_packs<Contacts>> line;  // those that leave their cases on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename TermStagesType<Contacts>::type terms;
-  System system;                                          // of the island at hand
-  SystemVectors<typename OfNet::Coupled> x;               // V: velocities of all bodies; V_0: those predicted, then of the iteration before
-  [[no_unique_address]] typename OfNet::type net;         // nodes of nets
+  System system;  // of the island at hand
+  SystemVectors<typename OfNet::Coupled>
+      x;  // V: velocities of all bodies; V_0: those predicted, then of the iteration before
+  [[no_unique_address]] typename OfNet::type net;            // nodes of nets
   [[no_unique_address]] typename OfNet::CoupledB coupled_b;  // b of bodies and nets
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;

@@ -36,11 +36,11 @@ Real largest_unborne_sq(const System& system, const Stages& stages, Vector& F) n
       return;
     }
     if constexpr (std::is_same_v<decltype(u), std::uint32_t>) {
-    for (std::size_t a = 0; a < static_cast<std::size_t>(joint->num_axes); ++a) {
-      const Real tau = dot(joint->s[a], F[u]);
-      most = std::max(most, tau * tau / speed_sq(stages[u], joint->s[a]));
-    }
-    if (joint->hangs()) F[joint->parent] = F[joint->parent] + moved_wrench(F[u], joint->d);
+      for (std::size_t a = 0; a < static_cast<std::size_t>(joint->num_axes); ++a) {
+        const Real tau = dot(joint->s[a], F[u]);
+        most = std::max(most, tau * tau / speed_sq(stages[u], joint->s[a]));
+      }
+      if (joint->hangs()) F[joint->parent] = F[joint->parent] + moved_wrench(F[u], joint->d);
     }
   });
   return most;

@@ -43,8 +43,8 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
 
 /// (24) of the near contacts of nets, and the bodies of which one carries what touches the other.
 template <class Contacts, std::size_t N>
-void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& net, Real h,
-                        BodyContactScratch<Contacts, N>& w) noexcept {
+void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& net,
+                        Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& of = w.net;
   Recall of_step(net.before), of_stage(of.memories[of.last]);
   const Real moved = w.stage.t_0 + w.stage.t_1;
@@ -123,14 +123,15 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
     const Real a = h * c.eta_t[j], b = h * (c.touching[j] * c.eta_n[j] - c.eta_t[j]);
     if (!(a > 0) && !(c.touching[j] > 0)) continue;
     const Vec3 n = lane(c.n, j);
-    w.contacts[w.num_contacts++] = {.node = w.near.list[i].a,
-                                    .body = w.near.list[i].b,
-                                    .carrier = w.carrier[i],
-                                    .n = Column(n),
-                                    .r = Column(lane(c.r, j)),
-                                    .a = a,
-                                    .b = b,
-                                    .J = Column(Vec3(n * (h * c.touching[j] * c.F_0[j]) - lane(c.v_xi, j) * a))};
+    w.contacts[w.num_contacts++] = {
+        .node = w.near.list[i].a,
+        .body = w.near.list[i].b,
+        .carrier = w.carrier[i],
+        .n = Column(n),
+        .r = Column(lane(c.r, j)),
+        .a = a,
+        .b = b,
+        .J = Column(Vec3(n * (h * c.touching[j] * c.F_0[j]) - lane(c.v_xi, j) * a))};
   }
 }
 
@@ -233,9 +234,8 @@ void end_net(const typename Contacts::Params& par, const NetInput<typename Conta
       on_body.tau -= lane(pack.r, j).cross(F);
     }
     if (!bears && !(depth > 0)) continue;
-    next.list[next.size++] =
-        carried_over(law_of<Contacts, typename Contacts::Net>(par, in.par, near), near.key, net.begun[i], h,
-                     near.n_W, depth, F);
+    next.list[next.size++] = carried_over(law_of<Contacts, typename Contacts::Net>(par, in.par, near),
+                                          near.key, net.begun[i], h, near.n_W, depth, F);
   }
   each_carried(net, [&](const NetRun& run) noexcept {
     SpatialVector& sum = net.on_carriers[run.body] = SpatialVector::zero();

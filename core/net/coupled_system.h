@@ -85,7 +85,8 @@ struct CoupledSystem {
       const Column J = x_dot * contact.a + contact.n * (contact.b * dot(contact.n, x_dot));
       AV.nodes[contact.node] += J;
       if (on_body)
-        AV.bodies[contact.body] = AV.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = J}, contact.r);
+        AV.bodies[contact.body] =
+            AV.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = J}, contact.r);
     }
     // what acts on nodes acts on what carries them, but for their anchors
     each_carried(net, [&](const NetRun& run) noexcept {

@@ -94,7 +94,8 @@ class NetFinder {
   }
 
   /// A box that a body carries has no other attitude than R_WS.
-  static SurfacePoint nearest_of(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W, Real reach) noexcept {
+  static SurfacePoint nearest_of(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W,
+                                 Real reach) noexcept {
     if (shape.kind != ShapeKind::box) return nearest(shape, p_W, reach);
     const SurfacePoint s = BoxShape::nearest(shape, R_WS.transpose() * (p_W - shape.X_WS.p), reach);
     return {.distance = s.distance, .n = R_WS * s.n};
@@ -106,7 +107,8 @@ class NetFinder {
     const Sphere other = sphere(&bodies_.packs[owned.first_pack], s - owned.first_sphere);
     for (std::uint32_t k = 0; k < num_packs; ++k) {
       const SpherePack& pack = w_.spheres[k];
-      std::uint32_t hits = bits(Pack(0) < pack.r) & within(other.p_W, pack, other.r + travel_[k] + owned.travel);
+      std::uint32_t hits =
+          bits(Pack(0) < pack.r) & within(other.p_W, pack, other.r + travel_[k] + owned.travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Vec3 apart = lane(pack.p_W, j) - other.p_W;

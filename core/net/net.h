@@ -19,9 +19,10 @@ namespace godobject {
 struct NetNode {
   Real m = 0;                // kg, > 0
   std::size_t body = world;  // the carrier; world: the net lies in the scene
-  Vec3 p_B = Vec3::Zero();   // where its anchor is: from the carrier's centre of mass in body axes, or in the world, m
-  Real k = 0, g = 0;         // of the anchor, N/m and N s/m; both 0: none
-  Real radius = 0;           // of the sphere by which it touches, m; 0: it touches nothing
+  Vec3 p_B = Vec3::
+      Zero();  // where its anchor is: from the carrier's centre of mass in body axes, or in the world, m
+  Real k = 0, g = 0;  // of the anchor, N/m and N s/m; both 0: none
+  Real radius = 0;    // of the sphere by which it touches, m; 0: it touches nothing
   MaterialId material = 0;
 };
 

@@ -49,9 +49,11 @@ struct NetStage {
 
   // by spring: q, and a in the fourth place, of its impedance a 1 + q q^T
   std::array<Pack, Net::max_springs> q_a;
-  std::array<std::uint32_t, Net::max_springs> other;       // its second node
-  std::array<std::uint32_t, Net::max_nodes + 1> first_of;  // springs of node i: [first_of[i], first_of[i + 1])
-  std::array<SymmetricSpatialMatrix, N> prestress;         // what springs that pull resist of their carrier's turning
+  std::array<std::uint32_t, Net::max_springs> other;  // its second node
+  std::array<std::uint32_t, Net::max_nodes + 1>
+      first_of;  // springs of node i: [first_of[i], first_of[i + 1])
+  std::array<SymmetricSpatialMatrix, N>
+      prestress;  // what springs that pull resist of their carrier's turning
 
   // contacts, four to a pack, each of a node of its own
   std::array<SpherePack, (max_nodes + 3) / 4> spheres;
@@ -67,12 +69,13 @@ struct NetStage {
   std::array<ContactMemories<Net::max_contacts>, 2> memories;
   std::size_t last = 0;
 
-  std::array<Block, max_nodes> D_inverse;    // of the incomplete factor of the nodes
-  std::array<Column, max_nodes> riding_v;    // velocities of the nodes, of a product
+  std::array<Block, max_nodes> D_inverse;  // of the incomplete factor of the nodes
+  std::array<Column, max_nodes> riding_v;  // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;
   OfBodies delta, c_1;   // (45)
   OfBodies on_carriers;  // impulses of anchors on bodies, at the end
-  bool is_calm = true;  // false: springs had to be taken again, and accelerations say nothing of the next step
+  bool is_calm =
+      true;  // false: springs had to be taken again, and accelerations say nothing of the next step
   NetReport report;
 };
 

@@ -29,14 +29,15 @@ bool is_valid_net(const NetParams<max_nodes, max_springs>& par, std::size_t num_
     for (std::size_t before = 0; n > 0 && node.body != par.nodes[n - 1].body && before < n; ++before)
       if (par.nodes[before].body == node.body) return false;
     const Real p = node.p_B.sum();
-    if (!(node.m > 0) || !is_number(node.m) || !is_number(node.k) || !is_number(node.g) || !is_number(node.radius) ||
-        p - p != 0 || node.material >= max_materials)
+    if (!(node.m > 0) || !is_number(node.m) || !is_number(node.k) || !is_number(node.g) ||
+        !is_number(node.radius) || p - p != 0 || node.material >= max_materials)
       return false;
   }
   for (std::size_t s = 0; s < par.num_springs; ++s) {
     const NetSpring& spring = par.springs[s];
     if (spring.i >= spring.j || spring.j >= par.num_nodes) return false;
-    if (s > 0 && (spring.i < par.springs[s - 1].i || (spring.i == par.springs[s - 1].i && spring.j <= par.springs[s - 1].j)))
+    if (s > 0 && (spring.i < par.springs[s - 1].i ||
+                  (spring.i == par.springs[s - 1].i && spring.j <= par.springs[s - 1].j)))
       return false;
     if (!is_number(spring.k) || !is_number(spring.g) || !is_number(spring.l_0)) return false;
   }

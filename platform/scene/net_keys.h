@@ -50,7 +50,8 @@ void visit_net_dimensions(V& v, NetConfig& n) {
   visit_dimension(v, sheet, Key{"length", "m", "of a sheet, along x", positive}, n.length);
   visit_dimension(v, sheet, Key{"width", "m", "of a sheet, along y", positive}, n.width);
   constexpr double coarsest = 1.5;  // of the radius: four nodes round it
-  const double most = std::min({coarsest * n.radius.value_or(1e300), n.length.value_or(1e300), n.width.value_or(1e300)});
+  const double most =
+      std::min({coarsest * n.radius.value_or(1e300), n.length.value_or(1e300), n.width.value_or(1e300)});
   v.check(mesh || n.spacing.value_or(0) <= most, "spacing",
           "must not be above 1.5 times the radius of the net, or the length or width of a sheet");
 }
@@ -80,11 +81,11 @@ void visit_net_surface(V& v, std::size_t room, NetConfig& n) {
 
 template <class V>
 void visit_net_springs(V& v, NetConfig& n) {
-  v.value(
-      Key{"membrane_stiffness", "N/m",
-          "E t: Young's modulus times thickness; a force F stretches a strip of width w by F / (w E t) of its length",
-          positive, true},
-      n.membrane_stiffness);
+  v.value(Key{"membrane_stiffness", "N/m",
+              "E t: Young's modulus times thickness; a force F stretches a strip of width w by F / (w E t) "
+              "of its length",
+              positive, true},
+          n.membrane_stiffness);
   v.value(Key{"bending",
               "",
               "stiffness of the springs across each inner edge, against those along it; they keep the "
@@ -106,7 +107,8 @@ template <class V>
 void visit_net_anchors(V& v, NetConfig& n) {
   const double sigma = n.surface_density;
   v.value(Key{"settling_time", "s",
-              "T after which 2 % is left of a swing against its body (of its speed, where it has no anchors, after "
+              "T after which 2 % is left of a swing against its body (of its speed, where it has no anchors, "
+              "after "
               "T / 2): damping of 8 sigma / T of each area, against the body or the world",
               positive, true},
           n.settling_time);

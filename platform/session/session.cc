@@ -149,8 +149,7 @@ void Session::pass_missed_time() noexcept {
 CycleRecord Session::at_start() const {
   CycleRecord record;
   record.bodies.resize(scene_.bodies.size());
-  if (lists_contacts_)
-    record.touching.resize(engine_->composition().all_contacts());
+  if (lists_contacts_) record.touching.resize(engine_->composition().all_contacts());
   if (lists_net_nodes_) record.net_nodes.resize(engine_->nets().nodes.size());
   observe(record);
   return record;

@@ -83,7 +83,11 @@ void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::
     const auto index = [](std::size_t body) {
       return body == world ? UINT32_MAX : static_cast<std::uint32_t>(body);
     };
-    to.put(contact.is_node ? UINT32_MAX : index(contact.a)).put(index(contact.b)).put(contact.p_W).put(contact.n_W).put(contact.F_W);
+    to.put(contact.is_node ? UINT32_MAX : index(contact.a))
+        .put(index(contact.b))
+        .put(contact.p_W)
+        .put(contact.n_W)
+        .put(contact.F_W);
   }
   for (const Vec3& p : vertices) to.put(p);
 }

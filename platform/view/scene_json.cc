@@ -46,7 +46,9 @@ Json to_json(const NetRange& net, const std::vector<Vec3>& nodes) {
   Json triangles = Json::array();
   for (const TriangleIndices& triangle : triangles_of(net))
     for (const std::uint32_t corner : triangle) triangles.push_back(corner);
-  return {{"name", net.name}, {"num_vertices", net.num_nodes}, {"bounds", {to_json(low), to_json(high)}},
+  return {{"name", net.name},
+          {"num_vertices", net.num_nodes},
+          {"bounds", {to_json(low), to_json(high)}},
           {"triangles", std::move(triangles)}};
 }
 

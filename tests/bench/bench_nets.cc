@@ -132,7 +132,9 @@ void add_tube(std::uint32_t round) {
     state.counters["iterations"] = iterations / num_steps;
     state.counters["contacts"] = contacts;
     state.counters["scratch_bytes"] = sizeof(Scratch<Tube<I, nodes>>);
-    measure(state, {.scene = scene, .who = who}, num_steps, [&] { run.restart(); }, [&](std::size_t n) { run.step(n); });
+    measure(
+        state, {.scene = scene, .who = who}, num_steps, [&] { run.restart(); },
+        [&](std::size_t n) { run.step(n); });
   });
 }
 

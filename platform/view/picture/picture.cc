@@ -95,9 +95,11 @@ class PictureBuilder {
     const std::vector<Vec3> nodes = nodes_of(nets, sample_);
     for (const NetRange& net : nets.nets) {
       const auto first = nodes.begin() + static_cast<std::ptrdiff_t>(net.first_node);
-      MeshData mesh{.vertices = {first, first + static_cast<std::ptrdiff_t>(net.num_nodes)}, .triangles = triangles_of(net)};
+      MeshData mesh{.vertices = {first, first + static_cast<std::ptrdiff_t>(net.num_nodes)},
+                    .triangles = triangles_of(net)};
       const Colour& colour = net.carrier == world ? body_colour : tool_colour;
-      picture_.meshes.push_back({.name = net.name, .mesh = std::move(mesh), .colour = colour, .has_edges = false});
+      picture_.meshes.push_back(
+          {.name = net.name, .mesh = std::move(mesh), .colour = colour, .has_edges = false});
     }
   }
 

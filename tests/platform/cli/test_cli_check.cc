@@ -72,8 +72,9 @@ TEST_F(CliCheck, ResolvesProfilesOnSimulatedBusesToo) {
 TEST_F(CliCheck, SaysWhatANetIsAndAsksOfAStep) {
   const ProgramResult result = run_program("check sim/scenes/endobag.toml");
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  for (const char* text : {"950 of 1536 nodes, 2844 of 9216 springs", "at most 768 contacts of nodes at a time",
-                           "2 stages, each at most 12 iterations over 2844 springs", "time constants: fastest "})
+  for (const char* text :
+       {"950 of 1536 nodes, 2844 of 9216 springs", "at most 768 contacts of nodes at a time",
+        "2 stages, each at most 12 iterations over 2844 springs", "time constants: fastest "})
     EXPECT_THAT(result.output, HasSubstr(text));
   expect_both("sim/scenes/net-small.toml --duration 0.01", 0, "nets");
 }
