@@ -11,12 +11,13 @@ namespace {
 template <class I, int per_million>
 struct Broken : I {
   template <Scene S>
-  static void advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
-    I::advance(par, x, w);
+  static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+    const Limited limited = I::advance(par, x, w);
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       w.next[g].x.v_W *= Real(1 + per_million * 1e-6);
       w.next[g].x.w_B *= Real(1 + per_million * 1e-6);
     }
+    return limited;
   }
 };
 
