@@ -30,7 +30,7 @@ TEST(Islands, HoldWhatPairsJoin) {
       touches[a] = touches[b] = true;
       std::replace(label.begin(), label.end(), std::size_t(label[a]), std::size_t(label[b]));
     }
-    make_islands(touches, max_bodies, *graph);
+    make_islands(touches, max_bodies, *graph, []() noexcept {});
     std::size_t bodies = 0, pairs = 0;
     std::vector<std::size_t> labels;
     for (std::size_t k = 0; k < graph->num_islands; ++k) {
