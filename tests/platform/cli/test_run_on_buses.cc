@@ -91,7 +91,9 @@ class RunOnBuses : public ProgramTest {
     if (!open_buses(*link_, plan_, rig()).empty()) throw std::runtime_error("a cable does not open");
   }
   RunResult run(const RunPlan& plan, const std::string& record = "") {
-    RunFiles files({.trace = "", .contacts = "", .record = record}, scene_, 0);
+    RunFileNames names;
+    names.record = record;
+    RunFiles files(names, scene_, 0);
     const RunLink real{*link_, plan_, rig(), profiles_};
     const std::optional<RunResult> result = run_realtime(*session_, plan, files, &real);
     player_->stop();
