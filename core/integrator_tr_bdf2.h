@@ -234,7 +234,7 @@ struct TrBdf2 {
     return smooth && may_start_itself(par, x) ? Begin::by_itself : Begin::as_euler;
   }
 
-  /// d h (g + d h k) <= m: no stage overshoots what the coupling pulls to; h |w| sqrt(I_max / I_min) <= 1/2: a fast spin does not
+  /// d h (g + d h k) <= m, (d h)^2 k_r <= I + d h g_r: no stage overshoots what the coupling pulls to; h |w| sqrt(I_max / I_min) <= 1/2: a fast spin does not
   /// gain in its first step.
   template <Scene S>
   static bool may_start_itself(const Params<S>& par, const State<S>& x) noexcept {
@@ -245,6 +245,9 @@ struct TrBdf2 {
       if constexpr (uses<typename S::Coupling>) {
         const SpringParams& spring = par.bodies[i].coupling;
         may = may && d * par.h * (spring.g + d * par.h * spring.k) <= body.m;
+        // about the axis of least inertia, which is no less than I; slender tools are damped hard about it
+        const Real I = body.I_B.trace() / (3 * body.anisotropy * body.anisotropy);
+        may = may && d * par.h * (d * par.h * spring.k_r - spring.g_r) <= I;
       }
     }
     return may;
