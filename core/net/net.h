@@ -40,7 +40,7 @@ struct NetParams {
   std::array<NetSpring, max_springs> springs;
   std::size_t num_springs = 0;
   int max_iterations = 12;  // of conjugate gradients in a stage
-  Real tolerance = 1e-3;    // m/s: an iteration that changes no velocity by more is the last
+  Real tolerance = 1e-4;    // m/s: an iteration that changes no velocity by more is the last
 };
 
 /// What a step says of its nets, at the end of its last stage.
