@@ -75,7 +75,8 @@ TYPED_TEST(ToolStability, AnyStep) {
       const Passed p = follow(tool, 2);
       SCOPED_TRACE(testing::Message() << "h " << h << ", stiffness " << stiffness << ": " << p);
       EXPECT_FALSE(p.fault);
-      EXPECT_LT(p.energy, 4);  // at 1e10 N/m and 10 ms the drift itself loads the springs
+      // at 1e10 N/m and 10 ms the drift itself loads the springs: four of them by the drift that is allowed, 8 J
+      EXPECT_LT(p.energy, 8);
       EXPECT_LT(p.drift.m, 20 * h * h * h);
       EXPECT_LT(p.drift.rad, 1000 * h * h * h);
     }
