@@ -200,9 +200,15 @@ struct TrBdf2 {
     return {.X_WB = moved<T>(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
   }
 
-  /// h |w| <= max_turn: the gyroscopic term is resolved.
-  static bool turn_is_small(const RigidBodyParams& body, const Vec3& w_B, Real h) noexcept {
-    return h * h * w_B.squaredNorm() <= body.max_turn * body.max_turn;
+  /// h |w| <= max_turn: the gyroscopic term is resolved; 1 / 2 sqrt(I_max / I_min) where a coupling without a damper would
+  /// keep what a step gains.
+  template <Scene S>
+  static bool turn_is_small(const BodyParams<S>& par, const Vec3& w_B, Real h) noexcept {
+    Real max_turn = par.body.max_turn;
+    if constexpr (uses<typename S::Coupling>) {
+      if (!(par.coupling.g_r > 0) && par.coupling.k_r > 0) max_turn = Real(0.5) / par.body.anisotropy;
+    }
+    return h * h * w_B.squaredNorm() <= max_turn * max_turn;
   }
 
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step.
@@ -225,7 +231,7 @@ struct TrBdf2 {
       const BodyState<S>& y = x.bodies[i];
       const Real h_sq = par.h * par.h;
       smooth = smooth && (y.memory.known || x.tick == 0) &&
-               turn_is_small(par.bodies[i].body, y.x.w_B, par.h) &&
+               turn_is_small<S>(par.bodies[i], y.x.w_B, par.h) &&
                4 * h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= 1;
       known = known && y.memory.known;
       if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
@@ -258,7 +264,7 @@ struct TrBdf2 {
     bool small = true;
     for (std::size_t i = 0; i < num_bodies(par); ++i)
       small = small &&
-              turn_is_small(par.bodies[i].body, lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>), par.h);
+              turn_is_small<S>(par.bodies[i], lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>), par.h);
     return small;
   }
 };
