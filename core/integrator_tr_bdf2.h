@@ -254,6 +254,8 @@ struct TrBdf2 {
         // about the axis of least inertia, which is no less than I; slender tools are damped hard about it
         const Real I = body.I_B.trace() / (3 * body.anisotropy * body.anisotropy);
         may = may && d * par.h * (d * par.h * spring.k_r - spring.g_r) <= I;
+        // nothing would take back what the first step gains
+        may = may && (spring.g > 0 || !(spring.k > 0)) && (spring.g_r > 0 || !(spring.k_r > 0));
       }
     }
     return may;
