@@ -102,7 +102,7 @@ void expect_report(const QuickRun& run) {
   const std::string report = text_of(run.docs("report.md"));
   for (const char* text : {"the test's command", "## What was asked", "## Result", "### 1.", "### 2.",
                            "### 3.", "### 4.", "### 5.", "## How", "| S1 | tr-bdf2 |", "| S3 | tr-bdf2 |",
-                           "| S5 | implicit-euler |", "coupling-lissajous: its motion file was not found",
+                           "| S5 | implicit-euler |", "coupling-lissajous: its files were not found",
                            "press: its reference was not found", "| god-object |", "| imposed |"})
     EXPECT_NE(report.find(text), std::string::npos) << text;
   EXPECT_EQ(report.find("nan"), std::string::npos);
