@@ -99,7 +99,7 @@ class ContactParts {
   }
 
  private:
-  ContactStage stage_;
+  std::conditional_t<uses<ContactsOf<S>>, ContactStage, None> stage_;
   std::size_t last_ = 0;
 };
 

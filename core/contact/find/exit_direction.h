@@ -109,12 +109,4 @@ SinkingAxis sinking_axis(const ContactFinder<Contacts, N>& w, std::uint32_t a, s
   return least;
 }
 
-/// The face of a box that looks most in this direction: its normal, in the box's frame.
-inline Vec3 face_along(const Mat3& R_WS, const Vec3& n_W) noexcept {
-  const Vec3 n_S = R_WS.transpose() * n_W;
-  Eigen::Index k = 0;
-  n_S.cwiseAbs().maxCoeff(&k);
-  return n_S[k] < 0 ? Vec3(-Vec3::Unit(k)) : Vec3(Vec3::Unit(k));
-}
-
 }  // namespace godobject
