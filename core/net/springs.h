@@ -105,6 +105,24 @@ inline std::array<Column, 4> columns(const Vector3<Pack>& a, const Pack& fourth)
           Column(shuffled<2, 3, 6, 7>(xy_02, z_02)), Column(shuffled<2, 3, 6, 7>(xy_13, z_13))};
 }
 
+/// Four springs that follow each other; the last of `left` ones for those that are missing.
+struct FourSprings {
+  std::array<const NetSpring*, 4> of;
+
+  FourSprings(const NetSpring* first, std::uint32_t left) noexcept {
+    for (std::uint32_t n = 0; n < 4; ++n) of[n] = first + std::min(n, left - 1);
+  }
+  Pack of_each(Real NetSpring::*of_one) const noexcept {
+    return {of[0]->*of_one, of[1]->*of_one, of[2]->*of_one, of[3]->*of_one};
+  }
+  /// From their first nodes to their second.
+  template <class Nodes>
+  Vector3<Pack> between(const Nodes& at) const noexcept {
+    return in_lanes(at[of[0]->j] - at[of[0]->i], at[of[1]->j] - at[of[1]->i], at[of[2]->j] - at[of[2]->i],
+                    at[of[3]->j] - at[of[3]->i]);
+  }
+};
+
 /// (41)  Four springs: with the ends x and x' apart where the stage is predicted to end.
 struct SpringPack {
   Vector3<Pack> q, J;
@@ -132,16 +150,11 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
     std::array<Pack, 6> a_xx{0, 0, 0, 0, 0, 0};  // sum a x x^T: xx, yy, zz, xy, xz, yz
     const std::uint32_t end = w.first_of[run.end];
     for (std::uint32_t s = w.first_of[run.first]; s < end; s += 4) {
-      std::array<const NetSpring*, 4> of;
-      for (std::uint32_t n = 0; n < 4; ++n) of[n] = &par.springs[std::min(s + n, end - 1)];
-      const auto between = [&](const auto& at) noexcept {
-        return in_lanes(at[of[0]->j] - at[of[0]->i], at[of[1]->j] - at[of[1]->i], at[of[2]->j] - at[of[2]->i],
-                        at[of[3]->j] - at[of[3]->i]);
-      };
-      const Vector3<Pack> x = between(w.p), x_dot = between(w.v);
-      const SpringPack four =
-          spring_stage({of[0]->k, of[1]->k, of[2]->k, of[3]->k}, {of[0]->g, of[1]->g, of[2]->g, of[3]->g},
-                       {of[0]->l_0, of[1]->l_0, of[2]->l_0, of[3]->l_0}, x, x_dot, h);
+      const FourSprings springs(&par.springs[s], end - s);
+      const auto& of = springs.of;
+      const Vector3<Pack> x = springs.between(w.p);
+      const SpringPack four = spring_stage(springs.of_each(&NetSpring::k), springs.of_each(&NetSpring::g),
+                                           springs.of_each(&NetSpring::l_0), x, springs.between(w.v), h);
       const std::array<Column, 4> q_a = columns(four.q, four.a), J = columns(four.J);
       Pack a = four.a;  // of springs between nodes of this run
       for (std::uint32_t n = 0; n < 4; ++n) {
@@ -179,24 +192,34 @@ template <class Net, std::size_t N, class Velocities>
 SpringMiss spring_miss(const typename Net::Params& par, const Velocities& v, Real h,
                        const NetStage<Net, N>& w) noexcept {
   SpringMiss sum;
-  for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
-    const Column v_i = v[i], p_i = w.p[i], d_i = v_i - w.v[i];
-    sum.kinetic += w.m[i] * dot(v_i, v_i);
-    sum.mass += w.m[i];
-    for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) {
-      const NetSpring& spring = par.springs[s];
-      const std::uint32_t j = w.other[s];
-      const Column x = w.p[j] - p_i, x_dot = w.v[j] - w.v[i], d = v[j] - w.v[j] - d_i;
-      const Real l = std::sqrt(dot(x, x)), r = 1 / l;
-      const Column x_1 = x + d * h, x_dot_1 = x_dot + d;
-      const Real l_1 = std::sqrt(dot(x_1, x_1)), r_1 = 1 / l_1;
-      const Column F = x * (spring.k * (1 - spring.l_0 * r) + spring.g * dot(x, x_dot) * r * r);
-      const Column F_1 = x_1 * (spring.k * (1 - spring.l_0 * r_1) + spring.g * dot(x_1, x_dot_1) * r_1 * r_1);
-      const Column miss = (F_1 - F) * h - spring_product(w.q_a[s], d);
-      const Real h_k_h = h * (h * spring.k + spring.g);
-      if (l > 0 && l_1 > 0) sum.missed += dot(miss, miss) * w.m[i] / ((w.m[i] + h_k_h) * (w.m[i] + h_k_h));
-    }
+  for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
+    sum.kinetic += w.m[n] * dot(v[n], v[n]);
+    sum.mass += w.m[n];
   }
+  Pack missed = 0;
+  const auto num_springs = static_cast<std::uint32_t>(par.num_springs);
+  for (std::uint32_t s = 0; s < num_springs; s += 4) {
+    const FourSprings springs(&par.springs[s], num_springs - s);
+    const auto& of = springs.of;
+    const Pack k = springs.of_each(&NetSpring::k), g = springs.of_each(&NetSpring::g),
+               l_0 = springs.of_each(&NetSpring::l_0);
+    const Vector3<Pack> x = springs.between(w.p), x_dot = springs.between(w.v), v_j_i = springs.between(v);
+    const Vector3<Pack> d = v_j_i - x_dot, x_1 = x + d * Pack(h);
+    const Pack l_sq = x.squaredNorm(), l_1_sq = x_1.squaredNorm();
+    const Pack per_l = 1 / sqrt(l_sq), per_l_1 = 1 / sqrt(l_1_sq);
+    const Pack F = k * (1 - l_0 * per_l) + g * x.dot(x_dot) * per_l * per_l;  // along x
+    const Pack F_1 = k * (1 - l_0 * per_l_1) + g * x_1.dot(v_j_i) * per_l_1 * per_l_1;
+    std::array<Pack, 4> q_a;
+    for (std::uint32_t n = 0; n < 4; ++n) q_a[n] = w.q_a[std::min(s + n, num_springs - 1)];
+    const auto [q_x, q_y, q_z, a] = columns({q_a[0], q_a[1], q_a[2]}, q_a[3]);
+    const Vector3<Pack> q(q_x.p, q_y.p, q_z.p);
+    const Vector3<Pack> miss = x_1 * (F_1 * h) - x * (F * h) - d * a.p - q * q.dot(d);
+    const Pack m(w.m[of[0]->i], w.m[of[1]->i], w.m[of[2]->i], w.m[of[3]->i]), eta = m + (k * h + g) * h;
+    Pack missed_sq = select(Pack(0) < min(l_sq, l_1_sq), miss.squaredNorm() * m / (eta * eta), Pack(0));
+    for (std::uint32_t n = num_springs - s; n < 4; ++n) missed_sq.set(n, 0);
+    missed += missed_sq;
+  }
+  sum.missed = total(missed);
   return sum;
 }
 
