@@ -138,11 +138,10 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
   factorize_and_solve(w.system, w.x.Ap, w.x.V);
 }
 
-/// How a system is solved, and when its iterations are to end.
+/// When the iterations of a coupled system are to end.
 struct Solving {
-  bool is_coupled = false;  // with the nodes of nets: by iteration
   bool has_contacts = false;
-  int most_iterations = 0;              // if coupled: in all Newton iterations
+  int most_iterations = 0;              // in all Newton iterations
   Real tolerance = velocity_tolerance;  // m/s
 
   /// In the next Newton iteration, after so many: half of what is left, as contacts may leave their modes.
@@ -168,15 +167,15 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
     load_system(h, newton_iterations == 0, island, w);
     bool converged = true;
-    if (!how.is_coupled && w.system.is_complete) {
+    if (!System::is_coupled && w.system.is_complete) {
       if (newton_iterations > 0) w.system.multiply(x.V_0, x.AV_0);
       solve_complete(w);
       left = 0;
     } else {
       const bool seeks = pass_of<Seeking>(newton_iterations) != Pass::as_it_was;
-      const int allowed = how.is_coupled ? how.allowed(iterations)
-                          : seeks        ? max_iterations_seeking
-                                         : max_iterations;
+      const int allowed = System::is_coupled ? how.allowed(iterations)
+                          : seeks            ? max_iterations_seeking
+                                             : max_iterations;
       factorize(w.system);
       const int taken = iterate(allowed, how.tolerance, system, x,
                                 [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
@@ -191,16 +190,14 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
       left = scale_velocities(h, island, system, w);
     }
     done = settle_contacts<Seeking>(newton_iterations, island, w, most);
-    if (how.is_coupled) done = (done && converged) || iterations >= how.most_iterations;
+    if constexpr (System::is_coupled) done = (done && converged) || iterations >= how.most_iterations;
     else done = done && left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
     system.each([&](auto u) noexcept { x.V_0[u] = x.V[u]; });
   }
   const Real residual = std::max(left / h, most.worst());
-  if constexpr (Contacts::has_net) {
-    if (how.is_coupled) {
-      w.net.report = {.iterations = iterations, .newton_iterations = newton_iterations, .residual = residual};
-      return;
-    }
+  if constexpr (System::is_coupled) {
+    w.net.report = {.iterations = iterations, .newton_iterations = newton_iterations, .residual = residual};
+    return;
   }
   w.report.num_without_room += w.system.is_complete ? 0 : 1;
   w.report.residual = std::max(w.report.residual, residual);

@@ -42,8 +42,7 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
   ride(w.net, w.x.V_0);
   using Scratch = BodyContactScratch<Contacts, N>;
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};
-  const Solving how{.is_coupled = true,
-                    .has_contacts = w.net.near.size > 0 || w.near.size > 0,
+  const Solving how{.has_contacts = w.net.near.size > 0 || w.near.size > 0,
                     .most_iterations = in.par.max_iterations,
                     .tolerance = in.par.tolerance};
   const auto solve = [&]() noexcept {
