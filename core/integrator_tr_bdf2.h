@@ -230,8 +230,7 @@ struct TrBdf2 {
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const BodyState<S>& y = x.bodies[i];
       const Real h_sq = par.h * par.h;
-      smooth = smooth && (y.memory.known || x.tick == 0) &&
-               turn_is_small<S>(par.bodies[i], y.x.w_B, par.h) &&
+      smooth = smooth && (y.memory.known || x.tick == 0) && turn_is_small<S>(par.bodies[i], y.x.w_B, par.h) &&
                4 * h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= 1;
       known = known && y.memory.known;
       if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
@@ -265,8 +264,8 @@ struct TrBdf2 {
   static bool turns_are_small(const Params<S>& par, const Scratch<S>& w) noexcept {
     bool small = true;
     for (std::size_t i = 0; i < num_bodies(par); ++i)
-      small = small &&
-              turn_is_small<S>(par.bodies[i], lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>), par.h);
+      small =
+          small && turn_is_small<S>(par.bodies[i], lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>), par.h);
     return small;
   }
 };

@@ -120,9 +120,15 @@ struct FrictionAmongBodies {
 };
 
 /// Nodes of nets are many and light: what friction lacks of its cone moves none of them far. tests/net/test_net_stability.cc.
-struct FrictionOnNets : FrictionAmongBodies {
+struct FrictionOnNets {
+  static constexpr bool tangents = FrictionAmongBodies::tangents;
+  static constexpr int by_tangent = FrictionAmongBodies::by_tangent,
+                       by_secant = FrictionAmongBodies::by_secant;
   static constexpr Real friction_left_alone = 1e-3;
   static constexpr Real friction_tolerance(int iteration) noexcept { return normal_tolerance(iteration); }
+  static constexpr Real normal_tolerance(int iteration) noexcept {
+    return FrictionAmongBodies::normal_tolerance(iteration);
+  }
 };
 
 // Springs of nets (46). tests/net/test_net_stability.cc.

@@ -23,7 +23,8 @@ std::vector<EdgeCrossing> crossings(const PosedBox& a, const PosedBox& b) {
     return ShapeParams{.kind = ShapeKind::box, .X_WS = {.p = box.p, .q = Quat(box.R)}, .half_extents = box.h};
   };
   std::vector<EdgeCrossing> all;
-  each_crossing(shape(a), a.R, shape(b), b.R, false, [&](const EdgeCrossing& crossing) { all.push_back(crossing); });
+  each_crossing(shape(a), a.R, shape(b), b.R, false,
+                [&](const EdgeCrossing& crossing) { all.push_back(crossing); });
   return all;
 }
 

@@ -77,8 +77,10 @@ TEST_F(CliRun, TraceEveryKeepsEveryNthRow) {
 
 TEST_F(CliRun, NodesOfNetsAreWrittenEveryNthStep) {
   const std::string small = "sim/scenes/net-small.toml";
-  ASSERT_EQ(run_program("run " + small + " --fast --duration 0.1 --nets " + path("nets.csv") + " --nets-every 20").exit_code,
-            0);
+  ASSERT_EQ(
+      run_program("run " + small + " --fast --duration 0.1 --nets " + path("nets.csv") + " --nets-every 20")
+          .exit_code,
+      0);
   const CsvResult nets = read_csv(path("nets.csv"));
   ASSERT_TRUE(nets.table.has_value()) << nets.errors.front();
   EXPECT_EQ(nets.table->columns().size(), 1U + 3 * 25);
