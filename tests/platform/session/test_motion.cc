@@ -222,8 +222,10 @@ TEST(Motion, UnevenSamplesOfAnyKindStayBetweenTheirNeighbours) {
   for (int trial = 0; trial < 200; ++trial) {
     std::string csv = pose_header;
     std::vector<double> t, x;
+    Real at = 0;
     for (int i = 0; i < 30; ++i) {
-      t.push_back(i == 0 ? 0 : t.back() + std::pow(10, exponent(engine)));
+      t.push_back(at);
+      at += std::pow(10, exponent(engine));
       x.push_back(0.1 * normal(engine));
       csv += row(t.back(), {Vec3(x.back(), 0, 0), Quat::Identity()});
     }
