@@ -7,7 +7,7 @@
 namespace godobject {
 
 /// Anchors and springs, linear from where the nodes are led. The bodies are in w.finder.at.
-template <class Contacts, std::size_t N>
+template <Springs as = Springs::linear, class Contacts, std::size_t N>
 void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
                    BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
@@ -16,7 +16,7 @@ void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
     begin_anchors<typename Contacts::Net>(in.par, run,
                                           run.body == world ? TreePlace{} : w.finder.at[run.body], h, net);
   }
-  begin_springs<typename Contacts::Net>(in.par, h, net);
+  begin_springs<as, typename Contacts::Net>(in.par, h, net);
 }
 
 /// The nets where the stage is predicted to end.
@@ -56,33 +56,50 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
   get_off(w.net, w.x.V);
 }
 
-/// (46)  The same, with the springs taken where the nodes are led to until they hold.
+/// The springs where velocities V of the solution lead the nodes, and the stage solved again.
+template <Springs as = Springs::linear, class Contacts, std::size_t N>
+void solve_net_anew(Real h, const NetInput<typename Contacts::Net>& in,
+                    BodyContactScratch<Contacts, N>& w) noexcept {
+  lead_nodes(w.x.V.nodes, h, w.net);
+  linearise_net<as>(in, h, w);
+  std::copy_n(w.net.v.begin(), w.net.num_nodes, w.x.V_0.nodes.begin());
+  solve_linearised_net(h, in, w);
+}
+
+/// (46)  The velocities of nodes and of the bodies that carry and touch them, with the springs taken where the nodes are led
+/// to until they hold: first from where they are on their carriers, then from where that leads while it converges. Where
+/// it does not, (47).
 template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {
-  using Net = typename Contacts::Net;
   auto& net = w.net;
   net.is_calm = true;
   if (net.num_nodes == 0) return;
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
   std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
+  const auto at_rest = [&]() noexcept {
+    for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));
+  };
   int linearisations = 1;
-  for (; linearisations < max_linearisations; ++linearisations) {
-    const SpringMiss miss = spring_miss<Net>(in.par, w.x.V.nodes, h, net);
-    const Real tolerance_sq =
-        in.par.tolerance * in.par.tolerance;  // at rest there is no kinetic energy to compare with
-    if (miss.missed <= max_spring_miss * miss.kinetic + miss.mass * tolerance_sq) break;
-    // from where they are on their carriers, then from where that leads
-    if (net.is_calm) {
-      for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));
-      get_off(net, w.x.V);
+  for (Real most = std::numeric_limits<Real>::infinity();; ++linearisations) {
+    const SpringMiss miss = spring_miss<typename Contacts::Net>(in.par, w.x.V.nodes, h, net);
+    // at rest there is no kinetic energy to compare with
+    if (miss.missed <= max_spring_miss * miss.kinetic + miss.mass * in.par.tolerance * in.par.tolerance)
+      break;
+    if (linearisations == max_linearisations || miss.missed > most) {
+      at_rest();
+      solve_net_anew<Springs::majorised>(h, in, w);
+      break;
     }
-    net.is_calm = false;
-    lead_nodes(w.x.V.nodes, h, net);
-    linearise_net(in, h, w);
-    std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
-    solve_linearised_net(h, in, w);
+    if (net.is_calm) {
+      at_rest();
+      get_off(net, w.x.V);
+      net.is_calm = false;
+    } else {
+      most = miss.missed * spring_convergence;
+    }
+    solve_net_anew(h, in, w);
   }
   net.report.linearisations = linearisations;
 }

@@ -1,6 +1,7 @@
 // Anchors and springs of nets in a stage: impedances and impulses, linear from where the stage is predicted to end.
 //
 //   (41)  spring:  impulse J - K x' on j,  K = a 1 + q q^T,  a = h^2 k max(1 - l_0 / l, 0),  q q^T = (h^2 k + h g - a) u u^T
+//   (47)  or from where the stage starts, at rest:  a = h^2 k
 //   (42)  anchor:  impulse J - kappa (v_n - v_b - w_b x r),  kappa = h (h k + g)
 //
 // Both as (37). A spring is four numbers in the system: its product takes no matrix. Where it is shorter than l_0, what it
@@ -123,18 +124,24 @@ struct FourSprings {
   }
 };
 
+/// As what springs are taken: linear where the stage is predicted to end, or (47).
+enum class Springs { linear, majorised };
+
 /// (41)  Four springs: with the ends x and x' apart where the stage is predicted to end.
 struct SpringPack {
   Vector3<Pack> q, J;
   Pack a, l;
 };
-inline SpringPack spring_stage(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pack>& x,
-                               const Vector3<Pack>& x_dot, Real h) noexcept {
+template <Springs as>
+SpringPack spring_stage(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pack>& x,
+                        const Vector3<Pack>& x_dot, Real h) noexcept {
   const Pack l = sqrt(x.squaredNorm()), h_k = k * h, h_g = g * h;
   const PackMask has_length = Pack(0) < l;
   const Pack r = 1 / select(has_length, l, Pack(1));
   const Vector3<Pack> u(x[0] * r, x[1] * r, select(has_length, x[2] * r, Pack(1)));
-  const Pack a = max(h_k * (1 - l_0 * r), Pack(0)) * h * select(has_length, Pack(1), Pack(0));
+  const Pack a = as == Springs::majorised
+                     ? h_k * h
+                     : max(h_k * (1 - l_0 * r), Pack(0)) * h * select(has_length, Pack(1), Pack(0));
   const Pack along = max(h_k * h + h_g - a, Pack(0)), u_x_dot = u.dot(x_dot);
   // J = K x' - h (k (l - l_0) + g u . x') u: the force of the law at the predicted velocities
   return {
@@ -143,7 +150,7 @@ inline SpringPack spring_stage(const Pack& k, const Pack& g, const Pack& l_0, co
 
 /// The springs; b of their nodes. Of springs that pull, what they resist of the turning of the carrier that both ends ride on:
 /// sum a (x^2 1 - x x^T).
-template <class Net, std::size_t N>
+template <Springs as, class Net, std::size_t N>
 void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t k = 0; k < w.num_runs; ++k) {
     const NetRun& run = w.runs[k];
@@ -153,8 +160,8 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
       const FourSprings springs(&par.springs[s], end - s);
       const auto& of = springs.of;
       const Vector3<Pack> x = springs.between(w.p);
-      const SpringPack four = spring_stage(springs.of_each(&NetSpring::k), springs.of_each(&NetSpring::g),
-                                           springs.of_each(&NetSpring::l_0), x, springs.between(w.v), h);
+      const SpringPack four = spring_stage<as>(springs.of_each(&NetSpring::k), springs.of_each(&NetSpring::g),
+                                               springs.of_each(&NetSpring::l_0), x, springs.between(w.v), h);
       const std::array<Column, 4> q_a = columns(four.q, four.a), J = columns(four.J);
       Pack a = four.a;  // of springs between nodes of this run
       for (std::uint32_t n = 0; n < 4; ++n) {

@@ -70,8 +70,8 @@ auto limited_rate_at(const TimeGrid& grid, std::size_t i, Step step) noexcept {
   using T = decltype(step(i, i));
   if (grid.size() == 1) return T(step(i, i));
   const bool first = i == 0, last = i + 1 == grid.size();
-  const T l = first ? T(step(i, i)) : T(step(i, i - 1) * (-1 / grid.interval(i - 1)));
-  const T r = last ? T(step(i, i)) : T(step(i, i + 1) * (1 / grid.interval(i)));
+  T l = first ? T(step(i, i)) : T(step(i, i - 1) * (-1 / grid.interval(i - 1)));
+  T r = last ? T(step(i, i)) : T(step(i, i + 1) * (1 / grid.interval(i)));
   if (first) return r;
   if (last) return l;
   return T(limited_rate(grid.interval(i - 1), l, grid.interval(i), r));
