@@ -50,11 +50,13 @@ void add_tube(std::uint32_t round, bool is_finer = false) {
       [=](benchmark::State& state) { run_tube<S>(state, scene, round, spacing); });
 }
 
+const int usual_iterations = NetParams<1, 1>{}.max_iterations;
+
 /// The hanging net on anchors of its held edge; the ball is the body, on a stiff coupling.
 template <Scene S>
 class HangingRun final : public NetPeer {
  public:
-  HangingRun() {
+  explicit HangingRun(int max_iterations) {
     Params<S>& par = *run_.par;
     par.h = HangingNet::h;
     par.gravity_W = Vec3(0, 0, -HangingNet::gravity);
@@ -64,6 +66,7 @@ class HangingRun final : public NetPeer {
         par.bodies[0].feedback.gains = {.k = k, .g = 2 * std::sqrt(m * k), .k_r = 100, .g_r = 1};
     par.bodies[0].device.rise = 0;
     add_net(par.net);
+    par.net.max_iterations = max_iterations;
     par.contacts.num_surfaces = 1;
     par.contacts.surfaces[0] = {.body = 0,
                                 .shape = {.kind = ShapeKind::sphere, .radius = HangingNet::ball_radius}};
@@ -137,13 +140,16 @@ void run_hanging(benchmark::State& state, const std::string& who, Peer& peer, bo
       [&](std::size_t n) { peer.step(HangingNet::first_pressed + n); });
 }
 
+/// Stopped early or not: for the error at the time that a peer takes.
 template <Scene S>
-void add_hanging() {
+void add_hanging(int max_iterations = usual_iterations) {
   const auto known = std::make_shared<std::optional<NetQuality>>();
-  add("hanging/" + name_of<S>(), long_scene, [=](benchmark::State& state) {
-    HangingRun<S> run;
+  std::string who = name_of<S>();
+  if (max_iterations != usual_iterations) who = std::to_string(max_iterations) + " it, " + who;
+  add("hanging/" + who, long_scene, [=](benchmark::State& state) {
+    HangingRun<S> run(max_iterations);
     if (!run.is_valid()) return state.SkipWithError("the net is not valid");
-    run_hanging(state, name_of<S>(), run, false, *known);
+    run_hanging(state, who, run, false, *known);
   });
 }
 
@@ -171,6 +177,7 @@ void add_our_nets() {
   add_tube<NetTool<ImplicitEuler, 10000>>(100, true);
   add_hanging<NetTool<ImplicitEuler, 1024>>();
   add_hanging<NetTool<TrBdf2, 1024>>();
+  for (const int iterations : {1, 4}) add_hanging<NetTool<ImplicitEuler, 1024>>(iterations);
 }
 
 void add_net_peers() {
