@@ -107,8 +107,8 @@ void print_nets() {
     if (q.stretch_error) std::snprintf(stretch, sizeof stretch, "%.2g", *q.stretch_error);
     std::printf("%-13s %-34s %9.1f %9.1f %8.2f %8.1f %9s %8.1f %8s %9s %7s %7s\n", r.scene.c_str(),
                 r.who.c_str(), 1e-3 * r.times.p50, 1e-3 * r.times.p99, r.times.p99 / r.times.p50,
-                r.times.p50 / static_cast<double>(r.num_bodies), instructions.c_str(), q.contacts,
-                iterations, stretch, ratio(r, ImplicitEuler::name).c_str(), ratio(r, TrBdf2::name).c_str());
+                r.times.p50 / static_cast<double>(r.num_bodies), instructions.c_str(), q.contacts, iterations,
+                stretch, ratio(r, ImplicitEuler::name).c_str(), ratio(r, TrBdf2::name).c_str());
   }
 }
 
