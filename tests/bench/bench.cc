@@ -49,11 +49,17 @@ void show(benchmark::State& state, const ContactQuality& q, bool pile) {
   }
 }
 
+void show(benchmark::State& state, const NetQuality& q) {
+  state.counters["contacts"] = q.contacts;
+  state.counters["iterations"] = q.iterations;
+  if (q.stretch_error) state.counters["stretch_error"] = *q.stretch_error;
+}
+
 void print_references() {
   std::printf("\n%-7s %-34s %9s %9s %8s %7s %9s %9s %9s %9s %7s %7s\n", "scene", "by", "p50 ns", "p99 ns",
               "ns/body", "instr.", "error m", "rad", "drift m", "rad", "/euler", "/bdf2");
   for (const Row& r : rows()) {
-    if (r.contacts) continue;
+    if (r.contacts || r.net) continue;
     const std::string instructions = r.instructions ? std::to_string(std::lround(*r.instructions)) : "-";
     const Drift drift = r.errors.drift.value_or(Drift{});
     std::printf("%-7s %-34s %9.0f %9.0f %8.1f %7s %9.2g %9.2g %9.2g %9.2g %7s %7s\n", r.scene.c_str(),
@@ -89,6 +95,23 @@ void print_piles() {
   }
 }
 
+void print_nets() {
+  std::printf("\n%-13s %-34s %9s %9s %8s %8s %9s %8s %8s %9s %7s %7s\n", "scene", "by", "p50 us", "p99 us",
+              "p99/p50", "ns/node", "instr.", "contacts", "iterat.", "stretch", "/euler", "/bdf2");
+  for (const Row& r : rows()) {
+    if (!r.net) continue;
+    const NetQuality& q = *r.net;
+    const std::string instructions = r.instructions ? std::to_string(std::lround(*r.instructions)) : "-";
+    char stretch[16] = "-", iterations[16] = "-";  // peers do not say
+    if (!r.peer) std::snprintf(iterations, sizeof iterations, "%.1f", q.iterations);
+    if (q.stretch_error) std::snprintf(stretch, sizeof stretch, "%.2g", *q.stretch_error);
+    std::printf("%-13s %-34s %9.1f %9.1f %8.2f %8.1f %9s %8.1f %8s %9s %7s %7s\n", r.scene.c_str(),
+                r.who.c_str(), 1e-3 * r.times.p50, 1e-3 * r.times.p99, r.times.p99 / r.times.p50,
+                r.times.p50 / static_cast<double>(r.num_bodies), instructions.c_str(), q.contacts, iterations,
+                stretch, ratio(r, ImplicitEuler::name).c_str(), ratio(r, TrBdf2::name).c_str());
+  }
+}
+
 }  // namespace
 
 study::InstructionCounter& counter() {
@@ -101,7 +124,8 @@ void keep(benchmark::State& state, const Row& row) {
   state.counters["p99_ns"] = row.times.p99;
   if (row.num_bodies > 1) state.counters["ns_per_body"] = row.times.p50 / static_cast<double>(row.num_bodies);
   if (row.instructions) state.counters["instructions"] = *row.instructions;
-  if (row.contacts) show(state, *row.contacts, row.num_bodies > 1);
+  if (row.net) show(state, *row.net);
+  else if (row.contacts) show(state, *row.contacts, row.num_bodies > 1);
   else show(state, row.errors);
   for (Row& r : rows()) {
     if (r.scene != row.scene || r.who != row.who) continue;
@@ -115,9 +139,11 @@ void print_table() {
   print_references();
   print_pressed();
   print_piles();
+  print_nets();
   std::printf(
       "p50, p99: of single steps, the best repetition; /cont, mean/con: median and mean for each contact. "
-      "/euler, /bdf2: p50 over ours with that integrator.\n");
+      "/euler, /bdf2: p50 over ours with that integrator. stretch: of the net at rest, the largest error of "
+      "a strain.\n");
 }
 
 void add(const std::string& name, const Effort& effort, const std::function<void(benchmark::State&)>& run) {
@@ -138,6 +164,7 @@ int main(int argc, char** argv) {
   add_our_contacts();
   add_our_nets();
   add_contact_peers();
+  add_net_peers();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

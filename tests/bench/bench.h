@@ -45,6 +45,12 @@ StepTimes time_steps(std::size_t steps, double mean_ns, Step step) {
   return {.p50 = at(0.5), .p99 = at(0.99), .mean = sum / static_cast<double>(times.size())};
 }
 
+/// Of a net: means of what was timed, and how far its springs are from the stretch of rest.
+struct NetQuality {
+  double iterations = 0, contacts = 0;
+  std::optional<double> stretch_error;  // where it is known
+};
+
 /// A line of the closing table.
 struct Row {
   std::string scene, who;
@@ -54,6 +60,7 @@ struct Row {
   std::optional<double> instructions;
   Errors errors;
   std::optional<ContactQuality> contacts;  // of a scene with contacts, which has no reference
+  std::optional<NetQuality> net = {};      // of a scene with a net; bodies are its nodes
 };
 
 /// Runs steps 0 .. steps - 1 again and again for google benchmark, then once more step by step, and keeps the row.
@@ -76,6 +83,8 @@ struct Effort {
 inline constexpr Effort short_scene{.repetitions = 9, .iterations = 0};
 /// A run of all its steps takes seconds, and follows every loop.
 inline constexpr Effort long_scene{.repetitions = 3, .iterations = 100};
+/// It takes half a minute.
+inline constexpr Effort slow_scene{.repetitions = 1, .iterations = 1};
 
 void add(const std::string& name, const Effort& effort, const std::function<void(benchmark::State&)>& run);
 
@@ -85,6 +94,7 @@ void add_peers();
 void add_our_contacts();
 void add_contact_peers();
 void add_our_nets();
+void add_net_peers();
 
 template <class Restart, class Step>
 void measure(benchmark::State& state, Row row, std::size_t steps, Restart restart, Step step) {

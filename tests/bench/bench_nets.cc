@@ -1,150 +1,196 @@
-// Our step on a net, S6: a tube on a coupled body, pressed on a fixed bar and drawn off again, of 100 to 10 000 nodes. Its
-// mass, the area of a contact's spring and the size of the tube are those of all of them.
-#include <cmath>
+// Our step on nets: S6, the tube pressed on a bar, of 100 to 10 000 nodes; and the hanging net, which the peers have, too.
 #include <memory>
 
-#include "core/godobject.h"
 #include "core/setup.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/net_contest.h"
+#include "tests/study/net_tube.h"
 
 namespace godobject::bench {
 namespace {
 
-template <class I, std::size_t nodes>
-struct Tube {
-  static constexpr std::size_t max_bodies = 1;
-  using Integrator = I;
-  using Device = PoseDevice;
-  using Joints = None;
-  using Coupling = DampedSpring;
-  using Feedback = LimitedFeedback;
-  using Contacts = BodyContacts<1, 1, 4>;
-  using Net = MassSpringNet<nodes, 3 * nodes, nodes / 2>;
-};
-
-constexpr Real step_s = 1e-3, period_s = 1.5, radius = 0.015, length = 0.09;
-constexpr std::size_t num_steps = 1500;
+template <class S>
+std::string name_of() {
+  return "net-tool-" + std::to_string(study::capacity_of<S>()) + " " + S::Integrator::name;
+}
 
 template <Scene S>
-class TubeRun {
- public:
-  explicit TubeRun(std::uint32_t round) : round_(round) {
-    par_->h = step_s;
-    auto& body = par_->bodies[0];
-    body.body = rigid_body(0.1, Vec3(3.5e-4, 3.5e-4, 2.7e-5).asDiagonal());
-    body.coupling = body.feedback.gains = {.k = 1000, .g = 14, .k_r = 1, .g_r = 0.026};
-    add_nodes();
-    add_springs();
-    par_->contacts.num_surfaces = 1;
-    par_->contacts.surfaces[0].shape = {.kind = ShapeKind::capsule,
-                                        .X_WS = {.p = Vec3(0.032, 0, 0), .q = exp_so3(Vec3(pi / 2, 0, 0))},
-                                        .radius = 0.01,
-                                        .half_length = 0.1};
-    const Real k = 10 * stiffness, c = std::sqrt(k * mass()) / 2;
-    par_->contacts.laws[0][0] = {.k = k, .c = c, .mu = 0.3, .k_t = k, .c_t = c};
+void run_tube(benchmark::State& state, const std::string& scene, std::uint32_t round, double spacing) {
+  study::TubeRun<S> tube(round, spacing);
+  if (!tube.is_valid()) return state.SkipWithError("the net is not valid");
+  NetQuality quality;
+  tube.press();
+  for (std::size_t n = 0; n < tube.num_pressed; ++n) {
+    tube.step();
+    quality.iterations += tube.report().iterations / static_cast<double>(tube.num_pressed);
+    quality.contacts +=
+        static_cast<double>(tube.report().num_contacts) / static_cast<double>(tube.num_pressed);
   }
-  bool is_valid() const { return validate(*par_) == Invalid::nothing; }
-  std::size_t num_nodes() const { return par_->net.num_nodes; }
-  NetReport report() const { return out_->net; }
+  state.counters["scratch_bytes"] = sizeof(Scratch<S>);
+  Row row{.scene = scene,
+          .who = name_of<S>(),
+          .num_bodies = tube.num_nodes(),
+          .times = {},
+          .instructions = {},
+          .errors = {},
+          .contacts = {}};
+  row.net = quality;
+  if (scene == "S6/1024") row.instructions = counter().per_step(name_of<S>(), "s6");
+  measure(
+      state, row, tube.num_pressed, [&] { tube.press(); }, [&](std::size_t) { tube.step(); });
+}
 
-  void restart() {
-    *x_ = {};
-    place(*x_, 0, {});
-    place_net(par_->net, *x_);
-    engage_at(*x_, 0, target(0));
+/// Finer: as many nodes in a tube of the usual size.
+template <Scene S>
+void add_tube(std::uint32_t round, bool is_finer = false) {
+  using Tube = study::TubeRun<S>;
+  const std::string scene = (is_finer ? "S6 fine/" : "S6/") + std::to_string(round * round);
+  const double spacing = is_finer ? Tube::usual_spacing * 32 / round : Tube::usual_spacing;
+  add(scene + "/" + name_of<S>(), long_scene,
+      [=](benchmark::State& state) { run_tube<S>(state, scene, round, spacing); });
+}
+
+const int usual_iterations = NetParams<1, 1>{}.max_iterations;
+
+/// The hanging net on anchors of its held edge; the ball is the body, on a stiff coupling.
+template <Scene S>
+class HangingRun final : public NetPeer {
+ public:
+  explicit HangingRun(int max_iterations) {
+    Params<S>& par = *run_.par;
+    par.h = HangingNet::h;
+    par.gravity_W = Vec3(0, 0, -HangingNet::gravity);
+    const Real m = 1, k = 1e6;
+    par.bodies[0].body = rigid_body(m, Mat3(1e-3 * Mat3::Identity()));
+    par.bodies[0].coupling =
+        par.bodies[0].feedback.gains = {.k = k, .g = 2 * std::sqrt(m * k), .k_r = 100, .g_r = 1};
+    par.bodies[0].device.rise = 0;
+    add_net(par.net);
+    par.net.max_iterations = max_iterations;
+    par.contacts.num_surfaces = 1;
+    par.contacts.surfaces[0] = {.body = 0,
+                                .shape = {.kind = ShapeKind::sphere, .radius = HangingNet::ball_radius}};
+    const Real k_c = 10 * HangingNet::k, c = std::sqrt(k_c * HangingNet::m) / 2;
+    par.contacts.laws[0][0] = {.k = k_c, .c = c, .mu = HangingNet::mu, .k_t = k_c, .c_t = c};
   }
-  void step(std::size_t n) {
-    const Target to = target(static_cast<Real>(n + 1) * step_s);
-    in_->devices[0].X_WD = to.X_WD;
-    in_->devices[0].V_WD = to.V_WD;
-    in_->devices[0].engaged = in_->devices[0].valid = true;
-    godobject::step(*par_, *in_, *x_, *w_, *out_);
+  bool is_valid() const { return validate(*run_.par) == Invalid::nothing; }
+  const NetReport& report() const { return run_.out->net; }
+
+  void restart() override { run_.hold_at(target(0)); }
+  void step(std::size_t n) override {
+    run_.lead(target(n + 1));
+    run_.step();
   }
+  Vec3 node(std::uint32_t n) const override { return run_.x->net.nodes[n].p_W; }
+  std::size_t num_contacts() const override { return report().num_contacts; }
 
  private:
-  static constexpr Real stiffness = 200;  // N/m, of a spring
-
-  Real mass() const { return 0.02 / (round_ * round_); }
-  /// 24 mm towards the bar and back.
-  static Target target(Real t) {
-    const Real omega = 2 * pi / period_s;
-    return {.X_WD = {.p = Vec3(0.012 * (1 - std::cos(omega * t)), 0, 0)},
-            .V_WD = {.v = Vec3(0.012 * omega * std::sin(omega * t), 0, 0)}};
+  static Target target(std::size_t n) {
+    const auto [p, v] = HangingNet::ball(static_cast<double>(n) * HangingNet::h);
+    return {.X_WD = {.p = p}, .V_WD = {.v = v}};
   }
-  void add_nodes() {
-    // as many anchors as nodes share the stiffness of the whole
-    const Real k = 0.1 * stiffness * 1024 / (round_ * round_);
-    for (std::uint32_t i = 0; i < round_; ++i) {
-      for (std::uint32_t a = 0; a < round_; ++a) {
-        const Real t = 2 * pi * (a + 0.5 * (i % 2)) / round_;
-        par_->net.nodes[par_->net.num_nodes++] = {
-            .m = mass(),
-            .body = 0,
-            .p_B = Vec3(radius * std::cos(t), radius * std::sin(t), length * (Real(i) / (round_ - 1) - 0.5)),
-            .k = k,
-            .g = 2 * std::sqrt(k * mass()),
-            .radius = 0.0015};
-      }
-    }
-  }
-  void add_springs() {
-    auto& net = par_->net;
-    const auto at = [&](std::uint32_t i, std::uint32_t a) { return i * round_ + (a + round_) % round_; };
-    const auto add = [&](std::uint32_t i, std::uint32_t j) {
-      net.springs[net.num_springs++] = {.i = i,
-                                        .j = j,
-                                        .k = stiffness,
-                                        .g = 0.2 * std::sqrt(stiffness * mass()),
-                                        .l_0 = (net.nodes[i].p_B - net.nodes[j].p_B).norm()};
-    };
-    for (std::uint32_t i = 0; i < round_; ++i) {
-      for (std::uint32_t a = 0; a < round_; ++a) {
-        add(at(i, a), at(i, a + 1));
-        if (i + 1 == round_) continue;
-        add(at(i, a), at(i + 1, a));
-        add(at(i, a), at(i + 1, i % 2 == 1 ? a + 1 : a + round_ - 1));
-      }
-    }
+  static void add_net(typename S::Net::Params& net) {
+    const HangingNet of;
+    const Real k_held = 1e4 * of.k;
+    for (std::uint32_t n = 0; n < of.num_nodes; ++n)
+      net.nodes[net.num_nodes++] = {.m = of.m,
+                                    .p_B = of.node(n),
+                                    .k = of.is_held(n) ? k_held : 0,
+                                    .g = of.is_held(n) ? 2 * std::sqrt(k_held * of.m) : of.g_air,
+                                    .radius = of.node_radius};
+    for (const auto& [i, j] : of.springs())
+      net.springs[net.num_springs++] = {.i = i, .j = j, .k = of.k, .g = of.g(), .l_0 = of.spacing};
     put_in_order(net);
   }
 
-  std::uint32_t round_;  // nodes in a ring, and rings
-  std::unique_ptr<Params<S>> par_ = std::make_unique<Params<S>>();
-  std::unique_ptr<State<S>> x_ = std::make_unique<State<S>>();
-  std::unique_ptr<Scratch<S>> w_ = std::make_unique<Scratch<S>>();
-  std::unique_ptr<Input<S>> in_ = std::make_unique<Input<S>>();
-  std::unique_ptr<Output<S>> out_ = std::make_unique<Output<S>>();
+  study::NetRunning<S> run_;
 };
 
-template <class I, std::size_t nodes>
-void add_tube(std::uint32_t round) {
-  const std::string who = std::string("net, ") + I::name, scene = "S6/" + std::to_string(round * round);
-  add(scene + "/" + who, long_scene, [=](benchmark::State& state) {
-    TubeRun<Tube<I, nodes>> run(round);
-    if (!run.is_valid()) return state.SkipWithError("the net is not valid");
-    double iterations = 0, contacts = 0;
-    run.restart();
-    for (std::size_t n = 0; n < num_steps; ++n) {
-      run.step(n);
-      iterations += run.report().iterations;
-      contacts = std::max(contacts, static_cast<double>(run.report().num_contacts));
+/// Times while it is pressed, the stretch at the end.
+template <class Peer>
+void run_hanging(benchmark::State& state, const std::string& who, Peer& peer, bool is_peer,
+                 std::optional<NetQuality>& known) {
+  if (!known) {
+    known.emplace();
+    peer.restart();
+    for (std::size_t n = 0; n < HangingNet::num_steps; ++n) {
+      peer.step(n);
+      if (n < HangingNet::first_pressed || n >= HangingNet::first_pressed + HangingNet::num_pressed) continue;
+      known->contacts += static_cast<double>(peer.num_contacts()) / HangingNet::num_pressed;
+      if constexpr (requires { peer.report(); })
+        known->iterations += peer.report().iterations / static_cast<double>(HangingNet::num_pressed);
     }
-    state.counters["iterations"] = iterations / num_steps;
-    state.counters["contacts"] = contacts;
-    state.counters["scratch_bytes"] = sizeof(Scratch<Tube<I, nodes>>);
-    measure(
-        state, {.scene = scene, .who = who}, num_steps, [&] { run.restart(); },
-        [&](std::size_t n) { run.step(n); });
+    known->stretch_error = stretch_error([&](std::uint32_t n) { return peer.node(n); });
+  }
+  Row row{.scene = "hanging",
+          .who = who,
+          .num_bodies = HangingNet::num_nodes,
+          .peer = is_peer,
+          .times = {},
+          .instructions = {},
+          .errors = {},
+          .contacts = {}};
+  row.net = known;
+  measure(
+      state, row, HangingNet::num_pressed,
+      [&] {
+        peer.restart();
+        for (std::size_t n = 0; n < HangingNet::first_pressed; ++n) peer.step(n);
+      },
+      [&](std::size_t n) { peer.step(HangingNet::first_pressed + n); });
+}
+
+/// Stopped early or not: for the error at the time that a peer takes.
+template <Scene S>
+void add_hanging(int max_iterations = usual_iterations) {
+  const auto known = std::make_shared<std::optional<NetQuality>>();
+  std::string who = name_of<S>();
+  if (max_iterations != usual_iterations) who = std::to_string(max_iterations) + " it, " + who;
+  add("hanging/" + who, long_scene, [=](benchmark::State& state) {
+    HangingRun<S> run(max_iterations);
+    if (!run.is_valid()) return state.SkipWithError("the net is not valid");
+    run_hanging(state, who, run, false, *known);
+  });
+}
+
+template <class Make>
+[[maybe_unused]] void add_peer(const std::string& who, const Effort& effort, Make make) {
+  const auto known = std::make_shared<std::optional<NetQuality>>();
+  add("hanging/" + who, effort, [=](benchmark::State& state) {
+    const std::unique_ptr<NetPeer> peer = make();
+    run_hanging(state, who, *peer, true, *known);
   });
 }
 
 }  // namespace
 
 void add_our_nets() {
-  add_tube<ImplicitEuler, 100>(10);
-  add_tube<ImplicitEuler, 1024>(32);
-  add_tube<TrBdf2, 1024>(32);
-  add_tube<ImplicitEuler, 10000>(100);
+  using study::NetTool;
+  for (const std::uint32_t round : {10, 18, 32}) {
+    add_tube<NetTool<ImplicitEuler, 1024>>(round);
+    add_tube<NetTool<TrBdf2, 1024>>(round);
+  }
+  for (const std::uint32_t round : {55, 100}) {
+    add_tube<NetTool<ImplicitEuler, 10000>>(round);
+    add_tube<NetTool<TrBdf2, 10000>>(round);
+  }
+  add_tube<NetTool<ImplicitEuler, 10000>>(100, true);
+  add_hanging<NetTool<ImplicitEuler, 1024>>();
+  add_hanging<NetTool<TrBdf2, 1024>>();
+  for (const int iterations : {1, 4}) add_hanging<NetTool<ImplicitEuler, 1024>>(iterations);
+}
+
+void add_net_peers() {
+#ifdef GODOBJECT_PEER_BULLET
+  for (const int iterations : {1, 4, 10, 50})
+    add_peer("Bullet f64 soft body, " + std::to_string(iterations) + " it", long_scene,
+             [=] { return make_bullet_net(iterations); });
+#endif
+#ifdef GODOBJECT_PEER_MUJOCO
+  // a step of its takes milliseconds
+  add_peer("MuJoCo springs, 10 substeps", slow_scene, [] { return make_mujoco_springs(10); });
+  add_peer("MuJoCo lengths, CG 20 it", slow_scene, [] { return make_mujoco_lengths(20); });
+#endif
 }
 
 }  // namespace godobject::bench

@@ -91,4 +91,18 @@ struct Bricks : Follower<I, N> {
   using Contacts = BodyContacts<8 * N, N + 1, 36 * N>;
 };
 
+/// A tool that shows a force and carries a net of so many nodes, among obstacles of the world or shapes of its own, S6.
+template <class I, std::size_t nodes>
+struct NetTool : Haptic<I, 1> {
+  using Contacts = BodyContacts<1, 1, 4>;
+  using Net = MassSpringNet<nodes, 3 * nodes, nodes / 2>;
+};
+
+/// How many bodies fit, or nodes of nets: the number in a composition's name.
+template <class S>
+constexpr std::size_t capacity_of() {
+  if constexpr (uses<NetOf<S>>) return S::Net::max_nodes;
+  return S::max_bodies;
+}
+
 }  // namespace godobject::study

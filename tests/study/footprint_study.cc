@@ -21,6 +21,7 @@ bool parse(const std::string& line, FootprintRow& row) {
 
 Family family_of(const std::string& composition) {
   if (composition.starts_with("pressed") || composition.starts_with("bricks")) return Family::touching;
+  if (composition.starts_with("net-")) return Family::net;
   return composition.find("joints") == std::string::npos ? Family::rigid : Family::articulated;
 }
 

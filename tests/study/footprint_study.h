@@ -26,6 +26,7 @@ enum class Family : std::uint8_t {
   rigid,
   articulated,  // "...-joints..."
   touching,     // "pressed...", "bricks...", with contacts and without
+  net,          // "net-..."
 };
 
 /// Every composition of a family that the probe program has (the quick one has few), with its bytes. Empty, with the reason in `why_not`, where

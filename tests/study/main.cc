@@ -1,4 +1,4 @@
-// godobject-study: error against run time, stability map, footprint, and the report on them.
+// godobject-study: error against run time, stability maps, footprint, and the report on them.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -40,6 +40,7 @@ study::StudyOptions study_options(const StudyArguments& a) {
   options.footprint = a.part == "all" || a.part == "footprint";
   options.joints = a.part == "all" || a.part == "joints";
   options.contacts = a.part == "all" || a.part == "contacts";
+  options.nets = a.part == "all" || a.part == "nets";
   options.quick = a.quick;
   options.out = a.out;
   options.report = a.report;
@@ -64,10 +65,11 @@ int run_parts(const StudyArguments& a) {
 
 int run(int argc, char** argv) {
   StudyArguments arguments;
-  CLI::App app("Measure error against run time, stability, footprint, joints and contacts.",
+  CLI::App app("Measure error against run time, stability, footprint, joints, contacts and nets.",
                "godobject-study");
-  app.add_option("PART", arguments.part, "error, stability, footprint, joints, contacts or all (default)")
-      ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "all"}));
+  app.add_option("PART", arguments.part,
+                 "error, stability, footprint, joints, contacts, nets or all (default)")
+      ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "nets", "all"}));
   app.add_flag("--quick", arguments.quick, "small grids, well under a minute");
   app.add_option("--out", arguments.out, "folder for CSV files and figures")->required();
   app.add_option("--report", arguments.report, "report (Markdown) to write; figures go beside it");

@@ -101,6 +101,34 @@ At a step of 1 ms; worst errors of position (m), rotation (rad), energy (share);
   out << "\nAll steps: `error.csv`.\n\n";
 }
 
+void write_random(std::ostream& out, const std::vector<RandomRow>& rows) {
+  if (rows.empty()) return;
+  out << "The same with parameters drawn at random: error of " << TrBdf2::name << " at 1 ms over that of "
+      << ImplicitEuler::name << R"( at 0.125 ms.
+
+| scenes | drawn | less accurate | position: median | 90 % | worst | rotation: median | 90 % | worst |
+|---|---|---|---|---|---|---|---|---|
+)";
+  for (const std::string& kind : random_kinds()) {
+    std::vector<double> position, rotation;
+    long less_accurate = 0;
+    for (const RandomRow& r : rows) {
+      if (r.scene != kind) continue;
+      position.push_back(r.position);
+      rotation.push_back(r.rotation);
+      less_accurate += std::max(r.position, r.rotation) > 1;
+    }
+    out << "| " << kind << " | " << position.size() << " | " << less_accurate;
+    for (std::vector<double>* ratios : {&position, &rotation}) {
+      std::ranges::sort(*ratios);
+      out << " | " << number((*ratios)[ratios->size() / 2], 2) << " | "
+          << number((*ratios)[ratios->size() * 9 / 10], 2) << " | " << number(ratios->back(), 2);
+    }
+    out << " |\n";
+  }
+  out << "\nAll of them: `error-random.csv`.\n\n";
+}
+
 namespace {
 
 std::size_t count(const std::vector<StabilityResult>& results, const std::string& scheme,

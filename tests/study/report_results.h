@@ -8,6 +8,10 @@
 namespace godobject::study {
 
 void write_error(std::ostream& out, const std::vector<ErrorRow>& rows);
+/// The exchange of write_error() on scenes drawn at random.
+void write_random(std::ostream& out, const std::vector<RandomRow>& rows);
+void write_extremes(std::ostream& out, const std::vector<ExtremeMap>& maps);
+void write_nets(std::ostream& out, const NetResults& results);
 void write_stability(std::ostream& out, const StudyResults& results);
 void write_joints(std::ostream& out, const StudyResults& results);
 void write_contacts(std::ostream& out, const StudyResults& results);

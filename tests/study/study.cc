@@ -24,7 +24,8 @@ class Study {
         can_draw_(tool_exists("gnuplot")) {
     fs::create_directories(options.out);
     if (!can_draw_) results_.notes.emplace_back("no figures: gnuplot is not installed");
-    const bool counts = options.error || options.footprint || options.joints || options.contacts;
+    const bool counts =
+        options.error || options.footprint || options.joints || options.contacts || options.nets;
     if (counts && !counter_.why_not().empty())
       results_.notes.push_back("no instruction counts: " + counter_.why_not());
   }
@@ -35,6 +36,8 @@ class Study {
     write_csv(options_.out / "error.csv", results_.errors);
     write_error_script(options_.out, results_.errors);
     figure("error");
+    results_.random = study_random(options_.quick, progress_);
+    write_csv(options_.out / "error-random.csv", results_.random);
   }
 
   void stability() {
@@ -46,6 +49,12 @@ class Study {
     for (std::size_t i = 0; i < stability_schemes.size(); ++i) {
       write_stability_script(options_.out, i, grid);
       figure(std::string("stability-") + stability_schemes[i]);
+    }
+    results_.extremes = study_extremes(options_.quick, progress_);
+    for (const ExtremeMap& map : results_.extremes) {
+      write_csv(options_.out / (figure_of(map) + ".csv"), map);
+      write_extreme_script(options_.out, map);
+      figure(figure_of(map));
     }
   }
 
@@ -103,6 +112,14 @@ class Study {
     write_csv(options_.out / "contact-cost.csv", results_.contact_costs);
   }
 
+  void nets() {
+    results_.nets = study_nets(options_.quick, counter_, progress_);
+    write_csv(options_.out / "net-error.csv", results_.nets.errors);
+    write_csv(options_.out / "net-cost.csv", results_.nets.costs);
+    write_net_script(options_.out);
+    figure("net-error");
+  }
+
   StudyResults results() && { return std::move(results_); }
 
  private:
@@ -130,6 +147,7 @@ StudyResults run_study(const StudyOptions& options, const Progress& progress) {
   if (options.footprint) study.footprint();
   if (options.joints) study.joints();
   if (options.contacts) study.contacts();
+  if (options.nets) study.nets();
   StudyResults results = std::move(study).results();
   if (!options.report.empty()) write_report(options, results);
   return results;

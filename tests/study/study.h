@@ -10,15 +10,19 @@
 #include "tests/study/contact_imposed_study.h"
 #include "tests/study/contact_stability_study.h"
 #include "tests/study/error_study.h"
+#include "tests/study/extreme_study.h"
 #include "tests/study/footprint_study.h"
 #include "tests/study/joint_cost_study.h"
 #include "tests/study/joint_study.h"
+#include "tests/study/net_study.h"
+#include "tests/study/random_study.h"
 #include "tests/study/stability_study.h"
 
 namespace godobject::study {
 
 struct StudyOptions {
-  bool error = true, stability = true, footprint = true, joints = true, contacts = true;  // parts
+  bool error = true, stability = true, footprint = true, joints = true, contacts = true,
+       nets = true;              // parts
   bool quick = false;            // small grids, well under a minute
   std::filesystem::path out;     // folder of the results; made if absent
   std::filesystem::path report;  // report.md to write; empty: none. Needs all parts.
@@ -36,8 +40,10 @@ struct ExplicitLimit {
 
 struct StudyResults {
   std::vector<ErrorRow> errors;
+  std::vector<RandomRow> random;
   std::vector<StabilityResult> stability;
   std::vector<ExplicitLimit> explicit_limits;
+  std::vector<ExtremeMap> extremes;
   std::vector<FootprintRow> footprint;
   std::vector<JointRun> joint_drift, joint_stability;
   JointCosts joint_costs;
@@ -45,6 +51,7 @@ struct StudyResults {
   std::vector<ContactStability> contact_stability;
   std::vector<PileRun> piles;
   std::vector<ContactCostRow> contact_costs;
+  NetResults nets;
   double s3_reference_error = 0;   // m
   std::vector<std::string> notes;  // what was left out, and why
 };

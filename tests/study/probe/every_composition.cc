@@ -30,6 +30,7 @@ std::vector<Probe> probes() {
   add<PressedTool, 1>(all, "pressed-contacts");
   all.push_back(probe<Follower<ImplicitEuler, 64>>("bricks"));
   all.push_back(probe<Bricks<ImplicitEuler, 64>>("bricks-contacts"));
+  add<NetTool, 1024>(all, "net-tool");
   return all;
 }
 

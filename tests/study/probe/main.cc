@@ -3,7 +3,7 @@
 //   godobject_probe                              lists name,params,state,scratch (bytes) of every composition
 // Motions: s1, s1-full (as many bodies as fit), s3, s5 (likewise), pair-<kind of joint>, pair-free; each also as <motion>-slow,
 // a smaller and slower one on which a step has as many instructions, if they do not depend on the data. With contacts: s2,
-// s2-smooth (without friction) and s4, run until they are in full contact before the steps that were asked for.
+// s2-smooth (without friction) and s4, run until they are in full contact before the steps that were asked for; with a net: s6.
 #include <cstdlib>
 #include <iostream>
 #include <optional>

@@ -7,6 +7,7 @@
 
 #include "tests/study/compositions.h"
 #include "tests/study/contact_run.h"
+#include "tests/study/net_tube.h"
 #include "tests/study/probe/probe_step.h"
 
 namespace godobject::study {
@@ -36,6 +37,22 @@ bool holds(const oracle::Case& problem) {
   return !uses<typename S::Device> || problem.bodies[0].coupling.has_value();
 }
 
+/// The tube of all nodes that fit, on its way to the bar and back.
+template <Scene S>
+bool run_net(const std::string& motion, std::size_t steps) {
+  if (motion != "s6") return false;
+  TubeRun<S> tube(static_cast<std::uint32_t>(std::lround(std::sqrt(S::Net::max_nodes))));
+  tube.restart();
+  NetRunning<S>& run = tube.running();
+  Fault fault = Fault::none;
+  for (std::size_t n = 0; n < steps; ++n) {
+    tube.lead();
+    probe_step<S>(*run.par, *run.in, *run.x, *run.w, *run.out);
+    fault |= run.out->fault;
+  }
+  return !any(fault);
+}
+
 template <Scene S>
 bool run(const std::string& motion, std::size_t steps) {
   const ProbeScene probe = scene_of(motion, S::max_bodies);
@@ -53,7 +70,7 @@ bool run(const std::string& motion, std::size_t steps) {
 /// Its data alone.
 template <Scene S>
 Probe size_of(const std::string& scene) {
-  return {.name = scene + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
+  return {.name = scene + "-" + std::to_string(capacity_of<S>()) + " " + S::Integrator::name,
           .params_bytes = sizeof(Params<S>),
           .state_bytes = sizeof(State<S>),
           .scratch_bytes = sizeof(Scratch<S>),
@@ -63,7 +80,8 @@ Probe size_of(const std::string& scene) {
 template <Scene S>
 Probe probe(const std::string& scene) {
   Probe with_step = size_of<S>(scene);
-  with_step.run = run<S>;
+  if constexpr (uses<NetOf<S>>) with_step.run = run_net<S>;
+  else with_step.run = run<S>;
   return with_step;
 }
 
