@@ -11,10 +11,13 @@ export const COLOURS = {
 const MAX_ARROWS = 4096, MANY = 150;
 const THEMES = { light: { back: 0xf4f5f7, grid: 0xc4c9d2 }, dark: { back: 0x14181f, grid: 0x3a4350 } };
 
-// Smooth edges cost a graphics card nothing, and a machine that draws in software half of its frames.
+// Smooth edges cost a graphics card nothing, and a machine that draws in software a part of each frame.
 function contextOf(canvas) {
-  const settings = { antialias: true, failIfMajorPerformanceCaveat: true };
-  return canvas.getContext("webgl2", settings) ?? canvas.getContext("webgl2", { antialias: false });
+  const probe = document.createElement("canvas").getContext("webgl2");
+  const info = probe?.getExtension("WEBGL_debug_renderer_info");
+  const inSoftware = Boolean(info) && /SwiftShader|llvmpipe|softpipe|Basic Render/.test(probe.getParameter(info.UNMASKED_RENDERER_WEBGL));
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  return canvas.getContext("webgl2", { antialias: !inSoftware });
 }
 
 export class View {
