@@ -35,7 +35,9 @@ std::string number_of(std::size_t n, const std::string& what) {
 std::string where_it_runs(const RunOptions& options, const PreparedRun& prepared) {
   switch (prepared.session->bus()) {
     case BusChoice::sim: return "simulated";
-    case BusChoice::direct: return "none: the motion is handed over as it is";
+    case BusChoice::direct:
+      if (prepared.spacemouse) return "a SpaceMouse, by spacenavd";
+      return "none: the motion is handed over as it is";
     case BusChoice::real: break;
   }
   std::string text = "real";
@@ -53,6 +55,7 @@ void add_device(const DeviceConfig& device, std::vector<std::string>& lines) {
     if (!device.rig->buttons.empty()) text += ", " + number_of(device.rig->buttons.size(), "button");
   }
   if (!device.trackers.empty()) text += ", " + number_of(device.trackers.size(), "tracker");
+  if (device.spacemouse) text += ", a SpaceMouse";
   lines.push_back(line("device", "%s", text.c_str()));
   lines.push_back(line("shown at most", "%g N, %g N m; %g N/s, %g N m/s; ramp %g s", device.limits.force,
                        device.limits.torque, device.limits.force_rate, device.limits.torque_rate,

@@ -72,12 +72,17 @@ ExitCode run(RunOptions options) {
   }
   Session& session = *prepared.session;
   std::optional<RunLink> real;
-  if (session.bus() == BusChoice::real || (options.view && !options.fast)) options.realtime = true;
+  if (session.bus() == BusChoice::real || prepared.spacemouse || (options.view && !options.fast))
+    options.realtime = true;
   if (prepared.link) {
     real.emplace(*prepared.link, prepared.buses, *session.scene().device->rig, prepared.profiles);
     const std::vector<std::string> closed = open_buses(real->link, real->plan, real->rig);
     print_lines(stderr, "", closed);
     if (!closed.empty()) return ExitCode::not_available;
+  }
+  if (const std::string why_not = connect_spacemouse(options, prepared); !why_not.empty()) {
+    print_lines(stderr, "", {why_not});
+    return ExitCode::not_available;
   }
   RunView view;
   if (options.view) {
@@ -143,6 +148,14 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
       ->type_name("TRACKER")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb.add_option_function<std::string>(
+          "--spacemouse", [&options](const std::string& socket) { options.spacemouse = socket; },
+          "the scene's SpaceMouse leads, until the run is stopped: spacenavd is reached on this socket; "
+          "default: "
+          "$SPNAV_SOCKET, or /run/spnav.sock. Without this option the scene's motion leads. See "
+          "docs/trackers.md")
+      ->type_name("[SOCKET]")
+      ->expected(0, 1);
   verb.add_option_function<std::string>(
           "--rearm",
           [&options](const std::string& when) {

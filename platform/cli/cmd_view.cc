@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 constexpr double picture_rate_hz = 12;  // of an animation
 
 struct ViewOptions {
-  std::string file, scene, picture;
+  std::string file, scene, picture, nets;
   std::optional<double> time;      // s
   std::optional<double> duration;  // s, of an animation
   std::uint16_t port = 0;
@@ -45,17 +45,43 @@ int complain(const std::vector<std::string>& lines) {
 
 bool is(const std::string& path, const char* extension) { return fs::path(path).extension() == extension; }
 
-/// The scene that the report beside a trace or a log names; empty: there is none.
-std::string scene_of_report(const std::string& file) {
+/// A file that the report beside a trace or a log names, by the report's keys; empty: there is none.
+std::string of_report(const std::string& file, const std::vector<std::string>& keys) {
   const fs::path folder = fs::path(file).parent_path();
   std::ifstream in(folder / "report.json");
-  const nlohmann::json report = nlohmann::json::parse(in, nullptr, false);
-  if (!report.is_object() || !report.contains("scene_file") || !report["scene_file"].is_string()) return "";
-  const std::string named = report["scene_file"];
+  nlohmann::json value = nlohmann::json::parse(in, nullptr, false);
+  for (const std::string& key : keys) {
+    if (!value.is_object() || !value.contains(key)) return "";
+    value = value[key];
+  }
+  if (!value.is_string() || value.get<std::string>().empty()) return "";
+  const std::string named = value;
   std::error_code ignored;
   for (const fs::path& path : {fs::path(named), folder / named})
     if (fs::exists(path, ignored)) return path.string();
   return "";
+}
+
+/// Where the nodes of the trace's nets were: from --nets, or the file that the report beside the trace names. False: what
+/// was asked for does not fit.
+bool add_nets(const ViewOptions& options, Recording& recording) {
+  const bool is_trace = is(options.file, ".csv");
+  if (!options.nets.empty() && !is_trace) {
+    complain({"--nets: goes with a trace (.csv); " + options.file + " is none"});
+    return false;
+  }
+  std::string path = options.nets;
+  if (path.empty() && is_trace && !recording.scene.nets.empty())
+    path = of_report(options.file, {"files", "nets"});
+  if (path.empty()) return true;
+  NetRecordingResult result = read_nets(path, recording.scene);
+  const double begin = recording.samples.front().record.t, end = recording.samples.back().record.t;
+  if (result.nets && (result.nets->begin() > end || result.nets->end() < begin))
+    result.errors.push_back(path + ": its times do not meet those of " + options.file +
+                            ": is it of another run?");
+  complain(result.errors);
+  recording.nets = std::move(result.nets);
+  return result.errors.empty() || options.nets.empty();
 }
 
 /// A run that a page's pointer led has the columns of one.
@@ -72,7 +98,7 @@ std::optional<Recording> load(const ViewOptions& options) {
   const bool is_scene = is(options.file, ".toml");
   const std::string path = is_scene                 ? options.file
                            : !options.scene.empty() ? options.scene
-                                                    : scene_of_report(options.file);
+                                                    : of_report(options.file, {"scene_file"});
   if (path.empty()) {
     complain({options.file + ": of which scene is it? Give its file with --scene, or the run's --report "
                              "beside it as report.json"});
@@ -81,10 +107,13 @@ std::optional<Recording> load(const ViewOptions& options) {
   const LoadResult loaded = load_scene(path);
   complain(loaded.errors);
   if (!loaded.scene) return std::nullopt;
-  if (is_scene) return recording_of(*loaded.scene);
-  RecordingResult result = is(options.file, ".csv") ? read_trace_of(options.file, *loaded.scene)
-                                                    : replay_log(options.file, path, *loaded.scene);
+  RecordingResult result;
+  if (is_scene) result.recording = recording_of(*loaded.scene);
+  else
+    result = is(options.file, ".csv") ? read_trace_of(options.file, *loaded.scene)
+                                      : replay_log(options.file, path, *loaded.scene);
   complain(result.errors);
+  if (result.recording && !add_nets(options, *result.recording)) return std::nullopt;
   return std::move(result.recording);
 }
 
@@ -117,7 +146,6 @@ ExitCode leave_picture(const ViewOptions& options, const Recording& recording) {
 
 ExitCode serve(const ViewOptions& options, const Recording& recording) {
   ViewAbout about{.title = options.file, .live = false, .warning = view_warning(options.address)};
-  add_words(about);
   add_words(about);
   RecordedView source(recording, about);
   const ServerSettings settings{.address = options.address, .port = options.port, .token = view_token()};
@@ -159,6 +187,11 @@ void add_view(CLI::App& app, ExitCode& code) {
   verb->add_option("--scene", options->scene,
                    "the scene of the trace or the log; default: the one that report.json beside it names")
       ->type_name("SCENE");
+  verb->add_option("--nets", options->nets,
+                   "where the nodes of the trace's nets were, of `run --nets`; default: the file that "
+                   "report.json beside the trace "
+                   "names. Without one nets are drawn where they rest on their bodies")
+      ->type_name("FILE");
   verb->add_option("--picture", options->picture,
                    "leave a picture in this file instead, .png or .gltf, and end")
       ->type_name("FILE");

@@ -9,6 +9,7 @@
 #include "platform/scene/device_from_joints.h"
 #include "platform/scene/hold_keys.h"
 #include "platform/scene/scene.h"
+#include "platform/scene/spacemouse_keys.h"
 #include "platform/scene/text/visit.h"
 #include "platform/scene/tracker_keys.h"
 
@@ -431,6 +432,14 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   plain_table(v, TableKey{"plant", "The simulated mechanics of the device and the hand that holds it."},
               [&](auto& t) { visit_plant(t, d.plant); });
   visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);
+  optional_table(v,
+                 TableKey{"spacemouse",
+                          "A SpaceMouse, or another 6-DoF mouse that spacenavd knows: how far its cap is "
+                          "pushed is how fast the target moves "
+                          "(docs/trackers.md)."},
+                 d.spacemouse,
+                 [&](auto& t, SpaceMouseConfig& s) { visit_spacemouse(t, holdable_bodies(scene, d), s); });
+  if (d.spacemouse) check_spacemouse(v, d);
 }
 
 }  // namespace godobject

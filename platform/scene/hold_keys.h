@@ -68,6 +68,9 @@ void check_holding(V& v, const SceneConfig& s) {
   v.check(!s.device->rig || s.device->rig->tree.handles.size() <= 1, "device",
           "takes hold of bodies one at a time: it needs one handle, not " +
               std::to_string(s.device->rig ? s.device->rig->tree.handles.size() : 0));
+  v.check(!s.device->spacemouse || s.device->grab_radius || !s.device->holds.empty(), "device",
+          "has a SpaceMouse, which takes hold of bodies by its button: how far does that reach? Give "
+          "'grab_radius'");
   for (const BodyConfig& body : s.bodies)
     v.check(body.name != nearest_body && body.name != "-", "body",
             "'" + body.name + "' is what a hold calls the nearest body or none: choose another name");

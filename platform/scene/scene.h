@@ -65,6 +65,17 @@ struct HoldConfig {
   std::string body;  // empty: lets go
 };
 
+/// A SpaceMouse, by spacenavd: how far its cap is pushed is how fast the target moves.
+struct SpaceMouseConfig {
+  std::string body;              // name of the coupled body that it leads
+  Quat q_WM = Quat::Identity();  // its frame in the world: x to the right, y away from the user, z up
+  double max_speed = 0.1;        // m/s, at full scale
+  double max_turn_rate = 1;      // rad/s, at full scale
+  double full_scale = 350, deadband = 10;  // counts
+  double rate_hz = 60;                     // at which it reports while it is pushed
+  int clutch_button = 0, hold_button = 1;  // -1: none
+};
+
 struct DeviceConfig {
   std::string name;
   DeviceKind kind = DeviceKind::impedance;
@@ -74,6 +85,7 @@ struct DeviceConfig {
   std::optional<RigParams> rig;  // absent: the scene can only run with --bus direct
   PlantConfig plant;
   std::vector<TrackerParams> trackers{};
+  std::optional<SpaceMouseConfig> spacemouse{};
 };
 
 struct BodyConfig {

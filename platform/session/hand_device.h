@@ -44,6 +44,8 @@ class HandDevice {
 
   /// Where the device takes hold of bodies: which it wants. Nothing: what the motion says.
   virtual std::optional<HoldWish> hold() const noexcept { return std::nullopt; }
+  /// Its button that takes hold of the nearest body, or lets go, went down in this period.
+  virtual bool hold_pressed() const noexcept { return false; }
 };
 
 }  // namespace godobject

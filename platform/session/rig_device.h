@@ -48,8 +48,7 @@ class RigDevice final : public HandDevice {
   RigCounters counters() const noexcept;
   /// The body of each handle.
   std::span<const std::size_t> bodies() const noexcept { return bodies_; }
-  /// The button that takes hold went down in this period.
-  bool hold_pressed() const noexcept { return buttons_.hold && !buttons_before_.hold; }
+  bool hold_pressed() const noexcept override { return buttons_.hold && !buttons_before_.hold; }
 
  private:
   DeviceSample exchange(Period& period, bool starting) noexcept;

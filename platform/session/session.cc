@@ -128,7 +128,8 @@ void Session::take_hold() noexcept {
   HoldWish wish = motion_.hold(period_.t);
   for (const HandDevice* const of : devices_) wish = of->hold().value_or(wish);
   grip_->update(wish, !has_button && motion_.button(period_.t), device.X_WD.p, *engine_);
-  if (rig_ && rig_->hold_pressed()) grip_->press(device.X_WD.p, *engine_);
+  for (const HandDevice* const of : devices_)
+    if (of->hold_pressed()) grip_->press(device.X_WD.p, *engine_);
   for (const std::size_t body : driven_) {
     samples_[body] = device;
     samples_[body].engaged = grip_->holds(body);

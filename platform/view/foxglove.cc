@@ -12,6 +12,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Between two updates of nets, whose JSON is long.
+constexpr std::uint64_t net_period_ns = 100'000'000;
+
 enum Channel : std::uint32_t { transforms_channel, scene_channel, num_channels };
 
 // The parts of Foxglove's own schemas that are used.
@@ -121,6 +124,34 @@ struct FoxgloveClient::Scene {
   std::vector<std::size_t> driven;
   Json about;
 
+  /// Of this name in this frame, with nothing in it.
+  static Json empty_entity(const Json& time, const Json& frame, const std::string& id) {
+    Json entity{{"timestamp", time},
+                {"frame_id", frame},
+                {"id", id},
+                {"lifetime", time_of(0)},
+                {"frame_locked", true}};
+    for (const char* part :
+         {"metadata", "arrows", "cubes", "spheres", "cylinders", "lines", "triangles", "texts", "models"})
+      entity[part] = Json::array();
+    return entity;
+  }
+
+  /// A net: triangles between its nodes, which are in the world. vertices: its own of a frame.
+  static Json net_entity(const Json& time, const Json& surface, std::span<const std::uint8_t> vertices) {
+    Json entity = empty_entity(time, "world", "net " + surface["name"].get<std::string>());
+    Json points = Json::array();
+    for (std::size_t at = 0; at < vertices.size(); at += frame_vertex_bytes)
+      points.push_back(
+          size_of(float_at(vertices, at), float_at(vertices, at + 4), float_at(vertices, at + 8)));
+    entity["triangles"].push_back({{"pose", pose_of({0, 0, 0, 0, 0, 0, 1})},
+                                   {"points", std::move(points)},
+                                   {"color", {{"r", 0.84}, {"g", 0.27}, {"b", 0.17}, {"a", 1.0}}},
+                                   {"colors", Json::array()},
+                                   {"indices", surface["triangles"]}});
+    return entity;
+  }
+
   /// In the frame of the body, or in the world.
   Json entity(const Json& time, std::size_t number, const Json& solid) const {
     const bool on_body = !solid["body"].is_null(),
@@ -129,14 +160,9 @@ struct FoxgloveClient::Scene {
     const Json colour = !on_body  ? Json{{"r", 0.66}, {"g", 0.64}, {"b", 0.58}, {"a", 0.8}}
                         : is_tool ? Json{{"r", 0.84}, {"g", 0.27}, {"b", 0.17}, {"a", 1.0}}
                                   : Json{{"r", 0.49}, {"g", 0.62}, {"b", 0.78}, {"a", 1.0}};
-    Json entity{{"timestamp", time},
-                {"frame_id", on_body ? Json(bodies.at(solid["body"].get<std::size_t>())) : Json("world")},
-                {"id", std::to_string(number) + " " + solid["name"].get<std::string>()},
-                {"lifetime", time_of(0)},
-                {"frame_locked", true}};
-    for (const char* part :
-         {"metadata", "arrows", "cubes", "spheres", "cylinders", "lines", "triangles", "texts", "models"})
-      entity[part] = Json::array();
+    Json entity =
+        empty_entity(time, on_body ? Json(bodies.at(solid["body"].get<std::size_t>())) : Json("world"),
+                     std::to_string(number) + " " + solid["name"].get<std::string>());
     const std::string kind = solid["kind"];
     const double a = solid["size"][0], b = solid["size"][1], c = solid["size"][2];
     Json shape{{"pose", pose_of(solid["pose"])}, {"color", colour}};
@@ -198,7 +224,7 @@ std::string FoxgloveClient::take(bool is_text, std::span<const std::uint8_t> mes
           wanted["channelId"] >= num_channels)
         return complaint("subscribe: there is no such channel");
       subscriptions_.at(wanted["channelId"].get<std::size_t>()) = wanted["id"].get<std::uint32_t>();
-      if (wanted["channelId"] == scene_channel) entities_due_ = true;
+      if (wanted["channelId"] == scene_channel) solids_due_ = true;
     }
   } else if (json["op"] == "unsubscribe" && json.contains("subscriptionIds") &&
              json["subscriptionIds"].is_array()) {
@@ -209,21 +235,40 @@ std::string FoxgloveClient::take(bool is_text, std::span<const std::uint8_t> mes
   return "";
 }
 
+/// Entities that are due: solids once, nets ten times a second. What the client does not take stays due.
+void FoxgloveClient::show_entities(std::span<const std::uint8_t> frame, std::uint64_t now_ns,
+                                   const std::function<bool(Bytes)>& send) {
+  const Json& surfaces = scene_->about["surfaces"];
+  const bool nets_due = !surfaces.empty() && now_ns - nets_sent_ns_ >= net_period_ns;
+  if (!subscriptions_[scene_channel] || (!solids_due_ && !nets_due)) return;
+  const Json time = time_of(now_ns);
+  Json update{{"deletions", Json::array()}, {"entities", Json::array()}};
+  std::size_t number = 0;
+  if (solids_due_)
+    for (const Json& solid : scene_->about["solids"])
+      if (solid["role"] != "contact") update["entities"].push_back(scene_->entity(time, number++, solid));
+  std::size_t left = 0;  // bytes from a net's first vertex to the end of the frame
+  for (const Json& surface : surfaces)
+    left += surface["num_vertices"].get<std::size_t>() * frame_vertex_bytes;
+  if (left > frame.size()) return;
+  for (const Json& surface : surfaces) {
+    const std::size_t size = surface["num_vertices"].get<std::size_t>() * frame_vertex_bytes;
+    update["entities"].push_back(Scene::net_entity(time, surface, frame.last(left).first(size)));
+    left -= size;
+  }
+  if (!send(message(*subscriptions_[scene_channel], now_ns, update.dump()))) return;
+  solids_due_ = false;
+  nets_sent_ns_ = now_ns;
+}
+
 void FoxgloveClient::show(std::span<const std::uint8_t> frame, std::uint64_t now_ns,
-                          const std::function<void(Bytes)>& send) {
+                          const std::function<bool(Bytes)>& send) {
   if (!scene_ || frame.size() < frame_header_bytes + scene_->bodies.size() * frame_body_bytes +
                                     scene_->driven.size() * frame_driven_bytes)
     return;
-  const Json time = time_of(now_ns);
-  if (subscriptions_[scene_channel] && entities_due_) {
-    entities_due_ = false;
-    Json update{{"deletions", Json::array()}, {"entities", Json::array()}};
-    std::size_t number = 0;
-    for (const Json& solid : scene_->about["solids"])
-      if (solid["role"] != "contact") update["entities"].push_back(scene_->entity(time, number++, solid));
-    send(message(*subscriptions_[scene_channel], now_ns, update.dump()));
-  }
+  show_entities(frame, now_ns, send);
   if (!subscriptions_[transforms_channel]) return;
+  const Json time = time_of(now_ns);
   Json transforms = Json::array();
   for (std::size_t i = 0; i < scene_->bodies.size(); ++i)
     transforms.push_back(
@@ -232,8 +277,8 @@ void FoxgloveClient::show(std::span<const std::uint8_t> frame, std::uint64_t now
   for (std::size_t i = 0; i < scene_->driven.size(); ++i)
     transforms.push_back(transform_of(frame, targets + i * frame_driven_bytes,
                                       scene_->bodies.at(scene_->driven[i]) + "/device", time));
-  send(message(*subscriptions_[transforms_channel], now_ns,
-               Json{{"transforms", std::move(transforms)}}.dump()));
+  static_cast<void>(send(message(*subscriptions_[transforms_channel], now_ns,
+                                 Json{{"transforms", std::move(transforms)}}.dump())));
 }
 
 }  // namespace godobject

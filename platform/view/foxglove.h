@@ -28,14 +28,19 @@ class FoxgloveClient {
   /// The answer to a message; mostly empty.
   std::string take(bool is_text, std::span<const std::uint8_t> message);
   /// A frame (frame.h), as messages of the channels that the client subscribes to. now_ns: of the day.
+  /// send: false where the client has not taken what came before.
   void show(std::span<const std::uint8_t> frame, std::uint64_t now_ns,
-            const std::function<void(Bytes)>& send);
+            const std::function<bool(Bytes)>& send);
 
  private:
   struct Scene;
+  void show_entities(std::span<const std::uint8_t> frame, std::uint64_t now_ns,
+                     const std::function<bool(Bytes)>& send);
+
   std::unique_ptr<Scene> scene_;
   std::array<std::optional<std::uint32_t>, 2> subscriptions_;  // of each channel
-  bool entities_due_ = false;                                  // they move with their frames: once is enough
+  bool solids_due_ = false;                                    // they move with their frames: once is enough
+  std::uint64_t nets_sent_ns_ = 0;                             // nets do not: again and again
 };
 
 }  // namespace godobject

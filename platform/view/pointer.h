@@ -5,9 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "hal/tracker/pose_track.h"
-#include "platform/rt/ring.h"
 #include "platform/session/hand_device.h"
+#include "platform/session/streamed_target.h"
 #include "platform/view/frame.h"
 
 namespace godobject {
@@ -33,32 +32,19 @@ class PointerDevice final : public HandDevice {
   // The loop:
 
   void read(Period& period, std::span<BodySample> samples) noexcept override;
-  std::optional<HoldWish> hold() const noexcept override { return wish_; }
+  std::optional<HoldWish> hold() const noexcept override { return stream_.heard().wish; }
 
  private:
-  struct Sample {
-    Pose X;
-    std::uint32_t grip = 0;  // counts how often hold was taken
-    std::optional<std::size_t> body;
-    Nanoseconds t = 0;
-  };
+  void say(std::optional<std::size_t> held, Nanoseconds now) noexcept;
 
   Nanoseconds (*clock_)() noexcept;
   std::vector<std::size_t> driven_;
-  Ring<Sample> samples_{64};
+  StreamedTarget stream_;
 
   // The view's thread's.
-  Sample said_;
+  StreamedSample said_;
   std::optional<std::uint64_t> client_;  // that holds
   std::uint32_t number_ = 0;             // of its last message
-
-  void follow(const PoseTrack::Played& played, double step) noexcept;
-
-  // The loop's.
-  Sample heard_;
-  Target shown_;
-  PoseTrack track_{pointer_stale_ns};
-  HoldWish wish_;
 };
 
 /// The scene with the pointer as its device: it takes hold of any coupled body, wherever it is, and nothing else moves.

@@ -9,6 +9,7 @@
 
 #include "platform/session/trace.h"
 #include "platform/view/nets.h"
+#include "platform/view/number_rows.h"
 
 namespace godobject {
 namespace {
@@ -124,28 +125,6 @@ ViewSample sample_of(std::span<const double> numbers, const std::vector<std::siz
   return sample;
 }
 
-std::vector<std::string> split(std::string_view line) {
-  std::vector<std::string> parts;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    parts.emplace_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return parts;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-/// False: not as many numbers as there is room for.
-bool read_numbers(std::string_view line, std::span<double> numbers) {
-  const char *at = line.data(), *const end = at + line.size();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const auto [next, error] = std::from_chars(at, end, numbers[i]);
-    const bool is_last = i + 1 == numbers.size();
-    if (error != std::errc() || (is_last ? next != end : next == end || *next != ',')) return false;
-    at = next + 1;
-  }
-  return true;
-}
-
 std::string why_not_of(const std::vector<std::string>& names, const SceneConfig& scene,
                        const std::string& path) {
   const std::vector<std::string> expected = trace_columns(scene);
@@ -222,7 +201,7 @@ RecordingResult read_trace(const std::string& path, const SceneConfig& scene) {
   std::ifstream in(path, std::ios::binary);
   std::string line;
   if (!in || !std::getline(in, line)) return fail(path + ": cannot be read, or is empty");
-  const std::vector<std::string> names = split(line);
+  const std::vector<std::string> names = split_at_commas(line);
   if (std::string why_not = why_not_of(names, scene, path); !why_not.empty()) return fail(std::move(why_not));
   TraceReader reader(scene, names);
   std::size_t number = 1;
@@ -244,14 +223,22 @@ const ViewSample& sample_at(const Recording& recording, std::optional<double> t)
                                    [t](const ViewSample& sample) { return std::abs(sample.record.t - *t); });
 }
 
+std::vector<Vec3> nodes_of(const Recording& recording, const SceneNets& nets, const ViewSample& sample) {
+  if (sample.net_nodes.empty() && recording.nets) return recording.nets->at(sample.record.t);
+  return nodes_of(nets, sample);
+}
+
 RecordedView::RecordedView(const Recording& recording, const ViewAbout& about)
     : scene_(scene_json(recording.scene, about)) {
   const std::vector<std::size_t> driven = driven_bodies(recording.scene);
   auto frames = std::make_shared<std::vector<std::uint8_t>>();
   std::vector<std::uint8_t> frame;
   const SceneNets nets = scene_nets(recording.scene);
-  for (const ViewSample& sample : recording.samples) {
-    encode(sample, driven, nodes_of(nets, sample), frame);
+  const std::size_t bytes_of_nodes = recording.samples.size() * nets.nodes.size() * frame_vertex_bytes;
+  const std::size_t stride = 1 + bytes_of_nodes / max_recorded_net_bytes;
+  for (std::size_t i = 0; i < recording.samples.size(); i += stride) {
+    const ViewSample& sample = recording.samples[i];
+    encode(sample, driven, nodes_of(recording, nets, sample), frame);
     frames->insert(frames->end(), frame.begin(), frame.end());
   }
   frames_ = std::move(frames);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "platform/scene/scene.h"
+#include "platform/view/net_recording.h"
 #include "platform/view/scene_json.h"
 #include "platform/view/server.h"
 #include "platform/view/tap.h"
@@ -16,12 +17,18 @@ namespace godobject {
 /// The instants of a trace that are shown.
 struct Recording {
   SceneConfig scene;
-  std::vector<ViewSample> samples;  // at least one, in the order of time
+  std::vector<ViewSample> samples;     // at least one, in the order of time
+  std::optional<NetRecording> nets{};  // absent: nobody has written where the nodes were
 };
+
+/// Where the nodes are, in the world, m: as the sample says, or the recording of nets; on their anchors where neither does.
+std::vector<Vec3> nodes_of(const Recording& recording, const SceneNets& nets, const ViewSample& sample);
 
 /// A page plays so many instants a second, or fewer, and gets so many at most; what lies between them is left out.
 inline constexpr double recorded_rate_hz = 100;
 inline constexpr std::size_t max_recorded = 20000;
+/// Of nodes a page gets so many bytes at most; what lies between the instants is left out likewise.
+inline constexpr std::size_t max_recorded_net_bytes = std::size_t{256} << 20;
 
 /// The scene as it begins.
 Recording recording_of(const SceneConfig& scene);

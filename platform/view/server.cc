@@ -288,10 +288,11 @@ void Hub::feed() {
       stream->drop();
     } else if (FoxgloveClient* const foxglove = stream->foxglove()) {
       if (frame)
-        foxglove->show(*frame, now_ns,
-                       [&](ViewBytes bytes) { stream->offer({.binary = true, .bytes = std::move(bytes)}); });
+        foxglove->show(*frame, now_ns, [&](ViewBytes bytes) {
+          return stream->offer({.binary = true, .bytes = std::move(bytes)});
+        });
     } else if (frame) {
-      stream->offer({.binary = true, .bytes = frame});
+      static_cast<void>(stream->offer({.binary = true, .bytes = frame}));
     }
   }
 }

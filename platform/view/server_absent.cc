@@ -6,9 +6,9 @@ namespace godobject {
 std::unique_ptr<ViewServer> ViewServer::start(const ServerSettings& /*settings*/, ViewSource& /*source*/,
                                               Log /*log*/, std::string& why_not) {
   why_not =
-      "--view: this program was built without Boost, which its server needs: ./dev setup view (or apt-get "
+      "view: this program was built without Boost, which its server needs: ./dev setup view (or apt-get "
       "install "
-      "libboost1.81-dev), then build again";
+      "libboost1.81-dev), then build again. Pictures need no server: godobject view FILE --picture FILE.png";
   return nullptr;
 }
 

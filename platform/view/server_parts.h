@@ -56,9 +56,11 @@ class Stream : public std::enable_shared_from_this<Stream> {
       : socket_(std::move(socket)), hub_(hub), id_(id), foxglove_(foxglove) {}
 
   void accept(const http::request<http::empty_body>& request);
-  /// Left out where the client has not taken what came before.
-  void offer(const Message& frame) {
-    if (waiting_.empty()) send(frame);
+  /// Left out where the client has not taken what came before: false.
+  bool offer(const Message& frame) {
+    if (!waiting_.empty()) return false;
+    send(frame);
+    return true;
   }
   void send(const Message& message);
   void close(websocket::close_code code, std::string_view why);

@@ -16,15 +16,15 @@ CLIENT = """
 const { FoxgloveClient } = require("@foxglove/ws-protocol");
 const Socket = globalThis.WebSocket;
 const client = new FoxgloveClient({ ws: new Socket(process.argv[1], [FoxgloveClient.SUPPORTED_SUBPROTOCOL]) });
-const topics = new Map(), seen = { frames: 0 };
+const topics = new Map(), seen = { frames: 0, updates: [] }, wanted = Number(process.argv[2]);
 client.on("serverInfo", (info) => { seen.server = info.name; });
 client.on("error", (error) => { console.error(String(error?.message ?? error)); process.exit(1); });
 client.on("advertise", (channels) => { for (const channel of channels) { JSON.parse(channel.schema); topics.set(client.subscribe(channel.id), channel); } });
 client.on("message", ({ subscriptionId, data }) => {
   const { topic, schemaName } = topics.get(subscriptionId), message = JSON.parse(new TextDecoder().decode(data));
-  if (schemaName === "foxglove.SceneUpdate") seen.entities = message.entities;
+  if (schemaName === "foxglove.SceneUpdate") seen.updates.push(message.entities);
   else { seen.frames++; seen.transforms = message.transforms; }
-  if (seen.entities && seen.frames >= 20) { console.log(JSON.stringify(seen)); client.close(); process.exit(0); }
+  if (seen.updates.length >= wanted && seen.frames >= 20) { console.log(JSON.stringify(seen)); client.close(); process.exit(0); }
 });
 setTimeout(() => { console.error("nothing came: " + JSON.stringify(seen)); process.exit(1); }, 20000);
 """
@@ -45,14 +45,15 @@ def main():
     with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--view", "--duration", "120") as run:
         address = f"ws://{run.host}:{run.port}/stream"
         environment = dict(os.environ, NODE_PATH=MODULES)
-        call = lambda url: subprocess.run([node, *node_options, "-e", CLIENT, url], env=environment, capture_output=True, text=True, timeout=60, check=False)
+        call = lambda url, updates=1: subprocess.run([node, *node_options, "-e", CLIENT, url, str(updates)], env=environment, capture_output=True, text=True,
+                                                     timeout=60, check=False)
         result = call(f"{address}?token={run.token}")
         assert result.returncode == 0, result.stderr
         seen = json.loads(result.stdout)
         assert seen["server"] == "godobject"
         frames = {t["child_frame_id"]: t for t in seen["transforms"]}
         assert set(frames) == {"peg", "peg/device"} and all(t["parent_frame_id"] == "world" for t in frames.values()), frames
-        entities = {entity["id"].split(" ", 1)[1]: entity for entity in seen["entities"]}
+        entities = {entity["id"].split(" ", 1)[1]: entity for entity in seen["updates"][0]}
         assert entities["peg"]["frame_id"] == "peg" and entities["peg"]["cubes"][0]["size"] == {"x": 0.03, "y": 0.03, "z": 0.08}
         assert entities["wall"]["frame_id"] == "world" and entities["post"]["cylinders"], entities["post"]
         assert call(address).returncode != 0, "not without the token"
@@ -64,6 +65,22 @@ def main():
             stream.send(nonsense, 1)
             assert json.loads(stream.message()[1])["op"] == "status", nonsense
         stream.close()
+
+    with ViewedRun(ARGS.program, "run", "sim/scenes/net-small.toml", "--bus", "direct", "--view", "--duration", "120") as run:
+        result = call(f"ws://{run.host}:{run.port}/stream?token={run.token}", 12)
+        assert result.returncode == 0, result.stderr
+        first, *_, last = json.loads(result.stdout)["updates"]
+        assert len(first) > 1 and [entity["id"] for entity in last] == ["net tube"], "solids once, nets again and again"
+        surface = run.stream().scene()["surfaces"][0]
+        nets = [next(entity for entity in update if entity["id"] == "net tube") for update in (first, last)]
+        places = []
+        for net in nets:
+            mesh, = net["triangles"]
+            assert net["frame_id"] == "world" and mesh["indices"] == surface["triangles"] and len(mesh["points"]) == surface["num_vertices"]
+            places.append([[point[axis] for axis in "xyz"] for point in mesh["points"]])
+        low, high = surface["bounds"]
+        assert all(a - 0.1 < x < b + 0.1 for place in places[0] + places[1] for x, a, b in zip(place, low, high)), "where the scene has it"
+        assert max(abs(a - b) for before, after in zip(*places) for a, b in zip(before, after)) > 1e-3, "it moves"
 
 
 main()

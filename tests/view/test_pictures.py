@@ -112,6 +112,18 @@ def main():
     godobject("view", path("bus.log"), "--scene", "sim/scenes/grasper.toml", "--picture", path("bus.png"), "--time", "1.5")
     centre(image(path("bus.png"))[0], TOOL)
 
+    nets = ["--fast", "--quiet", "--duration", "1", "--trace", path("net.csv"), "--nets", path("nodes.csv"), "--report", path("report.json")]
+    godobject("run", "sim/scenes/net-small.toml", *nets)
+    godobject("view", path("net.csv"), "--picture", path("told.png"))  # the report names both
+    godobject("view", path("net.csv"), "--nets", path("nodes.csv"), "--picture", path("given.png"))
+    os.rename(path("nodes.csv"), path("elsewhere.csv"))
+    godobject("view", path("net.csv"), "--picture", path("at-rest.png"))
+    told, given, at_rest = (image(path(name))[0] for name in ("told.png", "given.png", "at-rest.png"))
+    assert told == given and told != at_rest, "deformed where its nodes are known"
+    godobject("run", "sim/scenes/wall.toml", "--fast", "--quiet", "--duration", "4", "--trace", path("wall.csv"), "--report", path("report.json"))
+    assert "has no [[net]]" in godobject("view", path("wall.csv"), "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
+    assert "goes with a trace" in godobject("view", "sim/scenes/net-small.toml", "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
+
     assert "describes no buses" in godobject("view", path("bus.log"), "--scene", "sim/scenes/wall.toml", "--picture", path("x.png"), code=2)
     os.remove(path("report.json"))
     assert "of which scene is it?" in godobject("view", path("wall.csv"), "--picture", path("x.png"), code=2)

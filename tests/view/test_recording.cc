@@ -109,6 +109,79 @@ TEST_F(RecordingTest, TakesEveryOtherInstantOfOneThatIsTooLong) {
   EXPECT_NEAR(result.recording->samples.back().record.t, 300, 0.05);
 }
 
+class NetRecordingTest : public RecordingTest {
+ protected:
+  /// A row every 4th step of 200; the nodes of each row.
+  std::vector<std::vector<Vec3>> nets(const SceneConfig& scene) {
+    Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
+    RunFileNames names;
+    names.nets = path("nets.csv");
+    names.nets_every = 4;
+    RunFiles files(names, scene, 0);
+    made.session->list_net_nodes();
+    made.session->start(1);
+    CycleRecord record = made.session->at_start();
+    std::vector<std::vector<Vec3>> rows;
+    for (int i = 0; i <= 200; ++i) {
+      files.add(record);
+      if (i % 4 == 0) rows.push_back(record.net_nodes);
+      static_cast<void>(made.session->advance(record));
+    }
+    EXPECT_TRUE(files.close().empty());
+    return rows;
+  }
+};
+
+TEST_F(NetRecordingTest, HasTheNodesThatWereWrittenAndGoesStraightBetweenThem) {
+  const SceneConfig scene = scene_named("net-small");
+  const std::vector<std::vector<Vec3>> rows = nets(scene);
+  const NetRecordingResult result = read_nets(path("nets.csv"), scene);
+  ASSERT_TRUE(result.nets.has_value()) << result.errors.front();
+  ASSERT_EQ(result.nets->num_rows(), rows.size());
+  const double period = 4 * scene.step;
+  constexpr double rounding = 1e-7;  // m, of a float
+  double moved = 0;
+  for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+    const std::vector<Vec3> at = result.nets->at(static_cast<double>(row) * period),
+                            between = result.nets->at((static_cast<double>(row) + 0.25) * period);
+    ASSERT_EQ(at.size(), rows[row].size());
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      EXPECT_LT((at[i] - rows[row][i]).norm(), rounding);
+      EXPECT_LT((between[i] - (0.75 * rows[row][i] + 0.25 * rows[row + 1][i])).norm(), rounding);
+      moved = std::max(moved, (rows[row][i] - rows[0][i]).norm());
+    }
+  }
+  EXPECT_GT(moved, 1e-3);
+  for (std::size_t i = 0; i < rows[0].size(); ++i) {
+    EXPECT_LT((result.nets->at(-1)[i] - rows.front()[i]).norm(), rounding);
+    EXPECT_LT((result.nets->at(99)[i] - rows.back()[i]).norm(), rounding);
+  }
+}
+
+TEST_F(NetRecordingTest, IsRefusedWhereItDoesNotFit) {
+  const SceneConfig scene = scene_named("net-small");
+  nets(scene);
+  const std::string text = test::read_file(path("nets.csv"));
+  const std::string row =
+      text.substr(text.find('\n') + 1, text.find('\n', text.find('\n') + 1) - text.find('\n'));
+  const auto error_of = [&](const std::string& changed, const SceneConfig& of) {
+    const NetRecordingResult result = read_nets(write("x.csv", changed), of);
+    return result.errors.empty() ? std::string("none") : result.errors.front();
+  };
+  EXPECT_THAT(error_of(text, scene_named("wall")), HasSubstr("scene 'wall' has no [[net]]"));
+  EXPECT_THAT(error_of(text, scene_named("endobag")),
+              HasSubstr("x.csv:1: column 2 is 'tube.0.x', and `run --nets` of scene 'endobag' writes"));
+  EXPECT_THAT(error_of("t\n", scene), HasSubstr("column 2 is missing"));
+  EXPECT_THAT(error_of("", scene), HasSubstr("is empty"));
+  EXPECT_THAT(error_of(text.substr(0, text.find('\n') + 1), scene), HasSubstr("has no rows"));
+  EXPECT_THAT(error_of(text + "9,1\n", scene), HasSubstr("x.csv:53: not the 76 numbers"));
+  EXPECT_THAT(error_of(text + row, scene), HasSubstr("x.csv:53: its time is not after"));
+  std::string infinite = "9" + row.substr(row.find(','));
+  infinite.replace(infinite.rfind(',') + 1, std::string::npos, "inf\n");
+  EXPECT_THAT(error_of(text + infinite, scene), HasSubstr("x.csv:53: a number is not finite"));
+  EXPECT_EQ(error_of(text + row.substr(0, 9), scene), "none") << "of a run that was killed";
+}
+
 TEST(Recording, OfASceneIsItsStart) {
   const Recording recording = recording_of(scene_named("organ"));
   ASSERT_EQ(recording.samples.size(), 1u);

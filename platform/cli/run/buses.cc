@@ -100,7 +100,9 @@ BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
   const auto is_choice = [](const std::string& text) { return text == "sim" || text == "direct"; };
   if (given.empty()) {
     if (scene.device && (scene.device->rig || !scene.device->trackers.empty())) return plan;
-    notes.push_back("scene '" + scene.name + "' describes no buses: it runs with --bus direct");
+    const bool has_other_hand = scene.device && scene.device->spacemouse;
+    if (!has_other_hand)
+      notes.push_back("scene '" + scene.name + "' describes no buses: it runs with --bus direct");
     plan.choice = BusChoice::direct;
   } else if (std::ranges::any_of(given, is_choice)) {
     if (given.size() > 1) errors.push_back("--bus: sim and direct stand for all buses: give one --bus");

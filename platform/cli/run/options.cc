@@ -14,6 +14,7 @@
 #include "platform/cli/bus/load_text.h"
 #include "platform/cli/run/start_check.h"
 #include "platform/linux/tracker_thread.h"
+#include "platform/rt/background_file.h"
 #include "platform/rt/clock.h"
 #include "platform/scene/profile_toml.h"
 #include "platform/scene/scene_toml.h"
@@ -86,6 +87,25 @@ void check_view(const RunOptions& options, std::vector<std::string>& errors) {
     errors.push_back(
         "--view-input: the pages' pointer is the device, and no motor shows its force: leave --bus and "
         "--tracker out");
+}
+
+/// The SpaceMouse is the only hand, and there is one in the scene.
+void check_spacemouse(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
+  const bool has_one = scene.device && scene.device->spacemouse;
+  if (!options.spacemouse) {
+    if (has_one && !options.view_input)
+      run.notes.push_back("scene '" + scene.name +
+                          "' has a SpaceMouse: with --spacemouse it leads; this run has the scene's motion");
+    return;
+  }
+  if (!has_one)
+    run.errors.push_back("--spacemouse: scene '" + scene.name +
+                         "' has none: add [device.spacemouse] (docs/scenes.md)");
+  if (options.fast) run.errors.push_back("--spacemouse: a hand takes part in wall time: leave --fast out");
+  if (!options.motion.empty())
+    run.errors.push_back("--spacemouse: it moves the tool, not --motion: leave either out");
+  if (options.view_input)
+    run.errors.push_back("--spacemouse: the pages' pointer cannot lead, too: leave --view-input out");
 }
 
 bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
@@ -250,6 +270,17 @@ std::string make_folders(const RunOptions& options) {
   return "";
 }
 
+std::string connect_spacemouse(const RunOptions& options, PreparedRun& run) {
+  if (!run.spacemouse) return "";
+  constexpr std::size_t console_bytes = 1 << 12;
+  const auto console = std::make_shared<BackgroundFile>(STDERR_FILENO, console_bytes);
+  const auto log = [console](const std::string& line) { static_cast<void>(console->write(line + "\n")); };
+  const std::string socket = options.spacemouse->empty() ? spacenav_socket() : *options.spacemouse;
+  std::string why_not;
+  run.spacemouse_thread = SpaceMouseThread::start(socket, *run.spacemouse, log, why_not);
+  return why_not;
+}
+
 PreparedRun prepare(const RunOptions& options) {
   PreparedRun run;
   LoadResult loaded = load_scene(options.scene);
@@ -261,7 +292,9 @@ PreparedRun prepare(const RunOptions& options) {
   const SceneConfig scene_of_file = *loaded.scene;
   SceneConfig& scene = *loaded.scene;
   check_view(options, run.errors);
+  check_spacemouse(options, scene, run);
   if (options.view_input) lead_by_pointer(scene);
+  if (options.spacemouse && run.errors.empty()) lead_by_spacemouse(scene);
   run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
   plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
@@ -274,7 +307,8 @@ PreparedRun prepare(const RunOptions& options) {
   if (!motion || !run.errors.empty()) return run;
 
   constexpr double until_stopped = 1e6;  // s
-  const double of_scene = options.view_input ? until_stopped : motion->end().value_or(scene.duration);
+  const bool led_by_hand = options.view_input || options.spacemouse;
+  const double of_scene = led_by_hand ? until_stopped : motion->end().value_or(scene.duration);
   const double duration = options.duration.value_or(of_scene);
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm,
@@ -286,6 +320,10 @@ PreparedRun prepare(const RunOptions& options) {
   if (made.session && options.view_input) {
     run.pointer = std::make_unique<PointerDevice>(scene, []() noexcept { return MonotonicClock{}.now(); });
     made.session->add(*run.pointer);
+  }
+  if (made.session && options.spacemouse) {
+    run.spacemouse = std::make_unique<SpaceMouse>(scene, []() noexcept { return MonotonicClock{}.now(); });
+    made.session->add(*run.spacemouse);
   }
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
   if (made.session) check_start(*made.session, options.scene, run.warnings, run.errors);

@@ -13,6 +13,7 @@
 #include "platform/cli/run/cycle.h"
 #include "platform/cli/run/files.h"
 #include "platform/cli/run/trackers.h"
+#include "platform/linux/spacemouse_thread.h"
 #include "platform/session/passivity.h"
 #include "platform/view/pointer.h"
 
@@ -32,7 +33,8 @@ struct RunOptions {
   std::string motion;
   RunFileNames files;
   std::string report;
-  std::optional<std::uint16_t> view;  // port of the view; 0: a default one
+  std::optional<std::string> spacemouse;  // socket of its daemon; empty: the usual one
+  std::optional<std::uint16_t> view;      // port of the view; 0: a default one
   std::string view_address = "127.0.0.1";
   bool view_input = false;  // the page's pointer is the device
   bool quiet = false;       // nothing but warnings, faults and the exit code
@@ -40,8 +42,10 @@ struct RunOptions {
 };
 
 struct PreparedRun {
-  std::unique_ptr<PointerDevice> pointer;  // --view-input; null without
-  std::unique_ptr<Session> session;        // null where there are errors
+  std::unique_ptr<PointerDevice> pointer;               // --view-input; null without
+  std::unique_ptr<SpaceMouse> spacemouse;               // --spacemouse; null without
+  std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see connect_spacemouse()
+  std::unique_ptr<Session> session;                     // null where there are errors
   RunPlan plan;
   BusPlan buses;
   LinuxLink* link = nullptr;          // the session's, where its buses are real; they are closed
@@ -54,6 +58,9 @@ struct PreparedRun {
 };
 
 PreparedRun prepare(const RunOptions& options);
+
+/// Where the run has a SpaceMouse: to its daemon, with a thread from here on. Empty, or why not.
+std::string connect_spacemouse(const RunOptions& options, PreparedRun& run);
 
 /// Makes the folders of the outputs that are not there yet. Empty, or why one cannot be made.
 std::string make_folders(const RunOptions& options);

@@ -134,6 +134,8 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
                    .buses = {},
                    .trackers = tracker_reports(session),
                    .faults = {}};
+  if (const SpaceMouseThread* const mouse = run.spacemouse_thread.get())
+    report.spacemouse = {.socket = mouse->socket(), .counters = mouse->counters()};
   if (const Rig* rig = session.rig()) {
     const RigParams& params = *session.scene().device->rig;
     report.buses = bus_reports(run, params);

@@ -34,6 +34,12 @@ struct TrackerReportLine {
   std::vector<TrackedPose> tools;  // in the order of params.tools
 };
 
+/// A SpaceMouse at the end of a run.
+struct SpaceMouseLine {
+  std::string socket;
+  SpaceMouseCounters counters;
+};
+
 struct RunReport {
   const RunOptions& options;
   const Session& session;
@@ -41,6 +47,7 @@ struct RunReport {
   const LinkTiming* link_timing = nullptr;  // of real buses
   std::vector<BusReport> buses;
   std::vector<TrackerReportLine> trackers;
+  std::optional<SpaceMouseLine> spacemouse{};
   std::vector<FaultReport> faults;
 };
 

@@ -59,6 +59,15 @@ Json to_json(const BusReport& bus) {
           {"counters", to_json(bus.counters)}};
 }
 
+Json to_json(const SpaceMouseLine& mouse) {
+  const SpaceMouseCounters& c = mouse.counters;
+  return {{"socket", mouse.socket},
+          {"connected", c.connected},
+          {"events", c.events},
+          {"malformed", c.malformed},
+          {"connections", c.connections}};
+}
+
 Json to_json(const TrackerReportLine& tracker) {
   const TrackerCounters& c = tracker.report.counters;
   Json json{{"name", tracker.params.name},
@@ -199,6 +208,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   }
   json["bus"] = to_array(report.buses);
   json["trackers"] = to_array(report.trackers);
+  if (report.spacemouse) json["spacemouse"] = to_json(*report.spacemouse);
   if (report.link_timing) {
     json["added_latency_us"] = to_json(report.link_timing->added_latency_ns);
     json["sync_jitter_us"] = to_json(report.link_timing->sync_jitter_ns);

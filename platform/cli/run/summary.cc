@@ -98,6 +98,14 @@ void print_tracker(std::FILE* out, const TrackerReportLine& tracker) {
   }
 }
 
+void print_spacemouse(std::FILE* out, const SpaceMouseLine& mouse) {
+  const SpaceMouseCounters& c = mouse.counters;
+  std::fprintf(out,
+               "  %-26s %s: %s, %" PRIu64 " events, %" PRIu64 " malformed, connected %" PRIu64 " times\n",
+               "spacemouse", mouse.socket.c_str(), c.connected ? "there" : "GONE", c.events, c.malformed,
+               c.connections);
+}
+
 void print_recoveries(std::FILE* out, const RunReport& report) {
   for (const Recovery& recovery : report.result.recoveries)
     if (!recovery.recovered_after_s)
@@ -152,6 +160,7 @@ void print_summary(std::FILE* out, const RunReport& report) {
   }
   for (const BusReport& bus : report.buses) print_bus(out, bus);
   for (const TrackerReportLine& tracker : report.trackers) print_tracker(out, tracker);
+  if (report.spacemouse) print_spacemouse(out, *report.spacemouse);
   if (report.session.rig()) {
     const RigCounters counters = report.session.rig_counters();
     std::fprintf(out, "  %-26s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers",

@@ -9,18 +9,43 @@ import { ENGAGED, MISSED_DEADLINES, ON_HOLD, OSCILLATES, PHASES, bodyPose, targe
 
 const STALE_MS = 500;
 const by = (id) => document.getElementById(id);
+
+// Since the page was opened, once each: for those who measure how long a first picture takes.
+const marked = new Set();
+function mark(name) {
+  if (marked.has(name)) return;
+  marked.add(name);
+  performance.mark(name);
+}
+
+// First of all: what the server says comes while the picture is being set up.
+const send = connect({
+  scene: (about) => setScene(about),
+  frame: (frame) => {
+    state.arrived = performance.now();
+    state.lost = "";
+    strips.add(frame, state.about.driven);  // also those that are not drawn
+    show(frame);
+  },
+  lost: (why) => { state.lost = why; },
+  recording: (frames) => { player.load(frames); for (const frame of frames) strips.add(frame, state.about.driven); },
+});
+
+mark("begun");
 const view = new View(by("canvas")), strips = new Strips(by("strips"));
+mark("set up");
 const state = { about: null, frame: null, arrived: 0, lost: "", stale: false, isNew: false, busRate: null };
-let send = () => {};
 const pointer = new Pointer(view, by("canvas"), (buffer) => send(buffer));
 const player = new Player((frame) => show(frame), (t) => strips.mark(t));
 
 function show(frame) {
+  mark("frame");
   state.frame = frame;
   state.isNew = true;
 }
 
 function setScene(about) {
+  mark("scene");
   const same = JSON.stringify(about) === JSON.stringify(state.about);
   state.lost = "";
   if (same) return;
@@ -42,7 +67,7 @@ const words = (bits, texts) => texts.filter((_, i) => bits >>> i & 1);
 
 function describe() {
   const { about, frame } = state;
-  if (state.lost) return [state.lost + (about?.live === false ? "" : ": trying again"), "bad"];
+  if (state.lost) return [state.lost, "bad"];
   if (!frame) return ["waiting for the first frame", "warn"];
   if (state.stale) return ["STALE: no data for " + ((performance.now() - state.arrived) / 1000).toFixed(1) + " s", "bad"];
   if (frame.fault || frame.rigFault || frame.flags & (MISSED_DEADLINES | OSCILLATES)) return ["FAULT, " + PHASES[frame.phase], "bad"];
@@ -129,21 +154,25 @@ addEventListener("keyup", (event) => { if (event.key === "x") pointer.clutch = f
 
 function draw(now) {
   requestAnimationFrame(draw);
+  if (marked.has("drawn")) mark("picture");  // it has been shown
   player.tick(now);
   if (state.isNew) {
     state.isNew = false;
     view.update(state.frame);
   }
-  if (state.about) view.render();
+  if (state.frame) {
+    view.render();
+    mark("drawn");
+  }
   writeState(now);
   by("grab").setAttribute("aria-pressed", String(pointer.holds));
   by("clutch").setAttribute("aria-pressed", String(pointer.clutch));
-  if (state.about) strips.draw(now, !state.about.live);
+  if (marked.has("picture")) strips.draw(now, !state.about.live);  // the picture first
   window.godobject.drawn++;
 }
 
 window.godobject = {
-  state, view, pointer, player, drawn: 0,
+  state, view, pointer, player, writeState, drawn: 0,
   names: () => state.about.bodies.map((body) => body.name),
   body: (name) => [...bodyPose(state.frame, window.godobject.names().indexOf(name))],
   target: (name) => [...targetPose(state.frame, state.about.driven.indexOf(window.godobject.names().indexOf(name)))],
@@ -154,14 +183,3 @@ window.godobject = {
 };
 
 requestAnimationFrame(draw);
-connect({
-  scene: setScene,
-  frame: (frame) => {
-    state.arrived = performance.now();
-    state.lost = "";
-    strips.add(frame, state.about.driven);  // also those that are not drawn
-    show(frame);
-  },
-  lost: (why) => { state.lost = why; },
-  recording: (frames) => { player.load(frames); for (const frame of frames) strips.add(frame, state.about.driven); },
-}).then((sender) => { send = sender; });

@@ -30,8 +30,8 @@ export function triangles(vertices, corners) {
 
 // An arrow of length 1 along z, from its tail at the origin.
 export function arrowGeometry() {
-  const shaft = aboutZ(new THREE.CylinderGeometry(0.018, 0.018, 0.8, 10)).translate(0, 0, 0.4).toNonIndexed();
-  const head = aboutZ(new THREE.ConeGeometry(0.06, 0.2, 16)).translate(0, 0, 0.9).toNonIndexed();
+  const shaft = aboutZ(new THREE.CylinderGeometry(0.018, 0.018, 0.8, 6, 1, true)).translate(0, 0, 0.4).toNonIndexed();
+  const head = aboutZ(new THREE.ConeGeometry(0.06, 0.2, 10)).translate(0, 0, 0.9).toNonIndexed();
   const geometry = new THREE.BufferGeometry();
   for (const name of ["position", "normal"])
     geometry.setAttribute(name, new THREE.Float32BufferAttribute([...shaft.attributes[name].array, ...head.attributes[name].array], 3));

@@ -5,26 +5,7 @@ const RETRY_MS = 400;
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const address = (path) => `${path}?token=${encodeURIComponent(token)}`;
 
-// on: { scene(json), frame(frame), lost(why) }. Comes back by itself. Returns send(buffer).
-function stream(on) {
-  let socket = null;
-  const open = () => {
-    socket = new WebSocket(new URL(address("/stream"), location.href.replace(/^http/, "ws")), ["godobject.view.v1"]);
-    socket.binaryType = "arraybuffer";
-    socket.onmessage = ({ data }) => {
-      if (typeof data === "string") on.scene(JSON.parse(data));
-      else on.frame(decodeFrame(data));
-    };
-    socket.onclose = ({ reason }) => {
-      on.lost(reason || "the connection to the run is lost");
-      setTimeout(open, RETRY_MS);
-    };
-  };
-  open();
-  return (buffer) => { if (socket?.readyState === WebSocket.OPEN && socket.bufferedAmount === 0) socket.send(buffer); };
-}
-
-async function recording(scene, on) {
+async function recording(on) {
   const buffer = await (await fetch(address("/frames"))).arrayBuffer();
   const frames = [];
   for (let at = 0; at < buffer.byteLength;) {
@@ -35,15 +16,34 @@ async function recording(scene, on) {
   on.recording(frames);
 }
 
-export async function connect(on) {
+// Why the server lets nobody in; empty: it does, or it is not there.
+async function refusal() {
   const answer = await fetch(address("/scene")).catch(() => null);
-  if (answer && !answer.ok) {
-    on.lost((await answer.text()).trim());
-    return () => {};
-  }
-  const scene = answer && await answer.json();
-  if (!scene || scene.live) return stream(on);
-  on.scene(scene);
-  await recording(scene, on);
-  return () => {};
+  return answer && !answer.ok ? (await answer.text()).trim() : "";
+}
+
+// on: { scene(json), frame(frame), lost(why), recording(frames) }. Comes back by itself. Returns send(buffer).
+export function connect(on) {
+  let socket = null;
+  const open = () => {
+    let scene = null;
+    socket = new WebSocket(new URL(address("/stream"), location.href.replace(/^http/, "ws")), ["godobject.view.v1"]);
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = ({ data }) => {
+      if (typeof data !== "string") return on.frame(decodeFrame(data));
+      scene = JSON.parse(data);
+      on.scene(scene);
+      if (scene.live) return;
+      socket.close();
+      recording(on);
+    };
+    socket.onclose = async ({ reason }) => {
+      if (scene && !scene.live) return;
+      const refused = scene ? "" : await refusal();
+      on.lost(refused || `${reason || "the connection to the run is lost"}: trying again`);
+      if (!refused) setTimeout(open, RETRY_MS);
+    };
+  };
+  open();
+  return (buffer) => { if (socket?.readyState === WebSocket.OPEN && socket.bufferedAmount === 0) socket.send(buffer); };
 }

@@ -11,9 +11,18 @@ export const COLOURS = {
 const MAX_ARROWS = 4096, MANY = 150;
 const THEMES = { light: { back: 0xf4f5f7, grid: 0xc4c9d2 }, dark: { back: 0x14181f, grid: 0x3a4350 } };
 
+// Smooth edges cost a graphics card nothing, and a machine that draws in software a part of each frame.
+function contextOf(canvas) {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  const info = probe?.getExtension("WEBGL_debug_renderer_info");
+  const inSoftware = Boolean(info) && /SwiftShader|llvmpipe|softpipe|Basic Render/.test(probe.getParameter(info.UNMASKED_RENDERER_WEBGL));
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  return canvas.getContext("webgl2", { antialias: !inSoftware });
+}
+
 export class View {
   constructor(canvas) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, context: contextOf(canvas) });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.001, 100);
     this.camera.up.set(0, 0, 1);
@@ -122,7 +131,7 @@ export class View {
       return mesh;
     };
     this.contactArrows = many(arrowGeometry(), COLOURS.contact);
-    this.contactPoints = many(new THREE.SphereGeometry(1, 8, 6), COLOURS.contact);
+    this.contactPoints = many(new THREE.OctahedronGeometry(1, 1), COLOURS.contact);
   }
 
   addJoint(joint) {
@@ -238,8 +247,12 @@ export class View {
       this.contactArrows.setMatrixAt(i, matrix.compose(at, turn, scale.set(width, width, Math.max(length, 1e-6))));
       this.contactPoints.setMatrixAt(i, matrix.compose(at, turn, scale.setScalar(0.006 * this.extent)));
     }
-    this.contactArrows.count = this.contactPoints.count = n;
-    this.contactArrows.instanceMatrix.needsUpdate = this.contactPoints.instanceMatrix.needsUpdate = true;
+    for (const mesh of [this.contactArrows, this.contactPoints]) {
+      mesh.count = n;
+      mesh.instanceMatrix.clearUpdateRanges();
+      mesh.instanceMatrix.addUpdateRange(0, 16 * n);
+      mesh.instanceMatrix.needsUpdate = n > 0;
+    }
   }
 
   // The camera goes along with the tool.

@@ -55,7 +55,8 @@ MeshData placed(MeshData mesh, const Pose& X) {
 class PictureBuilder {
  public:
   PictureBuilder(const Recording& recording, const Drawing& drawing, const ViewSample& sample)
-      : scene_(recording.scene),
+      : recording_(recording),
+        scene_(recording.scene),
         drawing_(drawing),
         record_(sample.record),
         sample_(sample),
@@ -92,7 +93,7 @@ class PictureBuilder {
 
   void add_nets() {
     const SceneNets nets = scene_nets(scene_);
-    const std::vector<Vec3> nodes = nodes_of(nets, sample_);
+    const std::vector<Vec3> nodes = nodes_of(recording_, nets, sample_);
     for (const NetRange& net : nets.nets) {
       const auto first = nodes.begin() + static_cast<std::ptrdiff_t>(net.first_node);
       MeshData mesh{.vertices = {first, first + static_cast<std::ptrdiff_t>(net.num_nodes)},
@@ -138,6 +139,7 @@ class PictureBuilder {
                                .in_front = true});
   }
 
+  const Recording& recording_;
   const SceneConfig& scene_;
   const Drawing& drawing_;
   const CycleRecord& record_;

@@ -1,0 +1,58 @@
+// What spacenavd, the daemon of 6-DoF mice (3Dconnexion's SpaceMouse and others), sends on its unix socket to a client that says
+// nothing (protocol 0): eight integers of 32 bits in the order of the machine, the kind and then x y z rx ry rz and the
+// milliseconds since the last motion, or the number of a button. Read off spnav.h and the daemon's own events, spacenavd 1.1.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "core/math/types.h"
+#include "hal/base/codec.h"
+
+namespace godobject {
+
+struct SpacenavEvent {
+  enum class Kind : std::uint8_t { motion, press, release };
+  Kind kind = Kind::motion;
+  std::array<std::int32_t, 6>
+      axes{};               // of a motion: shift, turn; counts of the device times the daemon's sensitivity
+  std::int32_t button = 0;  // its number, from 0
+};
+
+inline constexpr std::size_t spacenav_event_bytes = 32;
+/// A SpaceMouse gives 350 at its stops and the daemon multiplies that by its sensitivity; what is far beyond is no motion.
+inline constexpr std::int32_t max_spacenav_counts = 100'000, max_spacenav_button = 255;
+
+/// other_message: an event of later protocols, which nobody has asked for. bad_value: the stream is not what it should be.
+[[nodiscard]] inline ParseResult decode(std::span<const std::uint8_t> bytes, SpacenavEvent& out) noexcept {
+  if (const ParseResult size = check_size(bytes.size(), spacenav_event_bytes); size != ParseResult::ok)
+    return size;
+  std::array<std::int32_t, 8> words{};
+  std::memcpy(words.data(), bytes.data(), spacenav_event_bytes);
+  constexpr std::int32_t first_unknown = 7;
+  if (words[0] < 0 || words[0] >= first_unknown) return ParseResult::bad_value;
+  if (words[0] > static_cast<std::int32_t>(SpacenavEvent::Kind::release)) return ParseResult::other_message;
+  SpacenavEvent event{.kind = static_cast<SpacenavEvent::Kind>(words[0])};
+  if (event.kind != SpacenavEvent::Kind::motion) {
+    event.button = words[1];
+    if (event.button < 0 || event.button > max_spacenav_button) return ParseResult::bad_value;
+  }
+  for (std::size_t i = 0; event.kind == SpacenavEvent::Kind::motion && i < event.axes.size(); ++i) {
+    event.axes[i] = words[i + 1];
+    if (event.axes[i] < -max_spacenav_counts || event.axes[i] > max_spacenav_counts)
+      return ParseResult::bad_value;
+  }
+  out = event;
+  return ParseResult::ok;
+}
+
+/// The daemon's axes are x to the right, y up and z away from the user, a left-handed frame; here they are x to the right, y
+/// away and z up, of a vector and, because the daemon turns the signs of both, of a rotation vector alike.
+inline Vec3 spacenav_vector(const SpacenavEvent& event, std::size_t first) noexcept {
+  return {static_cast<double>(event.axes[first]), static_cast<double>(event.axes[first + 2]),
+          static_cast<double>(event.axes[first + 1])};
+}
+
+}  // namespace godobject

@@ -1,0 +1,143 @@
+#include "platform/linux/spacemouse_thread.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+namespace godobject {
+namespace {
+
+constexpr const char* default_socket = "/run/spnav.sock";
+constexpr Nanoseconds retry_period = 1'000'000'000;
+
+std::string text_of(int error) { return std::generic_category().message(error); }
+
+/// The connection; -1, with errno.
+int connect_to(const std::string& path) noexcept {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof(address.sun_path)) {
+    errno = ENAMETOOLONG;
+    return -1;
+  }
+  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
+  const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return -1;
+  if (connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0)
+    return descriptor;
+  const int error = errno;
+  close(descriptor);
+  errno = error;
+  return -1;
+}
+
+}  // namespace
+
+std::string spacenav_socket() {
+  const char* const given = std::getenv("SPNAV_SOCKET");
+  return given != nullptr && *given != '\0' ? given : default_socket;
+}
+
+std::unique_ptr<SpaceMouseThread> SpaceMouseThread::start(const std::string& socket, SpaceMouse& device,
+                                                          Log log, std::string& why_not) {
+  const int descriptor = connect_to(socket);
+  if (descriptor < 0) {
+    why_not = "--spacemouse: nothing answers on '" + socket + "': " + text_of(errno) +
+              ". Is the daemon there? apt-get install spacenavd; systemctl start spacenavd. Another socket: "
+              "--spacemouse SOCKET, or SPNAV_SOCKET";
+    return nullptr;
+  }
+  return std::unique_ptr<SpaceMouseThread>(new SpaceMouseThread(socket, descriptor, device, std::move(log)));
+}
+
+SpaceMouseThread::SpaceMouseThread(std::string socket, int descriptor, SpaceMouse& device, Log log)
+    : socket_(std::move(socket)),
+      device_(device),
+      log_(std::move(log)),
+      descriptor_(descriptor),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+SpaceMouseThread::~SpaceMouseThread() {
+  thread_.request_stop();
+  thread_.join();
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+SpaceMouseCounters SpaceMouseThread::counters() const noexcept {
+  return {.events = events_, .malformed = malformed_, .connections = connections_, .connected = connected_};
+}
+
+void SpaceMouseThread::run(const std::stop_token& stop) {
+  Nanoseconds due = clock_.now();
+  while (!stop.stop_requested()) {
+    wait(due);
+    if (descriptor_ >= 0) read();
+    else if (clock_.now() >= next_try_) reconnect();
+    const Nanoseconds now = clock_.now();
+    if (now < due) continue;
+    due = std::max(due + spacemouse_tick_ns, now);
+    device_.tick(descriptor_ >= 0);
+  }
+}
+
+/// For something to read, or until then.
+void SpaceMouseThread::wait(Nanoseconds until) noexcept {
+  pollfd waited{.fd = descriptor_, .events = POLLIN, .revents = 0};  // one of -1 is left out
+  const Nanoseconds left = std::max(until - clock_.now(), Nanoseconds{0});
+  const timespec patience{.tv_sec = 0, .tv_nsec = std::min(left, spacemouse_tick_ns)};
+  static_cast<void>(ppoll(&waited, 1, &patience, nullptr));
+}
+
+void SpaceMouseThread::read() {
+  const ssize_t size = recv(descriptor_, bytes_.data() + begun_, bytes_.size() - begun_, 0);
+  if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (size < 0) return lose(text_of(errno));
+  if (size == 0) return lose("the daemon has closed the connection");
+  if (!take(begun_ + static_cast<std::size_t>(size))) lose("what came is no event of spacenavd");
+}
+
+bool SpaceMouseThread::take(std::size_t size) noexcept {
+  std::size_t at = 0;
+  for (; size - at >= spacenav_event_bytes; at += spacenav_event_bytes) {
+    SpacenavEvent event;
+    const ParseResult result = decode(std::span(bytes_).subspan(at, spacenav_event_bytes), event);
+    if (result == ParseResult::other_message) continue;
+    if (result != ParseResult::ok) {
+      ++malformed_;
+      return false;
+    }
+    ++events_;
+    device_.take(event);
+  }
+  begun_ = size - at;
+  std::memmove(bytes_.data(), bytes_.data() + at, begun_);
+  return true;
+}
+
+void SpaceMouseThread::lose(const std::string& why) {
+  close(descriptor_);
+  descriptor_ = -1;
+  begun_ = 0;
+  connected_ = false;
+  next_try_ = clock_.now() + retry_period;
+  if (log_) log_("spacemouse: " + why + ": the target rests; trying again every second");
+}
+
+void SpaceMouseThread::reconnect() {
+  next_try_ = clock_.now() + retry_period;
+  descriptor_ = connect_to(socket_);
+  if (descriptor_ < 0) return;
+  connected_ = true;
+  ++connections_;
+  if (log_) log_("spacemouse: the daemon is back");
+}
+
+}  // namespace godobject
