@@ -8,6 +8,8 @@
 // moves before the body does, or by the mean of its forces, whichever is more.
 #pragma once
 
+#include <utility>
+
 #include "core/gain_watch.h"
 #include "core/net/energy.h"
 #include "core/step.h"
@@ -29,17 +31,13 @@ class EnergyBalance {
   /// Before the first step.
   void start(const Params<S>& par, const State<S>& x) noexcept {
     *this = {};
-    is_known_ = !uses<ContactsOf<S>>;
-    if constexpr (imposes<S>) {
-      for (std::size_t i = 0; i < num_bodies(par); ++i)
-        is_known_ = is_known_ && !par.bodies[i].joint.lead.imposed;
-    }
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       last_[i] = coupled(par, x, i);
       energy_ += last_[i].energy;
     }
     gravity_ = gravity_energy(par, x);
     energy_ += kinetic(par, x) + gravity_ + other_springs(par, x);
+    watch_.start(energy_);
   }
 
   /// After each step that was taken: of its state, scratch and output.
@@ -58,7 +56,18 @@ class EnergyBalance {
       }
       if constexpr (imposes<S>) W += joint_work(par, x, out, i);
     }
-    if constexpr (uses<ContactsOf<S>>) W += contact_work(par, x, w, U, floor);
+    Real may_give = 0;  // that is not known of this step, at most
+    if constexpr (uses<ContactsOf<S>>) {
+      const Springs springs = contact_springs(par, x, w);
+      U += springs.energy;
+      floor += springs.floor;
+      W += out.contacts.found;
+      if (!is_of_euler_stages(out)) may_give = springs.may_find;
+    }
+    if constexpr (imposes<S>) {
+      if (rises_to_lead(par, out)) may_give = std::numeric_limits<Real>::infinity();
+    }
+    W += std::clamp(T + U - W - energy_, Real(0), may_give);
     const Real by_gravity = gravity - gravity_;
     gravity_ = gravity;
     energy_ = T + U;
@@ -70,9 +79,8 @@ class EnergyBalance {
   Real energy() const noexcept { return energy_; }           // E, J
   Real balance() const noexcept { return energy_ - work_; }  // E - W, J
   const GainWatch& watch() const noexcept { return watch_; }
-  /// A gain that nobody gave. Of scenes whose work from outside is known well enough for that: without contacts, whose
-  /// rest penetrations are found and let go, and without led joints, whose work is known to the first order.
-  bool gains() const noexcept { return is_known_ && watch_.gains(); }
+  /// A gain that nobody gave.
+  bool gains() const noexcept { return watch_.gains(); }
 
  private:
   /// A body with its coupling at the end of a step.
@@ -188,15 +196,24 @@ class EnergyBalance {
     return E;
   }
 
-  /// Of a joint that the device leads.
-  static Real joint_work(const Params<S>& par, const State<S>& x, const Output<S>& out,
-                         std::size_t i) noexcept {
+  /// TR-BDF2 leads joints whose coordinates rise to those of the device: by its forces at the end of a step, which swing then,
+  /// their work is not known.
+  static bool rises_to_lead(const Params<S>& par, const Output<S>& out) noexcept {
+    if (S::Integrator::order == 1 || !has(out.limited, Limited::ramp)) return false;
+    for (std::size_t i = 0; i < num_bodies(par); ++i)
+      if (par.bodies[i].joint.lead.imposed) return true;
+    return false;
+  }
+
+  /// Of a joint that the device leads: its power at the end, by which implicit Euler moves, or the mean over the step.
+  Real joint_work(const Params<S>& par, const State<S>& x, const Output<S>& out, std::size_t i) noexcept {
     const auto& joint = par.bodies[i].joint;
     if (joint.kind == JointKind::free || !joint.lead.imposed) return 0;
     const TreePlace P = place_of(par, x, joint.parent), C = place_of(par, x, i);
     const Wrench& F = out.bodies[i].joint.F_C;
     const Vec3 v = C.V.v - P.V.v - P.V.w.cross(C.a_W - P.a_W);
-    return par.h * (F.f.dot(v) + F.tau.dot(C.V.w - P.V.w));
+    const Real power = F.f.dot(v) + F.tau.dot(C.V.w - P.V.w), before = std::exchange(led_[i], power);
+    return par.h * std::max(power, Real(0.5) * (power + before));
   }
 
   static Real term_energy(const Params<S>& par, const State<S>& x) noexcept {
@@ -213,26 +230,39 @@ class EnergyBalance {
     return E;
   }
 
-  /// Of rest penetrations (35) that are relaxed and that are found; the energy in the contacts is added to U.
-  Real contact_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w, Real& U,
-                    Real& floor) const noexcept {
-    Real W = 0;
+  /// Of contacts, J.
+  struct Springs {
+    Real energy = 0;
+    Real may_find = 0;  // (35)  by as much as they may be found deeper in a stage
+    Real floor = 0;     // what they may hold that no motion has pressed
+  };
+
+  /// What its contacts are found with is known of each stage. A step of second order begins its stages elsewhere: there it is no
+  /// more than (35) allows, and is taken for given where E rises.
+  static constexpr bool is_of_euler_stages(const Output<S>& out) noexcept {
+    return S::Integrator::order == 1 || has(out.limited, Limited::first_order);
+  }
+
+  static Springs contact_springs(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
+    Springs sum;
+    const auto mass = [&](std::uint32_t i) {
+      return i < num_bodies(par) ? par.bodies[i].body.m : std::numeric_limits<Real>::infinity();
+    };
     const auto add = [&](const auto& memories, const auto& near, auto law_of, auto mass_of) noexcept {
       Recall recall(memories);
       for (std::size_t k = 0; k < near.size; ++k) {
         const ContactMemory* const contact = recall.find(near.list[k].key);
         if (contact == nullptr) continue;
         const ContactLaw& law = law_of(near.list[k]);
-        U +=
-            Real(0.5) * (law.k * contact->pressed * contact->pressed + law.k_t * contact->xi_W.squaredNorm());
-        if (contact->e > 0) W += par.h * law.push_out * contact->n_W.dot(contact->F_W);
-        floor += Real(0.5) * mass_of(near.list[k].a) * law.push_out * law.push_out;
+        const Real m = std::min(mass_of(near.list[k].a), mass(near.list[k].b)), pressed = contact->pressed;
+        sum.energy += Real(0.5) * (law.k * pressed * pressed + law.k_t * contact->xi_W.squaredNorm());
+        sum.may_find += found_energy(law, pressed, pressed + max_stored_penetration(law, m));
+        sum.floor += Real(0.5) * m * law.push_out * law.push_out;
       }
     };
     add(
         x.contacts, w.contacts.near,
-        [&](const NearContact& near) -> const ContactLaw& { return law_of(par.contacts, near); },
-        [&](std::uint32_t a) { return a < S::max_bodies ? par.bodies[a].body.m : Real(0); });
+        [&](const NearContact& near) -> const ContactLaw& { return law_of(par.contacts, near); }, mass);
     if constexpr (uses<NetOf<S>>) {
       add(
           x.net.contacts, w.contacts.net.near,
@@ -241,12 +271,13 @@ class EnergyBalance {
           },
           [&](std::uint32_t n) { return par.net.nodes[n].m; });
     }
-    return W;
+    return sum;
   }
 
   std::array<Coupled, S::max_bodies> last_;
+  [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Real, S::max_bodies>, Absent<23>>
+      led_{};  // W
   Real energy_ = 0, work_ = 0, gravity_ = 0;
-  bool is_known_ = false;
   GainWatch watch_;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,29 +14,39 @@ namespace godobject {
 inline constexpr Real gain_allowed = 0.01;
 /// J, which no hand feels: less is no gain.
 inline constexpr Real gain_floor = 1e-12;
+/// Steps: what a scene has lost or gained for fewer is no loss and no gain. A step that a blow, or a snap of joints, is too fast
+/// for errs by its order, to either side, and the next ones take it back.
+inline constexpr std::size_t gain_steps = 8;
 /// s, at most: gains that are older are forgotten. At least half of it is remembered.
 inline constexpr Real gain_window = 1;
 
 /// Says when E - W rises. Energy at work: the largest kinetic energy in the window, and the work done in it, by gravity too.
 class GainWatch {
  public:
+  /// Before the first step.
+  void start(Real E) noexcept {
+    *this = {};
+    last_.fill(E);
+  }
   /// After each step; work: done in it, floor: no gain, J. Returns the gain, J, in `of` what it is a gain of.
   Real observe(Real E_less_W, Real T, Real work, Real floor, Real h) noexcept {
     age_ += h;
+    last_[next_] = E_less_W;
+    next_ = (next_ + 1) % gain_steps;
+    const auto [kept, reached] = std::minmax_element(last_.begin(), last_.end());
     if (age_ >= gain_window / 2) {
       before_ = now_;
-      now_ = {.least = E_less_W};
+      now_ = {.least = *reached};
       age_ = 0;
     }
-    now_.least = std::min(now_.least, E_less_W);
+    now_.least = std::min(now_.least, *reached);
     now_.kinetic = std::max(now_.kinetic, T);
     now_.work += work;
-    gained_ = E_less_W - std::min(now_.least, before_.least);
+    gained_ = std::max(*kept - std::min(now_.least, before_.least), Real(0));
     of_ = std::max(now_.kinetic, before_.kinetic) + now_.work + before_.work;
     gains_ = gained_ > gain_allowed * of_ + floor;
     return gained_;
   }
-  void start_anew() noexcept { *this = {}; }
   bool gains() const noexcept { return gains_; }
   Real gained() const noexcept { return gained_; }  // J within the window
   Real at_work() const noexcept { return of_; }     // J likewise
@@ -45,6 +56,8 @@ class GainWatch {
     Real least = std::numeric_limits<Real>::infinity(), kinetic = 0, work = 0;
   };
   Span now_, before_;
+  std::array<Real, gain_steps> last_{};  // E - W of the last steps
+  std::size_t next_ = 0;
   Real age_ = 0, gained_ = 0, of_ = 0;
   bool gains_ = false;
 };

@@ -122,7 +122,8 @@ struct TrBdf2 {
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
                     .t_1 = still_smooth ? bh : h_1,
                     .relaxing = (1 - c) * h,
-                    .goes_on = true},
+                    .goes_on = true,
+                    .is_euler = !still_smooth},
                    w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved) return StepEnd::unsolved;

@@ -90,7 +90,8 @@ class ContactParts {
   void begin([[maybe_unused]] int k, [[maybe_unused]] int parts,
              [[maybe_unused]] Scratch<S>& w) const noexcept {
     if constexpr (uses<ContactsOf<S>>) {
-      w.contacts.stage = k == 0 ? stage_ : ContactStage{.goes_on = true, .follows = true};
+      w.contacts.stage =
+          k == 0 ? stage_ : ContactStage{.found = w.contacts.report.found, .goes_on = true, .follows = true};
       w.contacts.stage.relaxing = stage_.relaxing / parts;
       if (k > 0) return;
       w.contacts.last = last_;

@@ -193,7 +193,7 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
     const GroupIn<S> group(g, num_bodies(par));
     const Vector3<T>& p_C =
         gathered(group, [&](std::size_t i) -> const Vec3& { return par.bodies[i].joint.C.p; });
-    stiffen<T>(-(R * p_C), h * h * F_W, at.V.w, A_s, b_s);
+    stiffen<false, T>(-(R * p_C), h * h * F_W, at.V.w, A_s, b_s);
   }
   const auto A_0 = columns(A_s.col(0).eval()), A_1 = columns(A_s.col(1).eval()),
              A_2 = columns(A_s.col(2).eval());
@@ -272,7 +272,10 @@ GODOBJECT_FLATTEN [[gnu::noinline]] void solve_on_world(const Params<S>& par, co
 /// What a stage starts from: contacts dragged on for t_0 at the rate of the step, t_1 at that of the stage before.
 template <Scene S>
 void begin_stage(const ContactStage& stage, Scratch<S>& w) noexcept {
-  if constexpr (uses<ContactsOf<S>>) w.contacts.stage = stage;
+  if constexpr (uses<ContactsOf<S>>) {
+    w.contacts.stage = stage;
+    w.contacts.stage.found = stage.goes_on ? w.contacts.report.found : 0;
+  }
 }
 
 /// The attitude errors of the step before, by which a stage keeps its side near the half turn.

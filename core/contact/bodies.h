@@ -218,7 +218,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   find_pairs(num_bodies, w);
   begin_contacts(par, before, num_bodies, h, w);
   (begin_net_contacts(par, net, h, w), ...);
-  w.report = {.num_near = w.near.size};
+  w.report = {.num_near = w.near.size, .found = w.stage.found};
   for (std::size_t n = 0; n < w.graph.num_islands; ++n) {
     const Island& island = w.graph.islands[n];
     if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);

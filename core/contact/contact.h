@@ -72,6 +72,8 @@ struct ContactReport {
   int iterations = 0;            // of conjugate gradients, in all of them, likewise
   int num_without_room = 0;      // islands whose blocks had no room: solved by these
   Real residual = 0;             // by how much the worst contact's force misses (22), (23), N
+  Real found =
+      0;  // what contact springs were found with where stages began, beyond what they were left with, J
 };
 
 /// And of one body: the sum of its contact forces, about its centre of mass, world axes.

@@ -65,12 +65,15 @@ bool touch_alike(const ContactMemories<max_contacts>& a, const ContactMemories<m
 struct ContactStage {
   Real t_0 = 0, t_1 = 0;  // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
   Real relaxing = 0;      // s, for which e is relaxed
+  Real found = 0;         // J, by the stages of the step before it: ContactReport
   bool goes_on =
       false;  // after another stage of the step; otherwise that one's memories are none of this step
-  bool follows = false;  // it starts where that stage has ended
+  bool follows = false;   // it starts where that stage has ended
+  bool is_euler = false;  // likewise, and (35) is asked between steps alone
 
   /// It starts where another stage has ended, of this step or the one before.
   bool starts_at_an_end() const noexcept { return follows || (t_0 == 0 && !goes_on); }
+  bool is_joined() const noexcept { return starts_at_an_end() || is_euler; }
 };
 
 /// (35)  Largest penetration stored without measured approach, m: its spring holds the energy
@@ -100,7 +103,13 @@ struct BegunContact {
   Vec3 xi_W = Vec3::Zero();  // how far it has been dragged along the surface, m
   Real e = 0;                // rest penetration: the offset of the contact spring, m
   Real F_n = -1;             // normal force of the stage before, N; < 0: the contact is new
+  Real found = 0;            // J, (38): in its spring where the stage starts, beyond what it was left with
 };
+
+/// (38)  Of a contact spring that was pressed by `before` where a stage ended, and is by `now` where the next one starts.
+inline Real found_energy(const ContactLaw& law, Real before, Real now) noexcept {
+  return Real(0.5) * law.k * (now * now - before * before);
+}
 
 /// Of a contact of normal n, from the memories of the step and of the stage before. Where the normal has turned round a
 /// corner the contact is another one.
@@ -115,6 +124,7 @@ inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, c
   BegunContact c;
   if (of_step == nullptr && of_stage == nullptr) {
     c.e = std::max(start.e_new, Real(0));
+    c.found = found_energy(law, 0, std::clamp(start.d_0 - c.e, Real(0), start.max_stored_penetration));
     return c;
   }
   Vec3 xi = Vec3::Zero();
@@ -126,6 +136,10 @@ inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, c
       relax_offset(last.e, start.d_0, std::min(stage.relaxing * law.push_out, start.max_relaxed), start.most);
   if (stage.starts_at_an_end())
     c.e += std::max(start.d_0 - last.e - last.pressed - start.max_stored_penetration, Real(0));
+  // what was apart in the stage before was not pressed
+  const Real before = stage.goes_on && of_stage == nullptr ? 0 : last.pressed;
+  const Real relaxed = before > 0 ? before + last.e - c.e : 0;
+  c.found = found_energy(law, before, stage.is_joined() ? std::max(start.d_0 - c.e, Real(0)) : relaxed);
   c.xi_W = xi - n_W * n_W.dot(xi);
   c.F_n = std::max(last.n_W.dot(last.F_W), Real(0));
   return c;

@@ -261,6 +261,7 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
                   .max_relaxed = Contacts::between_bodies ? law.max_relaxed : infinity,
                   .most = on_world ? infinity : law.most(w.stage),
                   .max_stored_penetration = law.max_stored_penetration});
+    w.report.found += begun.found;
     ContactPack& pack = w.packs[first + n / 4];
     const std::size_t j = n % 4;
     const Real side = near.a == one.a ? 1 : -1;

@@ -34,6 +34,15 @@ Matrix3<T> lever_stiffness(const Vector3<T>& d, const Vector3<T>& F) noexcept {
   return K;
 }
 
+/// The rest of that stiffness which is not symmetric, in axes that turn with the body. It does no work on w+ - w^; at rest it is what
+/// cancels the same part of the torques (11) that hold against F.
+///
+///   K_skew = -[d x F]x / 2
+template <class T>
+Matrix3<T> lever_skew(const Vector3<T>& d, const Vector3<T>& F) noexcept {
+  return skew<T>(F.cross(d) * T(Real(0.5)));
+}
+
 /// (21) of the part of F along d alone, where it pulls: s (1 - d d^T / b^2).
 inline Block pull_stiffness(const Column& d, const Vec3& F) noexcept {
   const Real pull = std::max(dot(d, Column(F)), Real(0));
@@ -49,12 +58,14 @@ inline Block block_of(const Mat3& A) noexcept {
 }
 
 /// (21) of a force F at r from what a body turns about, into its A and b; h^2 F. w: its predicted angular velocity.
-template <class T>
+/// is_whole: with its skew part, which an A that is to be symmetric cannot take.
+template <bool is_whole, class T>
 void stiffen(const Vector3<T>& r, const Vector3<T>& F, const Vector3<T>& w, Matrix3<T>& A,
              Vector3<T>& b) noexcept {
   const T felt = felt_share * A.trace() * T(Real(1) / 3);
   if (!any(felt * felt < F.squaredNorm() * r.squaredNorm())) return;
-  const Matrix3<T> K = lever_stiffness<T>(r, F);
+  Matrix3<T> K = lever_stiffness<T>(r, F);
+  if constexpr (is_whole) K += lever_skew<T>(r, F);
   A += K;
   b += K * w;
 }

@@ -66,6 +66,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
                   .max_relaxed = law.max_relaxed,
                   .most = on_world ? infinity : law.most(w.stage),
                   .max_stored_penetration = law.max_stored_penetration});
+    w.report.found += begun.found;
     of.carrier[i] = net.par.nodes[near.a].body;
     ContactPack& pack = of.packs[i / 4];
     const Vec3 r = on_world ? Vec3(Vec3::Zero()) : Vec3(near.p_W - w.finder.at[near.b].p_W);

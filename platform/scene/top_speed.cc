@@ -13,6 +13,8 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t max_rays = 2000;
+/// Of the half thickness of the thinner box, see the header. tests/contacts/test_tunnelling.cc; decision 042.
+constexpr double held_in_a_step = 0.3;
 
 /// Way along the unit vector d from p to the triangle, if it is hit (Moeller, Trumbore 1997); else infinite.
 double way_to(const Vec3& p, const Vec3& d, const Corners& t) {
@@ -68,6 +70,9 @@ class Search {
       for (std::size_t s = 0; s < contacts_.surfaces.size(); ++s) against_surface(sphere, s);
       for (const BodySphere& other : contacts_.spheres) against_sphere(sphere, other);
     }
+    for (const Surface& a : contacts_.surfaces)
+      for (const Surface& b : contacts_.surfaces)
+        if (a.body < b.body && b.body != world) of_boxes(a, b);
     return slowest_;
   }
 
@@ -85,6 +90,19 @@ class Search {
     if (tools_[sphere.body] == tools_[other.body] || !scene_.bodies[other.body].shapes.empty()) return;
     take(sphere, other.material, other.body, other.radius,
          "sphere of body '" + scene_.bodies[other.body].name + "'");
+  }
+
+  /// Whose edges cross.
+  void of_boxes(const Surface& a, const Surface& b) {
+    if (a.shape.kind != ShapeKind::box || b.shape.kind != ShapeKind::box || tools_[a.body] == tools_[b.body])
+      return;
+    if (imposed(a.body) && imposed(b.body)) return;
+    const double T = std::min(a.shape.half_extents.minCoeff(), b.shape.half_extents.minCoeff());
+    keep({.what =
+              "boxes of bodies '" + scene_.bodies[a.body].name + "' and '" + scene_.bodies[b.body].name + "'",
+          .travel = held_in_a_step * T / scene_.step,
+          .energy = infinite,
+          .hand = infinite});
   }
 
   /// Placed at its target, whatever is in the way.

@@ -8,6 +8,11 @@
 //            cannot leave out while                                             h v < r + T
 //   energy:  the tool's m v^2 / 2 goes into one contact before its depth is r + T: v < (r + T) sqrt(k / m)
 //
+// Edges of boxes on two bodies cross where no sphere is, and are sought where a step is predicted to end, not on the way. What
+// is deep there along every axis has no way back; measured, pairs are held, to the points that move fastest, while
+//
+//   boxes:   h v < 0.3 T
+//
 // m: of the whole tool, and with another tool m_1 m_2 / (m_1 + m_2); k: of one sphere, damping left out. What
 // goes on pushing is not in this: a hand that follows x_H deep is held as long as its coupling k_c balances the
 // contact at less than r + T, x_H < (r + T) (1 + k / k_c). A body placed at its target by coupling = "imposed" is
@@ -21,9 +26,9 @@
 
 namespace godobject {
 
-/// Of one sphere and what it may pass. Infinite where nothing limits it.
+/// Of one sphere and what it may pass, or of two boxes. Infinite where nothing limits it.
 struct SpeedBound {
-  std::string what;   // "sphere of body 'tool' and obstacle 'wall'"
+  std::string what;   // "sphere of body 'tool' and obstacle 'wall'", "boxes of bodies 'a' and 'b'"
   double travel = 0;  // m/s
   double energy = 0;  // m/s
   double hand = 0;    // x_H, m

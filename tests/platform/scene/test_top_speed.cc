@@ -102,6 +102,20 @@ TEST(TopSpeed, OfTwoToolsIsThatOfTheirReducedMass) {
   EXPECT_FALSE(top_speed(scene)) << "one tool, and nothing to touch";
 }
 
+TEST(TopSpeed, OfBoxesOnTwoBodiesIsThatOfTheirEdges) {
+  SceneConfig scene = sphere_and_wall(1e9);
+  scene.bodies.push_back(body_of("brick", 0.1, 1e-5));
+  for (BodyConfig& body : scene.bodies) {
+    body.shapes.resize(1);
+    body.shapes[0].kind = ShapeKind::box;
+    body.shapes[0].half_extents = Vec3(0.02, 0.008, 0.03);
+  }
+  scene.bodies[1].shapes[0].half_extents = Vec3(0.004, 0.02, 0.02);
+  const SpeedBound bound = top_speed(scene).value();
+  EXPECT_NEAR(bound.top(), 0.3 * 0.004 / scene.step, 1e-9);
+  EXPECT_EQ(bound.what, "boxes of bodies 'tool' and 'brick'");
+}
+
 TEST(TopSpeed, OfAMeshKnowsItsThinnestPlace) {
   MeshData slab;
   for (int i = 0; i < 8; ++i)

@@ -169,22 +169,5 @@ TEST(ContactScenes, FilesAreWhatTheirScriptsWrite) {
   }
 }
 
-/// Tools that springs press into obstacles, which jumped or stood with a velocity.
-TEST(AttackScenes, PressedToolsRest) {
-  for (const char* name : {"box-1e3", "box-1e4", "wedge", "velocity-tr-bdf2"}) {
-    const std::filesystem::path file = test::shared_file(std::string("attacks/chatter-") + name + ".toml");
-    if (file.empty()) GTEST_SKIP() << "no attacks/ in the shared folder";
-    const SceneConfig scene = load_scene(file.string()).scene.value();
-    Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
-    ASSERT_TRUE(made.session) << made.errors.front();
-    CycleRecord record = made.session->at_start();
-    while (record.t < scene.duration - scene.step / 2) made.session->cycle(record);
-    EXPECT_EQ(record.fault, Fault::none);
-    EXPECT_GT(record.contacts.num_contacts, 0u) << name;
-    const Twist& V = record.bodies[0].V_WB;
-    EXPECT_LT(V.v.norm() + V.w.norm() * 0.03, 1e-9) << name;
-  }
-}
-
 }  // namespace
 }  // namespace godobject::test_contact_scenes
