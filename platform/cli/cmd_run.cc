@@ -12,6 +12,7 @@
 #include "platform/cli/run/options.h"
 #include "platform/cli/run/report.h"
 #include "platform/cli/run/run_view.h"
+#include "platform/cli/run/spacemouse.h"
 #include "platform/cli/run/stop_signals.h"
 #include "platform/cli/verbs.h"
 #include "platform/rt/background_file.h"

@@ -12,9 +12,9 @@
 
 #include "hal/drive/watchdog.h"
 #include "platform/cli/bus/load_text.h"
+#include "platform/cli/run/spacemouse.h"
 #include "platform/cli/run/start_check.h"
 #include "platform/linux/tracker_thread.h"
-#include "platform/rt/background_file.h"
 #include "platform/rt/clock.h"
 #include "platform/scene/profile_toml.h"
 #include "platform/scene/scene_toml.h"
@@ -87,25 +87,6 @@ void check_view(const RunOptions& options, std::vector<std::string>& errors) {
     errors.push_back(
         "--view-input: the pages' pointer is the device, and no motor shows its force: leave --bus and "
         "--tracker out");
-}
-
-/// The SpaceMouse is the only hand, and there is one in the scene.
-void check_spacemouse(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
-  const bool has_one = scene.device && scene.device->spacemouse;
-  if (!options.spacemouse) {
-    if (has_one && !options.view_input)
-      run.notes.push_back("scene '" + scene.name +
-                          "' has a SpaceMouse: with --spacemouse it leads; this run has the scene's motion");
-    return;
-  }
-  if (!has_one)
-    run.errors.push_back("--spacemouse: scene '" + scene.name +
-                         "' has none: add [device.spacemouse] (docs/scenes.md)");
-  if (options.fast) run.errors.push_back("--spacemouse: a hand takes part in wall time: leave --fast out");
-  if (!options.motion.empty())
-    run.errors.push_back("--spacemouse: it moves the tool, not --motion: leave either out");
-  if (options.view_input)
-    run.errors.push_back("--spacemouse: the pages' pointer cannot lead, too: leave --view-input out");
 }
 
 bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
@@ -268,17 +249,6 @@ std::string make_folders(const RunOptions& options) {
       return "'" + folder_of(path).string() + "' cannot be made: " + error.message();
   }
   return "";
-}
-
-std::string connect_spacemouse(const RunOptions& options, PreparedRun& run) {
-  if (!run.spacemouse) return "";
-  constexpr std::size_t console_bytes = 1 << 12;
-  const auto console = std::make_shared<BackgroundFile>(STDERR_FILENO, console_bytes);
-  const auto log = [console](const std::string& line) { static_cast<void>(console->write(line + "\n")); };
-  const std::string socket = options.spacemouse->empty() ? spacenav_socket() : *options.spacemouse;
-  std::string why_not;
-  run.spacemouse_thread = SpaceMouseThread::start(socket, *run.spacemouse, log, why_not);
-  return why_not;
 }
 
 PreparedRun prepare(const RunOptions& options) {

@@ -44,7 +44,7 @@ struct RunOptions {
 struct PreparedRun {
   std::unique_ptr<PointerDevice> pointer;               // --view-input; null without
   std::unique_ptr<SpaceMouse> spacemouse;               // --spacemouse; null without
-  std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see connect_spacemouse()
+  std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see platform/cli/run/spacemouse.h
   std::unique_ptr<Session> session;                     // null where there are errors
   RunPlan plan;
   BusPlan buses;
@@ -58,9 +58,6 @@ struct PreparedRun {
 };
 
 PreparedRun prepare(const RunOptions& options);
-
-/// Where the run has a SpaceMouse: to its daemon, with a thread from here on. Empty, or why not.
-std::string connect_spacemouse(const RunOptions& options, PreparedRun& run);
 
 /// Makes the folders of the outputs that are not there yet. Empty, or why one cannot be made.
 std::string make_folders(const RunOptions& options);
