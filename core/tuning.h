@@ -136,8 +136,6 @@ struct FrictionOnNets {
 /// Of the kinetic energy of the nodes: what springs may be taken wrong by before they are taken again; and how often.
 inline constexpr Real max_spring_miss = 1e-6;
 inline constexpr int max_linearisations = 8;
-/// By which what is missed has to fall from one to the next.
-inline constexpr Real spring_convergence = 0.1;
 
 // Conjugate gradients (28), where blocks have no room. test_few_blocks.cc.
 

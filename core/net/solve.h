@@ -67,8 +67,7 @@ void solve_net_anew(Real h, const NetInput<typename Contacts::Net>& in,
 }
 
 /// (46)  The velocities of nodes and of the bodies that carry and touch them, with the springs taken where the nodes are led
-/// to until they hold: first from where they are on their carriers, then from where that leads while it converges. Where
-/// it does not, (47).
+/// to until they hold: first from where they are on their carriers, then from where that leads. Where they never do, (47).
 template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {
@@ -82,12 +81,12 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
     for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));
   };
   int linearisations = 1;
-  for (Real most = std::numeric_limits<Real>::infinity();; ++linearisations) {
+  for (;; ++linearisations) {
     const SpringMiss miss = spring_miss<typename Contacts::Net>(in.par, w.x.V.nodes, h, net);
     // at rest there is no kinetic energy to compare with
     if (miss.missed <= max_spring_miss * miss.kinetic + miss.mass * in.par.tolerance * in.par.tolerance)
       break;
-    if (linearisations == max_linearisations || miss.missed > most) {
+    if (linearisations == max_linearisations) {
       at_rest();
       solve_net_anew<Springs::majorised>(h, in, w);
       break;
@@ -96,8 +95,6 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
       at_rest();
       get_off(net, w.x.V);
       net.is_calm = false;
-    } else {
-      most = miss.missed * spring_convergence;
     }
     solve_net_anew(h, in, w);
   }
