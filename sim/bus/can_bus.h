@@ -207,7 +207,7 @@ class SimCanWire {
   void for_each(NodeSet nodes, Function&& function) const;
 
   SimWireParams params_;
-  Random random_;
+  SplitMix64 random_;
   FrameObserver observer_;
   Nanoseconds now_ns_ = 0;
   std::array<SimCanPort*, max_nodes> nodes_{};  // null: place is free

@@ -5,10 +5,10 @@
 
 namespace godobject {
 
-/// SplitMix64 (Steele, Lea, Flood 2014). Any seed is good.
-class Random {
+/// Of Steele, Lea and Flood (2014). Any seed is good.
+class SplitMix64 {
  public:
-  explicit constexpr Random(std::uint64_t seed) noexcept : state_(seed) {}
+  explicit constexpr SplitMix64(std::uint64_t seed) noexcept : state_(seed) {}
 
   constexpr std::uint64_t next() noexcept {
     state_ += 0x9E3779B97F4A7C15u;

@@ -42,7 +42,7 @@ class SimEncoderBoard {
   Nanoseconds last_ = 0;
   double clock_ns_ = 0, next_ns_ = 0;  // its own
   bool started_ = false;
-  Random random_;
+  SplitMix64 random_;
 };
 
 }  // namespace godobject

@@ -79,7 +79,7 @@ class SimTracker {
   FixedQueue<Message, 32> queue_;
   std::size_t sent_ = 0;  // bytes of the first message
   std::uint64_t lost_messages_ = 0;
-  Random random_;
+  SplitMix64 random_;
 };
 
 /// The far end of the tracker that these parameters describe.

@@ -141,7 +141,7 @@ class FaultSoak {
                 device.motion_time, faults, kinds_.size(), seen, to_zero);
   }
 
-  Random random_{20260};
+  SplitMix64 random_{20260};
   std::vector<Kind> kinds_;
 };
 
