@@ -113,10 +113,12 @@ TEST(ContactStability, GainsNothingAtTheCornersOfTheMap) {
 
 /// The paper's Figs. 5 and 6: a brick that is placed where the device is throws the others about.
 /// Over starts some nm apart: what the pulled brick bears hardly depends on them, 0.5 to 0.6 N; whether bricks jam before
-/// the placed one does, 4.6 to 33 N.
+/// the placed one does, 4.6 to 33 N. How deep they are in each other depends on the start for both, so it is the medians that
+/// differ: 0.07 to 0.4 mm and 0.2 to 1 mm.
 TEST(ImposedStudy, APlacedBrickPressesWhatAGodObjectPushes) {
-  PileSample pulled, placed;  // the worst of all
-  for (int start = 0; start < 5; ++start) {
+  double pulled_force = 0, placed_force = 0;  // the worst of all
+  std::vector<double> pulled_overlaps, placed_overlaps;
+  for (int start = 0; start < 9; ++start) {
     LoadResult loaded = load_scene((default_scene_directory() / "lego.toml").string());
     ASSERT_TRUE(loaded.scene);
     for (std::size_t i = 0; i < loaded.scene->bodies.size(); ++i) {
@@ -131,13 +133,14 @@ TEST(ImposedStudy, APlacedBrickPressesWhatAGodObjectPushes) {
     EXPECT_EQ(pull.num_faults, 0u);
     EXPECT_EQ(pull.worst.ejected, 0u);
     EXPECT_GT(pull.worst.force, 0.01);
-    pulled.force = std::max(pulled.force, pull.worst.force);
-    pulled.overlap = std::max(pulled.overlap, pull.worst.overlap);
-    placed.force = std::max(placed.force, place.worst.force);
-    placed.overlap = std::max(placed.overlap, place.worst.overlap);
+    pulled_force = std::max(pulled_force, pull.worst.force);
+    pulled_overlaps.push_back(pull.worst.overlap);
+    placed_force = std::max(placed_force, place.worst.force);
+    placed_overlaps.push_back(place.worst.overlap);
   }
-  EXPECT_GT(placed.force, 10 * pulled.force);
-  EXPECT_GT(placed.overlap, 2 * pulled.overlap);
+  EXPECT_GT(placed_force, 10 * pulled_force);
+  for (auto* const overlaps : {&pulled_overlaps, &placed_overlaps}) std::ranges::sort(*overlaps);
+  EXPECT_GT(placed_overlaps[4], 2 * pulled_overlaps[4]);
 }
 
 TEST(ImposedStudy, SaysWhatItCannotRead) {
