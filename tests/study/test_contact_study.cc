@@ -1,8 +1,10 @@
 // The study of contacts: its measures on what is known in closed form, and what it says of the core.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "platform/scene/scene_toml.h"
 #include "tests/study/contact_imposed_study.h"
