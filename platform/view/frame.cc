@@ -105,8 +105,8 @@ ParseResult decode(std::span<const std::uint8_t> bytes, PointerMessage& out) noe
   if (version != view_version || buttons > (pointer_holds | pointer_moves)) return ParseResult::bad_value;
   message.holds = (buttons & pointer_holds) != 0;
   message.moves = (buttons & pointer_moves) != 0;
-  message.dp_W = Vec3(double{x[0]}, double{x[1]}, double{x[2]});
-  message.dphi_W = Vec3(double{x[3]}, double{x[4]}, double{x[5]});
+  message.dp_W = Vec3(static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2]));
+  message.dphi_W = Vec3(static_cast<double>(x[3]), static_cast<double>(x[4]), static_cast<double>(x[5]));
   // Not finite: no comparison holds.
   if (!(message.dp_W.norm() <= max_pointer_shift) || !(message.dphi_W.norm() <= max_pointer_turn))
     return ParseResult::bad_value;
