@@ -15,7 +15,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A rod, nearly round, that spins about an axis near or far from its own; its spring is weak, damped or not, or there is none.
 template <class I>
-double spin_gain(double rate, double ratio, unsigned seed) {
+double spin_gain(double, double rate, double ratio, unsigned seed) {
   Random random(seed);
   const auto run = std::make_unique<Running<OneBody<I>>>();
   const Real m = random.log_uniform(0.01, 1), moment = m * random.log_uniform(1e-4, 1e-2);
@@ -43,7 +43,7 @@ double spin_gain(double rate, double ratio, unsigned seed) {
 }
 
 template <class I>
-double heavy_end_gain(double ratio, double h, unsigned seed) {
+double heavy_end_gain(double, double ratio, double h, unsigned seed) {
   Random random(seed);
   const auto links = static_cast<std::size_t>(random.integer(2, 5));
   const Swung swung = released_chain<I>(links, ratio, random.uniform(60, 175) * pi / 180, h,
@@ -52,7 +52,7 @@ double heavy_end_gain(double ratio, double h, unsigned seed) {
 }
 
 template <class I>
-double contradicted_speed(double k, double offset, unsigned seed) {
+double contradicted_speed(double, double k, double offset, unsigned seed) {
   const PulledApart pulled = pulled_apart<I>(seed, [&](PulledApart& c) {
     c.k = k;
     c.offset = offset;
@@ -71,16 +71,8 @@ ExtremeMap map_spin(bool quick, const Progress& progress) {
                  .rows = {"rate, rad/s", log_spaced(1, 1e4, quick ? 3 : 9)},
                  .columns = {"ratio of moments", log_spaced(1, 1e4, quick ? 2 : 9)},
                  .draws = quick ? 2U : 40U};
-  fill(
-      map, ImplicitEuler::name,
-      [](double, double rate, double ratio, unsigned seed) {
-        return spin_gain<ImplicitEuler>(rate, ratio, seed);
-      },
-      progress);
-  fill(
-      map, TrBdf2::name,
-      [](double, double rate, double ratio, unsigned seed) { return spin_gain<TrBdf2>(rate, ratio, seed); },
-      progress);
+  fill(map, ImplicitEuler::name, spin_gain<ImplicitEuler>, progress);
+  fill(map, TrBdf2::name, spin_gain<TrBdf2>, progress);
   return map;
 }
 
@@ -95,16 +87,8 @@ ExtremeMap map_heavy_end(bool quick, const Progress& progress) {
                  .rows = {"mass ratio", log_spaced(1, 1e5, quick ? 2 : 6)},
                  .columns = {"step, s", log_spaced(1e-4, 5e-3, quick ? 2 : 6)},
                  .draws = quick ? 2U : 12U};
-  fill(
-      map, ImplicitEuler::name,
-      [](double, double ratio, double h, unsigned seed) {
-        return heavy_end_gain<ImplicitEuler>(ratio, h, seed);
-      },
-      progress);
-  fill(
-      map, TrBdf2::name,
-      [](double, double ratio, double h, unsigned seed) { return heavy_end_gain<TrBdf2>(ratio, h, seed); },
-      progress);
+  fill(map, ImplicitEuler::name, heavy_end_gain<ImplicitEuler>, progress);
+  fill(map, TrBdf2::name, heavy_end_gain<TrBdf2>, progress);
   return map;
 }
 
@@ -119,18 +103,8 @@ ExtremeMap map_contradiction(bool quick, const Progress& progress) {
                  .rows = {"stiffness, N/m", log_spaced(1e3, 1e10, quick ? 2 : 8)},
                  .columns = {"targets off by", log_spaced(0.03, 3, quick ? 2 : 5)},
                  .draws = quick ? 1U : 8U};
-  fill(
-      map, ImplicitEuler::name,
-      [](double, double k, double offset, unsigned seed) {
-        return contradicted_speed<ImplicitEuler>(k, offset, seed);
-      },
-      progress);
-  fill(
-      map, TrBdf2::name,
-      [](double, double k, double offset, unsigned seed) {
-        return contradicted_speed<TrBdf2>(k, offset, seed);
-      },
-      progress);
+  fill(map, ImplicitEuler::name, contradicted_speed<ImplicitEuler>, progress);
+  fill(map, TrBdf2::name, contradicted_speed<TrBdf2>, progress);
   return map;
 }
 
