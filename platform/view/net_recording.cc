@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "platform/session/net_trace.h"
 #include "platform/view/number_rows.h"
@@ -80,31 +79,25 @@ std::vector<Vec3> NetRecording::at(double t) const {
   std::vector<Vec3> nodes(width / 3);
   const auto node = [&](std::size_t row, std::size_t i) {
     const float* const x = &nodes_[row * width + 3 * i];
-    return Vec3(double{x[0]}, double{x[1]}, double{x[2]});
+    return Vec3(static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2]));
   };
   for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = (1 - s) * node(a, i) + s * node(b, i);
   return nodes;
 }
 
 NetRecordingResult read_nets(const std::string& path, const SceneConfig& scene) {
+  std::optional<Rows> rows;
+  std::string wrong = read_rows(
+      path,
+      [&](const std::vector<std::string>& names) {
+        rows.emplace(names.size());
+        return why_not_of(names, scene, path);
+      },
+      [&](const std::string& line) { return rows->add(line); });
+  if (wrong.empty() && rows->times.empty()) wrong = path + ": has no rows";
   NetRecordingResult result;
-  const auto fail = [&](std::string why) {
-    result.errors.push_back(std::move(why));
-    return result;
-  };
-  std::ifstream in(path, std::ios::binary);
-  std::string line;
-  if (!in || !std::getline(in, line)) return fail(path + ": cannot be read, or is empty");
-  const std::vector<std::string> names = split_at_commas(line);
-  if (std::string why_not = why_not_of(names, scene, path); !why_not.empty()) return fail(std::move(why_not));
-  Rows rows(names.size());
-  for (std::size_t number = 2; std::getline(in, line); ++number) {
-    if (in.eof()) break;  // without a line end: a run that was killed was about to write it
-    if (const std::string why_not = rows.add(line); !why_not.empty())
-      return fail(path + ":" + std::to_string(number) + ": " + why_not);
-  }
-  if (rows.times.empty()) return fail(path + ": has no rows");
-  result.nets.emplace(std::move(rows.times), std::move(rows.nodes));
+  if (!wrong.empty()) result.errors.push_back(std::move(wrong));
+  else result.nets.emplace(std::move(rows->times), std::move(rows->nodes));
   return result;
 }
 

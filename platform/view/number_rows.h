@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <fstream>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,6 +30,21 @@ inline bool read_numbers(std::string_view line, std::span<double> numbers) {
     at = next + 1;
   }
   return true;
+}
+
+/// The file: its line of names to begin(names), each row to add(line); both say what is wrong, or nothing. Empty, or that.
+template <class Begin, class Add>
+std::string read_rows(const std::string& path, Begin begin, Add add) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  if (!in || !std::getline(in, line)) return path + ": cannot be read, or is empty";
+  if (std::string why_not = begin(split_at_commas(line)); !why_not.empty()) return why_not;
+  for (std::size_t number = 2; std::getline(in, line); ++number) {
+    if (in.eof()) break;  // without a line end: a run that was killed was about to write it
+    if (const std::string why_not = add(line); !why_not.empty())
+      return path + ":" + std::to_string(number) + ": " + why_not;
+  }
+  return "";
 }
 
 }  // namespace godobject

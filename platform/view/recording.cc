@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <span>
 #include <string_view>
 
@@ -193,27 +192,24 @@ Recording recording_of(const SceneConfig& scene) {
 }
 
 RecordingResult read_trace(const std::string& path, const SceneConfig& scene) {
+  std::optional<TraceReader> reader;
+  std::size_t num_columns = 0;
+  std::string wrong = read_rows(
+      path,
+      [&](const std::vector<std::string>& names) {
+        num_columns = names.size();
+        std::string why_not = why_not_of(names, scene, path);
+        if (why_not.empty()) reader.emplace(scene, names);
+        return why_not;
+      },
+      [&](const std::string& row) {
+        return reader->add(row) ? std::string()
+                                : "not the " + std::to_string(num_columns) + " numbers of a trace's row";
+      });
+  if (wrong.empty() && reader->samples.empty()) wrong = path + ": the trace has no rows";
   RecordingResult result;
-  const auto fail = [&](std::string why) {
-    result.errors.push_back(std::move(why));
-    return result;
-  };
-  std::ifstream in(path, std::ios::binary);
-  std::string line;
-  if (!in || !std::getline(in, line)) return fail(path + ": cannot be read, or is empty");
-  const std::vector<std::string> names = split_at_commas(line);
-  if (std::string why_not = why_not_of(names, scene, path); !why_not.empty()) return fail(std::move(why_not));
-  TraceReader reader(scene, names);
-  std::size_t number = 1;
-  while (std::getline(in, line)) {
-    ++number;
-    if (in.eof()) break;  // without a line end: a run that was killed was about to write it
-    if (!reader.add(line))
-      return fail(path + ":" + std::to_string(number) + ": not the " + std::to_string(names.size()) +
-                  " numbers of a trace's row");
-  }
-  if (reader.samples.empty()) return fail(path + ": the trace has no rows");
-  result.recording = Recording{.scene = scene, .samples = std::move(reader.samples)};
+  if (!wrong.empty()) result.errors.push_back(std::move(wrong));
+  else result.recording = Recording{.scene = scene, .samples = std::move(reader->samples)};
   return result;
 }
 
