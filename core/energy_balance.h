@@ -56,6 +56,7 @@ class EnergyBalance {
       }
       if constexpr (imposes<S>) W += joint_work(par, x, out, i);
     }
+    if constexpr (uses<NetOf<S>>) floor += net_gain_floor * net_spring_energy(par, x);
     Real may_give = 0;  // that is not known of this step, at most
     if constexpr (uses<ContactsOf<S>>) {
       const Springs springs = contact_springs(par, x, w);

@@ -51,7 +51,7 @@ struct TrBdf2 {
   }
 
  private:
-  enum class Begin : std::uint8_t { from_K_0, by_itself, as_euler };
+  enum class Begin : std::uint8_t { from_memory, by_itself, as_euler };
   enum class StepEnd : std::uint8_t {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
@@ -99,24 +99,8 @@ struct TrBdf2 {
     }
     const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
     if constexpr (expects_turns<S>) w.turns.known = still_smooth;
-    for (std::size_t g = 0; g < num_groups(par); ++g) {
-      const StageVelocityOf<T>& V_1 = w.velocities[g];
-      if (still_smooth) {
-        const Start<S> y(GroupIn<S>(g, num_bodies(par)), x);
-        const Vector3<T> a_1 = (V_1.v_W - w.bases[g].v_W) * (1 / h_1);
-        const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
-        if (starts_itself<S> && begin == Begin::by_itself)
-          w.bases[g] = extrapolated<T>(y.x, V_1.v_W, V_1.w_B, a_1, alpha_1, (1 - d) * h);
-        else
-          w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
-                                       y.alpha_B + alpha_1, b * h);
-        if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
-      } else {
-        w.bases[g] = moved(w.bases[g], V_1, h_1);
-      }
-    }
-    if (still_smooth) extend_nodes(par, x, b * h, h_1, w);
-    else follow_nodes(par, x, h_1, w);
+    if (still_smooth) extend_bases(begin, par, x, h_1, h_2, w);
+    else follow_bases(par, x, h_1, w);
     lead_joints(par, 1, w);
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
@@ -147,6 +131,33 @@ struct TrBdf2 {
     return still_smooth ? StepEnd::second_order : StepEnd::first_order;
   }
 
+  /// (13)  The bases of the second stage, of length h_2; the first was h_1 long.
+  template <Scene S>
+  static void extend_bases(Begin begin, const Params<S>& par, const State<S>& x, Real h_1,
+                           [[maybe_unused]] Real h_2, Scratch<S>& w) noexcept {
+    using T = Lanes<S>;
+    for (std::size_t g = 0; g < num_groups(par); ++g) {
+      const StageVelocityOf<T>& V_1 = w.velocities[g];
+      const Start<S> y(GroupIn<S>(g, num_bodies(par)), x);
+      const Vector3<T> a_1 = (V_1.v_W - w.bases[g].v_W) * (1 / h_1);
+      const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
+      if (starts_itself<S> && begin == Begin::by_itself)
+        w.bases[g] = extrapolated<T>(y.x, V_1.v_W, V_1.w_B, a_1, alpha_1, (1 - d) * par.h);
+      else
+        w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
+                                     y.alpha_B + alpha_1, b * par.h);
+      if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
+    }
+    extend_nodes(par, x, b * par.h, h_1, w);
+  }
+
+  /// Those of a second Euler step: where the first one has ended.
+  template <Scene S>
+  static void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
+    for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], h_1);
+    follow_nodes(par, x, h_1, w);
+  }
+
   /// (12), or where there is no K_0 an implicit Euler step of d h, or of c h.
   template <Scene S>
   static StageEnd solve_first_stage(Begin begin, const Params<S>& par, const State<S>& x,
@@ -155,7 +166,7 @@ struct TrBdf2 {
     const bool smooth = begin != Begin::as_euler;
     const Real h = par.h;
     const Real h_1 = smooth ? d * h : c * h;
-    const Real dh = begin == Begin::from_K_0 ? d * h : 0;
+    const Real dh = begin == Begin::from_memory ? d * h : 0;
     const Real end = first_end(begin);
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       const GroupIn<S> group(g, num_bodies(par));
@@ -205,14 +216,15 @@ struct TrBdf2 {
   /// keep what a step gains.
   template <Scene S>
   static bool turn_is_small(const BodyParams<S>& par, const Vec3& w_B, Real h) noexcept {
-    Real max_turn = par.body.max_turn;
+    Real max_turn = uses<NetOf<S>> ? std::min(par.body.max_turn, max_carrier_turn) : par.body.max_turn;
     if constexpr (uses<typename S::Coupling>) {
       if (!(par.coupling.g_r > 0) && par.coupling.k_r > 0) max_turn = Real(0.5) / par.body.anisotropy;
     }
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
   }
 
-  /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step.
+  /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step; so does a
+  /// net of which an iteration was stopped, or springs had to be taken again.
   template <Scene S>
   static bool is_calm(const Scratch<S>& w) noexcept {
     bool calm = true;
@@ -220,7 +232,7 @@ struct TrBdf2 {
     if constexpr (uses<ContactsOf<S>>)
       calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
     if constexpr (uses<NetOf<S>>)
-      calm = calm && w.contacts.net.is_calm &&
+      calm = calm && w.contacts.net.is_calm && w.contacts.net.is_solved &&
              touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
     return calm;
   }
@@ -236,7 +248,7 @@ struct TrBdf2 {
       known = known && y.memory.known;
       if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
     }
-    if (smooth && known) return Begin::from_K_0;
+    if (smooth && known) return Begin::from_memory;
     return smooth && may_start_itself(par, x) ? Begin::by_itself : Begin::as_euler;
   }
 

@@ -117,15 +117,17 @@ struct Iteration {
 
 /// The nodes of nets: where the stage starts, and where it ends.
 template <class S>
+struct NetMotions {
+  std::array<NodeMotion, NetOf<S>::max_nodes> bases;
+  std::array<NodeState<S>, NetOf<S>::max_nodes> next;  // committed if finite
+};
+template <class S>
 struct NetMotionsType {
   using type = Absent<21>;
 };
 template <class S>
 requires(uses<NetOf<S>>) struct NetMotionsType<S> {
-  struct type {
-    std::array<NodeMotion, NetOf<S>::max_nodes> bases;
-    std::array<NodeState<S>, NetOf<S>::max_nodes> next;  // committed if finite
-  };
+  using type = NetMotions<S>;
 };
 template <class S>
 using NetMotionsOf = typename NetMotionsType<S>::type;

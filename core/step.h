@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/device/feedback.h"
+#include "core/net/momentum.h"
 #include "core/stage.h"
 
 namespace godobject {
@@ -126,6 +127,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   // motion: (10), (11), by one or two stages (12), (13)
   if (!any(out.fault)) {
     out.limited |= S::Integrator::advance(par, x, w);
+    if constexpr (uses<NetOf<S>>) keep_angular_momentum(par, x, w);
     if (!is_finite(par, w)) out.fault |= Fault::state_not_finite;
   }
   if (!any(out.fault)) commit(par, w, x);

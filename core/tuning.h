@@ -16,6 +16,9 @@ namespace godobject {
 /// along a straight line means nothing. tests/core/test_stability.cc; docs/decisions/045.
 inline constexpr Real max_extrapolated_turn = 0.25;
 
+/// rad: the same of a body in a scene with nets, whose nodes are extrapolated with it. tests/net/test_net_stability.cc.
+inline constexpr Real max_carrier_turn = 0.1;
+
 // Joints where a stage is predicted to end (core/joint).
 
 /// rad: a stage that turns a body farther has its joints and contacts where it starts. tests/articulated, spins to
@@ -136,6 +139,12 @@ struct FrictionOnNets {
 /// Of the kinetic energy of the nodes: what springs may be taken wrong by before they are taken again; and how often.
 inline constexpr Real max_spring_miss = 1e-6;
 inline constexpr int max_linearisations = 8;
+/// (48): nets that are pressed gain up to 0.03 of what they exchange, those that go on gaining 0.17 and more.
+inline constexpr Real max_spring_gain = 0.05;
+
+/// (49), of the angular momentum that motions of this speed may have: a step that changes more of it does not resolve how its
+/// springs turn, and giving it back may gain energy. The same tests.
+inline constexpr Real max_given_back = 4e-3;
 
 // Conjugate gradients (28), where blocks have no room. test_few_blocks.cc.
 

@@ -190,8 +190,12 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
       left = scale_velocities(h, island, system, w);
     }
     done = settle_contacts<Seeking>(newton_iterations, island, w, most);
-    if constexpr (System::is_coupled) done = (done && converged) || iterations >= how.most_iterations;
-    else done = done && left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
+    if constexpr (System::is_coupled) {
+      w.net.is_solved = done && converged;
+      done = w.net.is_solved || iterations >= how.most_iterations;
+    } else {
+      done = done && left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
+    }
     system.each([&](auto u) noexcept { x.V_0[u] = x.V[u]; });
   }
   const Real residual = std::max(left / h, most.worst());
@@ -216,9 +220,9 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   find_contacts(par, before, num_bodies, h, w.finder, w.near);
   (find_net_contacts(par, net, num_bodies, h, w), ...);
   find_pairs(num_bodies, w);
+  w.report = {.num_near = w.near.size, .found = w.stage.found};
   begin_contacts(par, before, num_bodies, h, w);
   (begin_net_contacts(par, net, h, w), ...);
-  w.report = {.num_near = w.near.size, .found = w.stage.found};
   for (std::size_t n = 0; n < w.graph.num_islands; ++n) {
     const Island& island = w.graph.islands[n];
     if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);

@@ -72,10 +72,10 @@ struct NetStage {
   std::array<Block, max_nodes> D_inverse;  // of the incomplete factor of the nodes
   std::array<Column, max_nodes> riding_v;  // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;
-  OfBodies delta, c_1;   // (45)
-  OfBodies on_carriers;  // impulses of anchors on bodies, at the end
-  bool is_calm =
-      true;  // false: springs had to be taken again, and accelerations say nothing of the next step
+  OfBodies delta, c_1;    // (45)
+  OfBodies on_carriers;   // impulses of anchors on bodies, at the end
+  bool is_calm = true;    // false: springs had to be taken again
+  bool is_solved = true;  // false: the iteration was stopped at its most
   NetReport report;
 };
 

@@ -67,7 +67,8 @@ void solve_net_anew(Real h, const NetInput<typename Contacts::Net>& in,
 }
 
 /// (46)  The velocities of nodes and of the bodies that carry and touch them, with the springs taken where the nodes are led
-/// to until they hold: first from where they are on their carriers, then from where that leads. Where they never do, (47).
+/// to until they hold: first from where they are on their carriers, then from where that leads. Where they never do, or (48)
+/// they gain energy, (47).
 template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {
@@ -83,11 +84,11 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   int linearisations = 1;
   for (;; ++linearisations) {
     const SpringMiss miss = spring_miss<typename Contacts::Net>(in.par, w.x.V.nodes, h, net);
-    // at rest there is no kinetic energy to compare with
-    if (miss.missed <= max_spring_miss * miss.kinetic + miss.mass * in.par.tolerance * in.par.tolerance)
-      break;
-    if (linearisations == max_linearisations) {
+    const bool misses = miss.is_too_much(in.par.tolerance);
+    if (!misses && !miss.is_gain(in.par.tolerance)) break;
+    if (!misses || linearisations == max_linearisations) {
       at_rest();
+      net.is_calm = false;
       solve_net_anew<Springs::majorised>(h, in, w);
       break;
     }

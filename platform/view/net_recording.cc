@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t max_bytes = std::size_t{256} << 20;
 
 /// The columns are those of this scene's nets; empty, or why not.
-std::string why_not_of(const std::vector<std::string>& names, const SceneConfig& scene,
-                       const std::string& path) {
+std::string why_not_nets(const std::vector<std::string>& names, const SceneConfig& scene,
+                         const std::string& path) {
   if (scene.nets.empty()) return path + ": scene '" + scene.name + "' has no [[net]]";
   const std::vector<std::string> expected = net_trace_columns(scene_nets(scene));
   const auto [name, wanted] = std::ranges::mismatch(names, expected);
@@ -91,7 +91,7 @@ NetRecordingResult read_nets(const std::string& path, const SceneConfig& scene) 
       path,
       [&](const std::vector<std::string>& names) {
         rows.emplace(names.size());
-        return why_not_of(names, scene, path);
+        return why_not_nets(names, scene, path);
       },
       [&](const std::string& line) { return rows->add(line); });
   if (wrong.empty() && rows->times.empty()) wrong = path + ": has no rows";

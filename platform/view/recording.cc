@@ -124,8 +124,8 @@ ViewSample sample_of(std::span<const double> numbers, const std::vector<std::siz
   return sample;
 }
 
-std::string why_not_of(const std::vector<std::string>& names, const SceneConfig& scene,
-                       const std::string& path) {
+std::string why_not_trace(const std::vector<std::string>& names, const SceneConfig& scene,
+                          const std::string& path) {
   const std::vector<std::string> expected = trace_columns(scene);
   const std::size_t common = std::min(expected.size(), names.size());
   for (std::size_t i = 0; i < common; ++i)
@@ -198,7 +198,7 @@ RecordingResult read_trace(const std::string& path, const SceneConfig& scene) {
       path,
       [&](const std::vector<std::string>& names) {
         num_columns = names.size();
-        std::string why_not = why_not_of(names, scene, path);
+        std::string why_not = why_not_trace(names, scene, path);
         if (why_not.empty()) reader.emplace(scene, names);
         return why_not;
       },

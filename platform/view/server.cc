@@ -176,7 +176,7 @@ std::string Hub::listen() {
   for (int port = first; port <= last; ++port) {
     const tcp::endpoint place(address, static_cast<std::uint16_t>(port));
     Error closed;
-    static_cast<void>(acceptor_.close(closed));
+    closed = acceptor_.close(closed);
     error = {};
     if (acceptor_.open(place.protocol(), error) ||
         acceptor_.set_option(net::socket_base::reuse_address(true), error) || acceptor_.bind(place, error) ||
@@ -208,14 +208,18 @@ void Hub::run_thread() {
 
 Hub::~Hub() {
   if (!thread_.joinable()) return;
-  net::post(io_, [this] { say_farewell(); });
+  try {
+    net::post(io_, [this] { say_farewell(); });
+  } catch (const std::exception&) {  // out of memory: without a farewell
+    io_.stop();
+  }
   thread_.join();
 }
 
 void Hub::say_farewell() {
   ending_ = true;
   Error ignored;
-  static_cast<void>(acceptor_.close(ignored));
+  ignored = acceptor_.close(ignored);
   for (const auto& requests : requests_) requests->drop();
   for (const auto& stream : streams_) stream->close(websocket::close_code::going_away, "the run has ended");
   timer_.expires_after(farewell_patience);
@@ -235,7 +239,7 @@ void Hub::accept() {
       requests_.front()->drop();
       requests_.pop_front();
     }
-    static_cast<void>(socket.set_option(tcp::no_delay(true), error));
+    error = socket.set_option(tcp::no_delay(true), error);
     requests_.push_back(std::make_shared<Requests>(std::move(socket), *this));
     requests_.back()->read();
     accept();

@@ -3,8 +3,10 @@
 
 namespace godobject {
 
-std::unique_ptr<ViewServer> ViewServer::start(const ServerSettings& /*settings*/, ViewSource& /*source*/,
-                                              Log /*log*/, std::string& why_not) {
+std::unique_ptr<ViewServer> ViewServer::start(
+    const ServerSettings& /*settings*/, ViewSource& /*source*/,
+    Log /*log*/,  // NOLINT(performance-unnecessary-value-param): server.cc keeps it
+    std::string& why_not) {
   why_not =
       "view: this program was built without Boost, which its server needs: ./dev setup view (or apt-get "
       "install "

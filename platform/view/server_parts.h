@@ -67,7 +67,7 @@ class Stream : public std::enable_shared_from_this<Stream> {
   /// Without a word.
   void drop() {
     Error ignored;
-    static_cast<void>(beast::get_lowest_layer(socket_).socket().close(ignored));
+    ignored = beast::get_lowest_layer(socket_).socket().close(ignored);
   }
   bool is_stalled(Clock::time_point now) const {
     return !waiting_.empty() && now - writing_since_ > write_patience;

@@ -84,7 +84,7 @@ bool about_equal(double a, double b) noexcept {
 
 Solid solid_of_inertia(double mass, const Mat3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
-  const Vec3 I = axes.eigenvalues();  // rising
+  const Vec3& I = axes.eigenvalues();  // rising
   Mat3 R = axes.eigenvectors();
   const auto root = [](double a) { return std::sqrt(std::max(a, 0.0)); };
   Solid solid{.role = SolidRole::inertia};

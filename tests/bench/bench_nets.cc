@@ -90,16 +90,16 @@ class HangingRun final : public NetPeer {
     return {.X_WD = {.p = p}, .V_WD = {.v = v}};
   }
   static void add_net(typename S::Net::Params& net) {
-    const HangingNet of;
-    const Real k_held = 1e4 * of.k;
-    for (std::uint32_t n = 0; n < of.num_nodes; ++n)
-      net.nodes[net.num_nodes++] = {.m = of.m,
-                                    .p_B = of.node(n),
-                                    .k = of.is_held(n) ? k_held : 0,
-                                    .g = of.is_held(n) ? 2 * std::sqrt(k_held * of.m) : of.g_air,
-                                    .radius = of.node_radius};
-    for (const auto& [i, j] : of.springs())
-      net.springs[net.num_springs++] = {.i = i, .j = j, .k = of.k, .g = of.g(), .l_0 = of.spacing};
+    using Of = HangingNet;
+    const Real k_held = 1e4 * Of::k;
+    for (std::uint32_t n = 0; n < Of::num_nodes; ++n)
+      net.nodes[net.num_nodes++] = {.m = Of::m,
+                                    .p_B = Of::node(n),
+                                    .k = Of::is_held(n) ? k_held : 0,
+                                    .g = Of::is_held(n) ? 2 * std::sqrt(k_held * Of::m) : Of::g_air,
+                                    .radius = Of::node_radius};
+    for (const auto& [i, j] : Of::springs())
+      net.springs[net.num_springs++] = {.i = i, .j = j, .k = Of::k, .g = Of::g(), .l_0 = Of::spacing};
     put_in_order(net);
   }
 

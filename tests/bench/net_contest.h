@@ -22,10 +22,11 @@ struct HangingNet {
   static constexpr double mu = 0.3, h = 1e-3, period = 1.5;          // s
   static constexpr std::size_t first_pressed = 250, num_pressed = 1000, num_steps = 3000;
 
-  double g() const { return 0.2 * std::sqrt(k * m); }  // N s/m, of a spring
+  static double g() { return 0.2 * std::sqrt(k * m); }  // N s/m, of a spring
   static bool is_held(std::uint32_t n) { return n < across; }
+  static std::uint32_t row(std::uint32_t n) { return n / across; }
   static Vec3 node(std::uint32_t n) {
-    return spacing * Vec3(n % across - 0.5 * (across - 1), 0, -static_cast<double>(n / across));
+    return spacing * Vec3(n % across - 0.5 * (across - 1), 0, -static_cast<double>(row(n)));
   }
   static std::vector<std::array<std::uint32_t, 2>> springs() {
     std::vector<std::array<std::uint32_t, 2>> all;
@@ -51,7 +52,7 @@ double stretch_error(NodeAt at) {
   using Net = HangingNet;
   double worst = 0;
   for (std::uint32_t n = 0; n + Net::across < Net::num_nodes; ++n) {
-    const double below = Net::down - 1 - n / Net::across;
+    const double below = Net::down - 1 - Net::row(n);
     const double strain = below * Net::m * Net::gravity / (Net::k * Net::spacing);
     const double length = (at(n + Net::across) - at(n)).norm();
     worst = std::max(worst, std::abs(length / Net::spacing - 1 - strain));

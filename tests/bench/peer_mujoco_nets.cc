@@ -35,7 +35,7 @@ void write_tendons(std::ostream& xml, const MujocoHow& how) {
   for (const auto& [i, j] : HangingNet::springs()) {
     xml << "<spatial name='t" << num++ << "'";
     if (how.is_spring)
-      xml << " stiffness='" << HangingNet::k << "' damping='" << HangingNet{}.g() << "' springlength='"
+      xml << " stiffness='" << HangingNet::k << "' damping='" << HangingNet::g() << "' springlength='"
           << HangingNet::spacing << "'";
     xml << "><site site='n" << i << "'/><site site='n" << j << "'/></spatial>";
   }

@@ -99,7 +99,8 @@ struct Rig : Running<S> {
 
 /// The same by the oracle at the end, a node as a ball whose springs are at its centre.
 oracle::Solution solved_exactly(Real l_0) {
-  const Rig<Tethered<TrBdf2>> rig(1e-3, l_0);
+  using Tether = Rig<Tethered<TrBdf2>>;
+  const Tether rig(1e-3, l_0);
   oracle::Case c;
   c.gravity = rig.par.gravity_W;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -132,9 +133,9 @@ oracle::Solution solved_exactly(Real l_0) {
   hinge.axis_P = Vec3::UnitY();
   hinge.q_PC = exp_so3(Vec3(0, -pi / 2, 0));
   c.joints.push_back(hinge);
-  c.springs = {{.a = 1, .b = 2, .p_A = rig.tip(), .k = 30, .g = 0.2, .l_0 = l_0},
-               {.b = 2, .p_A = rig.anchor(), .k = 20, .g = 0.1},
-               {.a = 0, .b = 1, .p_A = Vec3(0, 0.02, 0), .p_B = rig.tip(), .k = 10, .g = 0.02}};
+  c.springs = {{.a = 1, .b = 2, .p_A = Tether::tip(), .k = 30, .g = 0.2, .l_0 = l_0},
+               {.b = 2, .p_A = Tether::anchor(), .k = 20, .g = 0.1},
+               {.a = 0, .b = 1, .p_A = Vec3(0, 0.02, 0), .p_B = Tether::tip(), .k = 10, .g = 0.02}};
   for (const Real end : {-1.0, 1.0})
     c.on_floor.push_back(
         {.body = 0, .p_B = Vec3(end * link / 2, 0, 0), .radius = radius, .k = floor_law.k, .c = floor_law.c});

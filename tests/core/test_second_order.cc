@@ -34,7 +34,7 @@ struct Released {
     for (int n = 0; n < duration; ++n) {
       for (int part = 0; part < parts; ++part) {
         run.step();
-        if (num_first_order != nullptr) *num_first_order += has(run.out.limited, Limited::first_order);
+        if (num_first_order != nullptr && has(run.out.limited, Limited::first_order)) ++*num_first_order;
       }
       poses.push_back(run.body().X_WB);
     }

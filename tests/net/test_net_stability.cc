@@ -13,7 +13,6 @@ constexpr unsigned seeds = 125;  // of each ordeal and integrator: 2000 in all
 constexpr unsigned seeds = 4;  // builds with assertions and sanitizers take a hundred times as long
 #endif
 constexpr int most_steps = 400;
-constexpr int most_gaining = 9;  // of each kind
 
 /// What a case came to.
 struct Outcome {
@@ -39,17 +38,13 @@ template <class I>
 class NetStability : public ::testing::Test {
  protected:
   void outlive_all(Ordeal ordeal) {
-    int gained = 0;
     for (unsigned seed = 0; seed < seeds; ++seed) {
       auto net = std::make_unique<RandomNet<I>>(seed, static_cast<int>(ordeal));
       const Outcome outcome = outlive(*net);
       EXPECT_TRUE(outcome.finite) << "seed " << seed << ": " << net->of.text();
-      gained += outcome.gains ? 1 : 0;
+      EXPECT_FALSE(outcome.gains) << "seed " << seed << ", " << outcome.worst
+                                  << " of the energy at work: " << net->of.text();
     }
-    // Not none: decision 048, "Left". 34 of all 2000 nets, at most 9 of one kind.
-    EXPECT_LE(gained, most_gaining) << ordeal_names[static_cast<int>(ordeal)];
-    std::printf("%s, %s: %u nets, %d gain energy\n", I::name, ordeal_names[static_cast<int>(ordeal)], seeds,
-                gained);
   }
 };
 using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;

@@ -183,8 +183,8 @@ TEST(NetDynamics, AStretchedSheetHasItsFirstFrequency) {
   place_net(par.net, run->x);
   ASSERT_EQ(validate(par), Invalid::nothing);
   const auto mode = [&](std::size_t at) {
-    return std::sin(pi * static_cast<Real>(at % (n + 1)) / n) *
-           std::sin(pi * static_cast<Real>(at / (n + 1)) / n);
+    const std::size_t row = at / (n + 1), column = at % (n + 1);
+    return std::sin(pi * static_cast<Real>(column) / n) * std::sin(pi * static_cast<Real>(row) / n);
   };
   const auto amplitude = [&] {
     Real sum = 0;

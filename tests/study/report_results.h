@@ -11,7 +11,7 @@ void write_error(std::ostream& out, const std::vector<ErrorRow>& rows);
 /// The exchange of write_error() on scenes drawn at random.
 void write_random(std::ostream& out, const std::vector<RandomRow>& rows);
 void write_extremes(std::ostream& out, const std::vector<ExtremeMap>& maps);
-void write_nets(std::ostream& out, const NetResults& results);
+void write_nets(std::ostream& out, const NetResults& nets);
 void write_stability(std::ostream& out, const StudyResults& results);
 void write_joints(std::ostream& out, const StudyResults& results);
 void write_contacts(std::ostream& out, const StudyResults& results);

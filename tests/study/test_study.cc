@@ -188,7 +188,7 @@ void expect_random(const QuickRun& run) {
 
 void expect_nets(const QuickRun& run) {
   const NetResults& nets = run.results.nets;
-  EXPECT_EQ(nets.errors.size(), 2 * 2 * error_steps(true).size());
+  EXPECT_EQ(nets.errors.size(), std::size_t{4} * error_steps(true).size());
   EXPECT_EQ(lines_of(run.out("net-error.csv")).size(), nets.errors.size() + 1);
   for (const NetErrorRow& r : nets.errors) {
     SCOPED_TRACE(r.scene + " " + r.integrator + " " + std::to_string(r.h));

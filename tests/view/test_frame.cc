@@ -72,7 +72,7 @@ TEST(Frame, HasTheDocumentedLayout) {
     const std::vector<Vec3> vertices(3, Vec3(1, 2, 3));
     std::vector<std::uint8_t> bytes;
     encode(sample, driven, vertices, bytes);
-    ASSERT_EQ(bytes.size(), 120 + 28 * num_bodies + 76 + 44 * num_contacts + 12 * 3);
+    ASSERT_EQ(bytes.size(), 120 + 28 * num_bodies + 76 + 44 * num_contacts + 12 * vertices.size());
     EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 4), "GOVF");
     EXPECT_EQ(at<std::uint16_t>(bytes, 4), 1);
     EXPECT_EQ(at<std::uint16_t>(bytes, 6), 120);

@@ -91,9 +91,10 @@ class Canvas {
       for (std::uint32_t x = 0; x < image.width; ++x)
         for (std::size_t channel = 0; channel < 3; ++channel) {
           unsigned sum = 0;
-          for (std::uint32_t i = 0; i < samples * samples; ++i)
-            sum +=
-                pixels_[std::size_t{y * samples + i / samples} * width_ + x * samples + i % samples][channel];
+          for (std::uint32_t i = 0; i < samples * samples; ++i) {
+            const std::size_t row = y * samples + i / samples, column = x * samples + i % samples;
+            sum += pixels_[row * width_ + column][channel];
+          }
           image.rgb.push_back(static_cast<std::uint8_t>(sum / (samples * samples)));
         }
     return image;

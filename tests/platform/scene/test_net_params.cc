@@ -173,7 +173,7 @@ Elasticity stretched(const NetConfig& net) {
   for (const NetSpring& s : nets.springs) {
     const Eigen::Vector2d u = (nets.nodes[s.j].p_B - nets.nodes[s.i].p_B).head<2>() / s.l_0;
     const Eigen::Matrix2d k = s.k * u * u.transpose();
-    const Eigen::Index i = 2 * s.i, j = 2 * s.j;
+    const Eigen::Index i = 2 * Eigen::Index{s.i}, j = 2 * Eigen::Index{s.j};
     K.block<2, 2>(i, i) += k;
     K.block<2, 2>(j, j) += k;
     K.block<2, 2>(i, j) -= k;
@@ -254,7 +254,7 @@ Eigen::VectorXd squared_frequencies(const SceneNets& nets) {
   for (const NetSpring& s : nets.springs) {
     const Vec3 u = (nets.nodes[s.j].p_B - nets.nodes[s.i].p_B) / s.l_0;
     const Mat3 k = s.k * u * u.transpose();
-    const Eigen::Index i = 3 * s.i, j = 3 * s.j;
+    const Eigen::Index i = 3 * Eigen::Index{s.i}, j = 3 * Eigen::Index{s.j};
     K.block<3, 3>(i, i) += k;
     K.block<3, 3>(j, j) += k;
     K.block<3, 3>(i, j) -= k;

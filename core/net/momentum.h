@@ -1,0 +1,98 @@
+// A net in free flight with its carrier keeps its angular momentum.
+//
+// An implicit integrator keeps linear momentum and not the angular one: sum m p+ x v+ is sum m p x v+, since p+ = p + h v+, and
+// springs that act along p+ have a torque about p. What a step has changed of it is given back as a turn of all that flies,
+//
+//   (49)  w = I^-1 (L - L+),  v+ += w x (p+ - c),  about the common centre of mass c
+//
+// the projection on what is to be kept (Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4). Where anything else
+// acts, the error is one of the integrator's order among others, and stays.
+#pragma once
+
+#include "core/stage.h"
+
+namespace godobject {
+
+/// Mass, centre, momentum and inertia of what moves as one.
+struct Flight {
+  Real m = 0, size = 0;  // size: of L_W, were all its parts one way
+  Vec3 mp_W = Vec3::Zero(), L_W = Vec3::Zero();
+  Mat3 I_W = Mat3::Zero();
+
+  Vec3 centre() const noexcept { return mp_W / m; }
+  /// A mass at r from the centre.
+  void add(Real mass, const Vec3& r, const Vec3& v) noexcept {
+    L_W += mass * r.cross(v);
+    size += mass * r.norm() * v.norm();
+    I_W += mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+  }
+  void add(const RigidBodyParams& par, const RigidBodyState& x) noexcept {
+    const Mat3 R = x.X_WB.q.toRotationMatrix();
+    add(par.m, x.X_WB.p - centre(), x.v_W);
+    L_W += R * (par.I_B * x.w_B);
+    I_W += R * par.I_B * R.transpose();
+  }
+};
+
+/// Of body i with the nodes of a run; at(n): NodeState.
+template <Scene S, class NodeAt>
+Flight flight_of(const Params<S>& par, const NetRun& run, const RigidBodyState& body, NodeAt at) noexcept {
+  Flight all{.m = par.bodies[run.body].body.m, .mp_W = par.bodies[run.body].body.m * body.X_WB.p};
+  for (std::uint32_t n = run.first; n < run.end; ++n) {
+    all.m += par.net.nodes[n].m;
+    all.mp_W += par.net.nodes[n].m * at(n).p_W;
+  }
+  all.add(par.bodies[run.body].body, body);
+  for (std::uint32_t n = run.first; n < run.end; ++n)
+    all.add(par.net.nodes[n].m, at(n).p_W - all.centre(), at(n).v_W);
+  return all;
+}
+
+/// Nothing pulls the body but its net and gravity.
+template <Scene S>
+bool flies([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const Scratch<S>& w,
+           std::size_t i) noexcept {
+  bool free = i != world;
+  if constexpr (uses<typename S::Coupling>) {
+    const SpringParams& k = par.bodies[i].coupling;
+    free = free && (!(w.pulls[i].ramp.s > 0) || !(k.k > 0 || k.g > 0 || k.k_r > 0 || k.g_r > 0));
+  }
+  if constexpr (uses<typename S::Device>) {
+    const Wrench& F = w.pulls[i].F_WB;
+    free = free && !(F.f.squaredNorm() + F.tau.squaredNorm() > 0);
+  }
+  return free;
+}
+
+/// (49) of w.next, where nothing is near anything.
+template <Scene S>
+void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+  if constexpr (!uses<typename S::Joints> && !uses<TermsOf<S>>) {
+    const auto& net = w.contacts.net;
+    if (w.contacts.near.size > 0 || net.near.size > 0) return;
+    for (std::size_t k = 0; k < net.num_runs; ++k) {
+      const NetRun& run = net.runs[k];
+      for (std::uint32_t s = net.first_of[run.first]; s < net.first_of[run.end]; ++s)
+        if (net.other[s] >= run.end) return;  // springs join it with what another body carries
+    }
+    each_carried(net, [&](const NetRun& run) noexcept {
+      if (!flies(par, w, run.body)) return;
+      Next<S>& next = w.next[run.body / lanes<S>];
+      const std::size_t j = run.body % lanes<S>;
+      const RigidBodyState body = lane(next.x, j);
+      const Flight before = flight_of(
+          par, run, x.bodies[run.body].x, [&](std::uint32_t n) -> const auto& { return x.net.nodes[n]; });
+      const Flight after = flight_of(
+          par, run, body, [&](std::uint32_t n) -> const auto& { return w.net.next[n]; });
+      const Vec3 lost = before.L_W - after.L_W;
+      if (lost.norm() > max_given_back * before.size) return;
+      const Vec3 w_W = solve3<Real>(after.I_W, lost), c = after.centre();
+      set_lane(next.x.v_W, j, Vec3(body.v_W + w_W.cross(body.X_WB.p - c)));
+      set_lane(next.x.w_B, j, Vec3(body.w_B + to_body<Real>(body.X_WB.q, w_W)));
+      for (std::uint32_t n = run.first; n < run.end; ++n)
+        w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c);
+    });
+  }
+}
+
+}  // namespace godobject
