@@ -15,7 +15,7 @@ namespace godobject {
 
 /// Mass, centre, momentum and inertia of what moves as one.
 struct Flight {
-  Real m = 0, size = 0;  // size: of L_W, were all its parts one way
+  Real m = 0, size = 0;  // size: of L_W without spin, were all its parts one way
   Vec3 mp_W = Vec3::Zero(), L_W = Vec3::Zero();
   Mat3 I_W = Mat3::Zero();
 

@@ -3,8 +3,8 @@
 // net, which is a body like any other (the god-object), or on a point of the world.
 //
 // The room: springs.h is what anchors and springs are in a stage, incomplete_factor.h the preconditioner of the nodes,
-// coupled_system.h bodies and nodes as one system, find.h and contacts.h what nodes touch, stage.h nodes from stage to
-// stage, setup.h what is checked and put in order before the first step.
+// coupled_system.h bodies and nodes as one system, find.h and contacts.h what nodes touch, solve.h a stage of all of it,
+// momentum.h what a net in flight keeps, setup.h what is checked and put in order before the first step.
 #pragma once
 
 #include <array>

@@ -56,6 +56,19 @@ struct TouchingEachOther {
   using Contacts = BodyContacts<20, 5, 30>;
 };
 
+/// A tool with a net round it that touches a plane, and a sheet in the scene.
+template <class IntegratorPart>
+struct Netted {
+  static constexpr std::size_t max_bodies = 2;
+  using Integrator = IntegratorPart;
+  using Device = PoseDevice;
+  using Coupling = DampedSpring;
+  using Joints = None;
+  using Feedback = LimitedFeedback;
+  using Contacts = BodyContacts<2, 1, 10>;
+  using Net = MassSpringNet<50, 100, 50>;
+};
+
 constexpr Real h = 1e-3;
 constexpr int num_steps = 3000;
 
@@ -137,13 +150,38 @@ void add_touching(Params<S>& par) {
   contacts.laws[0][0] = {.k = 2e4, .c = 40, .mu = 0.4, .k_t = 1e4, .c_t = 10};
 }
 
+/// Two sheets of 5 x 5: one on the second body, one held in the world by its corners.
+template <Scene S>
+void add_nets(Params<S>& par) {
+  par.contacts.surfaces[par.contacts.num_surfaces++] = {
+      .shape = {.X_WS = {.p = Vec3(0, 0, -0.02), .q = Quat(0.8, 0, 0.6, 0)}}};
+  par.contacts.laws[0][0] = {.k = 500, .c = 0.2, .mu = 0.4, .k_t = 500, .c_t = 0.1};
+  auto& net = par.net;
+  for (std::uint32_t n = 0; n < 50; ++n) {
+    const std::uint32_t row = n / 5, column = n % 5;
+    const bool carried = n < 25, corner = (row == 5 || row == 9) && (column == 0 || column == 4);
+    net.nodes[net.num_nodes++] = {.m = 1e-4,
+                                  .body = carried ? 1 : world,
+                                  .p_B = 0.01 * Vec3(column, row, carried ? 2 : 0),
+                                  .k = carried  ? 10.0
+                                       : corner ? 100.0
+                                                : 0.0,
+                                  .g = 0.01,
+                                  .radius = 0.004};
+    if (column > 0) net.springs[net.num_springs++] = {.i = n - 1, .j = n, .k = 100, .g = 0.01, .l_0 = 0.009};
+    if (row % 5 > 0) net.springs[net.num_springs++] = {.i = n - 5, .j = n, .k = 100, .g = 0.01, .l_0 = 0.009};
+  }
+  put_in_order(net);
+}
+
 template <Scene S>
 void set_up(Params<S>& par, State<S>& x) {
   par.h = h;
   par.num_bodies = S::max_bodies;
   par.gravity_W = Vec3(0, 0, -9.81);
   if constexpr (uses<ContactsOf<S>>) {
-    if constexpr (ContactsOf<S>::between_bodies) add_touching(par);
+    if constexpr (uses<NetOf<S>>) add_nets(par);
+    else if constexpr (ContactsOf<S>::between_bodies) add_touching(par);
     else add_contacts(par);
   }
   Mat3 I_B;
@@ -158,6 +196,7 @@ void set_up(Params<S>& par, State<S>& x) {
           {.X_WB = {.p = Vec3(0.1, 0.2, 0.3), .q = Quat(0.5, 0.5, -0.5, 0.5)},
            .V_WB = {.w = Vec3(1, 9, 2), .v = Vec3(0.1, 0, 0.2)}});
   }
+  if constexpr (uses<NetOf<S>>) place_net(par.net, x);
 }
 
 template <Scene S>
@@ -182,6 +221,7 @@ void print_hash(const char* name) {
     if constexpr (uses<ContactsOf<S>>) {
       for (const BodyOutput<S>& body : out.bodies) outputs.add(body.contact.F_W);
       num_contacts += out.contacts.num_contacts;
+      if constexpr (uses<NetOf<S>>) num_contacts += out.net.num_contacts;
     }
   }
   if (uses<ContactsOf<S>> && num_contacts == 0) std::printf("fault: nothing was touched\n");
@@ -201,6 +241,7 @@ void print_hashes() {
   print_hash<TouchingEachOther<Integrator>>("  contacts between bodies");
   print_hash<TouchingEachOther<Integrator, TreeJoints<JointStops, ImposedJoints>>>(
       "  contacts between tools");
+  print_hash<Netted<Integrator>>("  nets");
 }
 
 }  // namespace

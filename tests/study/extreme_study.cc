@@ -15,7 +15,9 @@ namespace {
 std::string range_with_rims(const Axis& axis) {
   const double first = std::log10(axis.values.front()), last = std::log10(axis.values.back()),
                half = (last - first) / (2 * (static_cast<double>(axis.values.size()) - 1));
-  return "[" + std::to_string(first - half) + ":" + std::to_string(last + half) + "]";
+  std::ostringstream text;
+  text << '[' << first - half << ':' << last + half << ']';
+  return text.str();
 }
 
 std::string text_of(double value) {
