@@ -56,7 +56,7 @@ struct TrBdf2 {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
     unsolved  // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain
-              // energy; or joints (39) or springs (46) do not hold: to be taken again
+              // energy; or joints (39) do not hold, or springs gain (46): to be taken again
   };
 
   /// Forces of joints and contacts are not known at the start: extrapolated from the first stage alone they may drive.
@@ -224,7 +224,7 @@ struct TrBdf2 {
   }
 
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step; so does a
-  /// net of which an iteration was stopped, or springs had to be taken again.
+  /// net of which an iteration was stopped, or springs were majorised.
   template <Scene S>
   static bool is_calm(const Scratch<S>& w) noexcept {
     bool calm = true;

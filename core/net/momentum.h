@@ -3,7 +3,7 @@
 // An implicit integrator keeps linear momentum and not the angular one: sum m p+ x v+ is sum m p x v+, since p+ = p + h v+, and
 // springs that act along p+ have a torque about p. What a step has changed of it is given back as a turn of all that flies,
 //
-//   (49)  w = I^-1 (L - L+),  v+ += w x (p+ - c),  about the common centre of mass c
+//   (48)  w = I^-1 (L - L+),  v+ += w x (p+ - c),  about the common centre of mass c
 //
 // the projection on what is to be kept (Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4). Where anything else
 // acts, the error is one of the integrator's order among others, and stays.
@@ -64,7 +64,7 @@ bool flies([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const Scratch
   return free;
 }
 
-/// (49) of w.next, where nothing is near anything.
+/// (48) of w.next, where nothing is near anything.
 template <Scene S>
 void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   if constexpr (!uses<typename S::Joints> && !uses<TermsOf<S>>) {

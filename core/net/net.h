@@ -46,7 +46,7 @@ struct NetParams {
 /// What a step says of its nets, at the end of its last stage.
 struct NetReport {
   int iterations = 0;            // of conjugate gradients
-  int linearisations = 0;        // of the springs, in the last stage
+  bool majorised = false;        // (47) was needed for the springs in the last stage
   int newton_iterations = 0;     // over the modes of their contacts
   Real residual = 0;             // the largest force on a node that is left unbalanced, N
   std::size_t num_contacts = 0;  // of nodes, that bear a force

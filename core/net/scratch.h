@@ -74,7 +74,7 @@ struct NetStage {
   using OfBodies = std::array<SpatialVector, N>;
   OfBodies delta, c_1;    // (45)
   OfBodies on_carriers;   // impulses of anchors on bodies, at the end
-  bool is_calm = true;    // false: springs had to be taken again
+  bool is_calm = true;    // false: springs were majorised
   bool is_solved = true;  // false: the iteration was stopped at its most
   NetReport report;
 };

@@ -56,19 +56,20 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
   get_off(w.net, w.x.V);
 }
 
-/// The springs where velocities V of the solution lead the nodes, and the stage solved again.
-template <Springs as = Springs::linear, class Contacts, std::size_t N>
-void solve_net_anew(Real h, const NetInput<typename Contacts::Net>& in,
-                    BodyContactScratch<Contacts, N>& w) noexcept {
-  lead_nodes(w.x.V.nodes, h, w.net);
-  linearise_net<as>(in, h, w);
-  std::copy_n(w.net.v.begin(), w.net.num_nodes, w.x.V_0.nodes.begin());
+/// (47)  The stage again, with the springs majorised: from where it starts, at rest.
+template <class Contacts, std::size_t N>
+void solve_majorised(Real h, const NetInput<typename Contacts::Net>& in,
+                     BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& net = w.net;
+  for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));
+  lead_nodes(w.x.V.nodes, h, net);
+  linearise_net<Springs::majorised>(in, h, w);
+  std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
 }
 
-/// (46)  The velocities of nodes and of the bodies that carry and touch them, with the springs taken where the nodes are led
-/// to until they hold: first from where they are on their carriers, then from where that leads. Where they never do, or (48)
-/// they gain energy, (47).
+/// The velocities of nodes and of the bodies that carry and touch them: with springs linear where the stage is predicted to
+/// end, or, where they gain energy that way (46), majorised.
 template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {
@@ -78,28 +79,10 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
   std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
-  const auto at_rest = [&]() noexcept {
-    for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));
-  };
-  int linearisations = 1;
-  for (;; ++linearisations) {
-    const SpringMiss miss = spring_miss<typename Contacts::Net>(in.par, w.x.V.nodes, h, net);
-    const bool misses = miss.is_too_much(in.par.tolerance);
-    if (!misses && !miss.is_gain(in.par.tolerance)) break;
-    if (!misses || linearisations == max_linearisations) {
-      at_rest();
-      net.is_calm = false;
-      solve_net_anew<Springs::majorised>(h, in, w);
-      break;
-    }
-    if (net.is_calm) {
-      at_rest();
-      get_off(net, w.x.V);
-      net.is_calm = false;
-    }
-    solve_net_anew(h, in, w);
-  }
-  net.report.linearisations = linearisations;
+  net.is_calm =
+      !spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net).is_too_much(in.par.tolerance);
+  if (!net.is_calm) solve_majorised(h, in, w);
+  net.report.majorised = !net.is_calm;
 }
 
 }  // namespace godobject

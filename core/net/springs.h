@@ -64,7 +64,7 @@ void predict_nodes(const Bases& bases, const Vec3& gravity_W, Real h, NetStage<N
     w.p[n] = Column(bases[n].p_W) + w.v[n] * h;
   }
 }
-/// (46)  Or where velocities v lead them.
+/// Or where velocities v lead them.
 template <class Net, std::size_t N, class Velocities>
 void lead_nodes(const Velocities& v, Real h, NetStage<Net, N>& w) noexcept {
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
@@ -188,64 +188,46 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
   }
 }
 
-/// Of the springs where velocities v lead. missed, kinetic: what (41) misses of their forces, as velocities that this gives to
-/// nodes of the mass of the first, and that the next stage, in which a stiff spring takes back what it can, makes of it; and
-/// the velocities themselves: both squared and times mass. gained, exchanged: the sides of (48), J.
-struct SpringMiss {
-  Real missed = 0, kinetic = 0, gained = 0, exchanged = 0;
-  Real mass = 0;  // of all nodes, kg
+/// (46)  What springs gain in a stage whose solution is v, but for what others do on the nodes, J; of what they take and give;
+/// and the mass of the nodes, kg.
+struct SpringGain {
+  Real gained = 0, exchanged = 0, mass = 0;
 
-  /// speed: below which nothing moves, m/s; at rest there is no kinetic energy to compare with.
+  /// speed: below which nothing moves, m/s.
   bool is_too_much(Real speed) const noexcept {
-    return missed > max_spring_miss * kinetic + mass * speed * speed;
-  }
-  bool is_gain(Real speed) const noexcept {
     return gained > max_spring_gain * exchanged + mass * speed * speed;
   }
 };
 template <class Net, std::size_t N, class Velocities>
-SpringMiss spring_miss(const typename Net::Params& par, const Velocities& v, Real h,
+SpringGain spring_gain(const typename Net::Params& par, const Velocities& v, Real h,
                        const NetStage<Net, N>& w) noexcept {
-  SpringMiss sum;
+  SpringGain sum;
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
     const Column by_others = v[n] - w.v_free[n];
-    sum.kinetic += w.m[n] * dot(v[n], v[n]);
     sum.gained -= Real(0.5) * w.m[n] * dot(by_others, by_others);
     sum.mass += w.m[n];
   }
-  Pack missed = 0, gained = 0, exchanged = 0;
+  Pack gained = 0, exchanged = 0;
   const auto num_springs = static_cast<std::uint32_t>(par.num_springs);
   for (std::uint32_t s = 0; s < num_springs; s += 4) {
     const FourSprings springs(&par.springs[s], num_springs - s);
-    const auto& of = springs.of;
     const Pack k = springs.of_each(&NetSpring::k), g = springs.of_each(&NetSpring::g),
                l_0 = springs.of_each(&NetSpring::l_0);
     const Vector3<Pack> x = springs.between(w.p), x_dot = springs.between(w.v), v_j_i = springs.between(v);
-    const Vector3<Pack> d = v_j_i - x_dot, x_1 = x + d * Pack(h), x_start = x - x_dot * Pack(h);
-    const Pack l_sq = x.squaredNorm(), l_1_sq = x_1.squaredNorm();
-    const Pack per_l = 1 / sqrt(l_sq), per_l_1 = 1 / sqrt(l_1_sq);
+    const Vector3<Pack> d = v_j_i - x_dot;
+    const Pack l = sqrt(x.squaredNorm()), l_start = sqrt((x - x_dot * Pack(h)).squaredNorm()),
+               l_end = sqrt((x + d * Pack(h)).squaredNorm()), per_l = 1 / l;
     const Pack F = k * (1 - l_0 * per_l) + g * x.dot(x_dot) * per_l * per_l;  // along x
-    const Pack F_1 = k * (1 - l_0 * per_l_1) + g * x_1.dot(v_j_i) * per_l_1 * per_l_1;
     std::array<Pack, 4> q_a;
     for (std::uint32_t n = 0; n < 4; ++n) q_a[n] = w.q_a[std::min(s + n, num_springs - 1)];
     const auto [q_x, q_y, q_z, a] = columns({q_a[0], q_a[1], q_a[2]}, q_a[3]);
-    const Vector3<Pack> q(q_x.p, q_y.p, q_z.p);
-    const Vector3<Pack> minus_J = x * (F * h) + d * a.p + q * q.dot(d), miss = x_1 * (F_1 * h) - minus_J;
-    const Pack l_1 = l_1_sq * per_l_1, l_start = sqrt(x_start.squaredNorm());
-    const Pack dU = k * (l_1 - l_start) * ((l_1 + l_start) * Real(0.5) - l_0);
-    const Pack m(w.m[of[0]->i], w.m[of[1]->i], w.m[of[2]->i], w.m[of[3]->i]), eta = m + (k * h + g) * h;
-    const PackMask has_length = Pack(0) < min(l_sq, l_1_sq);
-    Pack missed_sq = select(has_length, miss.squaredNorm() * m / (eta * eta), Pack(0));
-    Pack gain = select(has_length, dU - minus_J.dot(v_j_i), Pack(0));
-    for (std::uint32_t n = num_springs - s; n < 4; ++n) {
-      missed_sq.set(n, 0);
-      gain.set(n, 0);
-    }
-    missed += missed_sq;
+    const Vector3<Pack> q(q_x.p, q_y.p, q_z.p), J = -(x * (F * h) + d * a.p + q * q.dot(d));
+    const Pack dU = k * (l_end - l_start) * ((l_end + l_start) * Real(0.5) - l_0);
+    Pack gain = select(Pack(0) < l, dU + J.dot(v_j_i), Pack(0));
+    for (std::uint32_t n = num_springs - s; n < 4; ++n) gain.set(n, 0);
     gained += gain;
-    exchanged += select(has_length, max(dU, -dU), Pack(0));
+    exchanged += max(dU, -dU);
   }
-  sum.missed = total(missed);
   sum.gained += total(gained);
   sum.exchanged = total(exchanged);
   return sum;
