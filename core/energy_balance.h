@@ -36,14 +36,15 @@ class EnergyBalance {
       energy_ += last_[i].energy;
     }
     gravity_ = gravity_energy(par, x);
-    energy_ += kinetic(par, x) + gravity_ + other_springs(par, x);
+    energy_ += kinetic(par, x) + gravity_ + (other_springs(par, x) + net_springs(par, x));
     watch_.start(energy_);
   }
 
   /// After each step that was taken: of its state, scratch and output.
   void observe(const Params<S>& par, const State<S>& x, const Scratch<S>& w, const Output<S>& out) noexcept {
-    const Real T = kinetic(par, x), gravity = gravity_energy(par, x);
-    Real U = gravity + other_springs(par, x), W = 0, floor = gain_floor;
+    const Real T = kinetic(par, x), gravity = gravity_energy(par, x), of_nets = net_springs(par, x);
+    Real U = gravity + (other_springs(par, x) + of_nets), W = 0,
+         floor = gain_floor + net_gain_floor * of_nets;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const RigidBodyState& body = x.bodies[i].x;
       const Coupled now = coupled(par, x, i);
@@ -56,7 +57,6 @@ class EnergyBalance {
       }
       if constexpr (imposes<S>) W += joint_work(par, x, out, i);
     }
-    if constexpr (uses<NetOf<S>>) floor += net_gain_floor * net_spring_energy(par, x);
     Real may_give = 0;  // that is not known of this step, at most
     if constexpr (uses<ContactsOf<S>>) {
       const Springs springs = contact_springs(par, x, w);
@@ -99,7 +99,7 @@ class EnergyBalance {
     Coupled c;
     if constexpr (uses<typename S::Coupling>) {
       const SpringParams& gains = par.bodies[i].coupling;
-      if (!(gains.k > 0 || gains.g > 0 || gains.k_r > 0 || gains.g_r > 0)) return c;
+      if (!godobject::pulls(gains)) return c;
       c.pulls = true;
       c.X_WB = body.x.X_WB;
       c.target = body.device.last;
@@ -125,14 +125,20 @@ class EnergyBalance {
     return T;
   }
 
-  /// Of stops, terms and nets.
+  /// Of nets.
+  static Real net_springs([[maybe_unused]] const Params<S>& par,
+                          [[maybe_unused]] const State<S>& x) noexcept {
+    if constexpr (uses<NetOf<S>>) return net_spring_energy(par, x);
+    return 0;
+  }
+
+  /// Of stops and terms.
   static Real other_springs(const Params<S>& par, const State<S>& x) noexcept {
     Real U = 0;
     if constexpr (uses<typename S::Joints>) {
       for (std::size_t i = 0; i < num_bodies(par); ++i) U += stops_energy(par, x, i);
     }
     if constexpr (uses<TermsOf<S>>) U += term_energy(par, x);
-    if constexpr (uses<NetOf<S>>) U += net_spring_energy(par, x);
     return U;
   }
 

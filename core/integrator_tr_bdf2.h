@@ -93,7 +93,7 @@ struct TrBdf2 {
       still_smooth = still_smooth && alike;
     }
     if constexpr (uses<NetOf<S>>) {
-      if (smooth && !w.contacts.net.is_calm) return StepEnd::unsolved;
+      if (smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
       still_smooth =
           still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
     }
@@ -112,7 +112,7 @@ struct TrBdf2 {
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved) return StepEnd::unsolved;
     if constexpr (uses<NetOf<S>>)
-      if (still_smooth && !w.contacts.net.is_calm) return StepEnd::unsolved;
+      if (still_smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
 
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       Next<S>& next = w.next[g];
@@ -232,7 +232,7 @@ struct TrBdf2 {
     if constexpr (uses<ContactsOf<S>>)
       calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
     if constexpr (uses<NetOf<S>>)
-      calm = calm && w.contacts.net.is_calm && w.contacts.net.is_solved &&
+      calm = calm && !w.contacts.net.report.majorised && w.contacts.net.is_solved &&
              touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
     return calm;
   }

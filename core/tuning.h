@@ -136,7 +136,8 @@ struct FrictionOnNets {
 
 // Springs of nets. tests/net/test_net_stability.cc.
 
-/// (46), of the energy that springs exchange in a stage, what they may gain: nets that are pressed gain up to 0.03 of what they exchange, those that go on gaining 0.17 and more.
+/// (46), of the energy that springs exchange in a stage, what they may gain: nets that are pressed gain up to 0.03 of it, those
+/// that go on gaining 0.17 and more.
 inline constexpr Real max_spring_gain = 0.05;
 
 /// (48), of the angular momentum that motions of this speed may have: a step that changes more of it does not resolve how its

@@ -15,6 +15,11 @@ struct SpringParamsOf {
 };
 using SpringParams = SpringParamsOf<Real>;
 
+/// It does anything: not all gains are zero.
+inline bool pulls(const SpringParams& spring) noexcept {
+  return spring.k > 0 || spring.g > 0 || spring.k_r > 0 || spring.g_r > 0;
+}
+
 /// The coupling part of a scene. Bodies of the scene without a coupling have all gains zero.
 struct DampedSpring {
   using Params = SpringParams;

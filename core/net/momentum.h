@@ -34,34 +34,44 @@ struct Flight {
   }
 };
 
-/// Of body i with the nodes of a run; at(n): NodeState.
-template <Scene S, class NodeAt>
-Flight flight_of(const Params<S>& par, const NetRun& run, const RigidBodyState& body, NodeAt at) noexcept {
+/// Of the carrier of a run with its nodes.
+template <Scene S, class Nodes>
+Flight flight_of(const Params<S>& par, const NetRun& run, const RigidBodyState& body,
+                 const Nodes& nodes) noexcept {
   Flight all{.m = par.bodies[run.body].body.m, .mp_W = par.bodies[run.body].body.m * body.X_WB.p};
   for (std::uint32_t n = run.first; n < run.end; ++n) {
     all.m += par.net.nodes[n].m;
-    all.mp_W += par.net.nodes[n].m * at(n).p_W;
+    all.mp_W += par.net.nodes[n].m * nodes[n].p_W;
   }
   all.add(par.bodies[run.body].body, body);
   for (std::uint32_t n = run.first; n < run.end; ++n)
-    all.add(par.net.nodes[n].m, at(n).p_W - all.centre(), at(n).v_W);
+    all.add(par.net.nodes[n].m, nodes[n].p_W - all.centre(), nodes[n].v_W);
   return all;
 }
 
 /// Nothing pulls the body but its net and gravity.
 template <Scene S>
 bool flies([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const Scratch<S>& w,
-           std::size_t i) noexcept {
-  bool free = i != world;
+           [[maybe_unused]] std::size_t i) noexcept {
   if constexpr (uses<typename S::Coupling>) {
-    const SpringParams& k = par.bodies[i].coupling;
-    free = free && (!(w.pulls[i].ramp.s > 0) || !(k.k > 0 || k.g > 0 || k.k_r > 0 || k.g_r > 0));
+    if (w.pulls[i].ramp.s > 0 && pulls(par.bodies[i].coupling)) return false;
   }
   if constexpr (uses<typename S::Device>) {
     const Wrench& F = w.pulls[i].F_WB;
-    free = free && !(F.f.squaredNorm() + F.tau.squaredNorm() > 0);
+    if (F.f.squaredNorm() + F.tau.squaredNorm() > 0) return false;
   }
-  return free;
+  return true;
+}
+
+/// A spring joins nodes of two carriers.
+template <class Net, std::size_t N>
+bool joins_carriers(const NetStage<Net, N>& w) noexcept {
+  for (std::size_t k = 0; k < w.num_runs; ++k) {
+    const NetRun& run = w.runs[k];
+    for (std::uint32_t s = w.first_of[run.first]; s < w.first_of[run.end]; ++s)
+      if (w.other[s] >= run.end) return true;
+  }
+  return false;
 }
 
 /// (48) of w.next, where nothing is near anything.
@@ -70,20 +80,13 @@ void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& 
   if constexpr (!uses<typename S::Joints> && !uses<TermsOf<S>>) {
     const auto& net = w.contacts.net;
     if (w.contacts.near.size > 0 || net.near.size > 0) return;
-    for (std::size_t k = 0; k < net.num_runs; ++k) {
-      const NetRun& run = net.runs[k];
-      for (std::uint32_t s = net.first_of[run.first]; s < net.first_of[run.end]; ++s)
-        if (net.other[s] >= run.end) return;  // springs join it with what another body carries
-    }
     each_carried(net, [&](const NetRun& run) noexcept {
-      if (!flies(par, w, run.body)) return;
+      if (!flies(par, w, run.body) || joins_carriers(net)) return;
       Next<S>& next = w.next[run.body / lanes<S>];
       const std::size_t j = run.body % lanes<S>;
       const RigidBodyState body = lane(next.x, j);
-      const Flight before = flight_of(
-          par, run, x.bodies[run.body].x, [&](std::uint32_t n) -> const auto& { return x.net.nodes[n]; });
-      const Flight after = flight_of(
-          par, run, body, [&](std::uint32_t n) -> const auto& { return w.net.next[n]; });
+      const Flight before = flight_of(par, run, x.bodies[run.body].x, x.net.nodes),
+                   after = flight_of(par, run, body, w.net.next);
       const Vec3 lost = before.L_W - after.L_W;
       if (lost.norm() > max_given_back * before.size) return;
       const Vec3 w_W = solve3<Real>(after.I_W, lost), c = after.centre();

@@ -74,7 +74,6 @@ struct NetStage {
   using OfBodies = std::array<SpatialVector, N>;
   OfBodies delta, c_1;    // (45)
   OfBodies on_carriers;   // impulses of anchors on bodies, at the end
-  bool is_calm = true;    // false: springs were majorised
   bool is_solved = true;  // false: the iteration was stopped at its most
   NetReport report;
 };

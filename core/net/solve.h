@@ -61,11 +61,11 @@ template <class Contacts, std::size_t N>
 void solve_majorised(Real h, const NetInput<typename Contacts::Net>& in,
                      BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
-  for (std::uint32_t n = 0; n < net.num_nodes; ++n) w.x.V.nodes[n] = Column(Pack(0));
-  lead_nodes(w.x.V.nodes, h, net);
+  rest_at_start(h, net);
   linearise_net<Springs::majorised>(in, h, w);
   std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
+  net.report.majorised = true;
 }
 
 /// The velocities of nodes and of the bodies that carry and touch them: with springs linear where the stage is predicted to
@@ -74,15 +74,12 @@ template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
-  net.is_calm = true;
   if (net.num_nodes == 0) return;
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
   std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
-  net.is_calm =
-      !spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net).is_too_much(in.par.tolerance);
-  if (!net.is_calm) solve_majorised(h, in, w);
-  net.report.majorised = !net.is_calm;
+  if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net).is_too_much(in.par.tolerance))
+    solve_majorised(h, in, w);
 }
 
 }  // namespace godobject

@@ -64,12 +64,12 @@ void predict_nodes(const Bases& bases, const Vec3& gravity_W, Real h, NetStage<N
     w.p[n] = Column(bases[n].p_W) + w.v[n] * h;
   }
 }
-/// Or where velocities v lead them.
-template <class Net, std::size_t N, class Velocities>
-void lead_nodes(const Velocities& v, Real h, NetStage<Net, N>& w) noexcept {
+/// (47)  Or at rest where the stage starts.
+template <class Net, std::size_t N>
+void rest_at_start(Real h, NetStage<Net, N>& w) noexcept {
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
-    w.p[n] += (v[n] - w.v[n]) * h;
-    w.v[n] = v[n];
+    w.p[n] -= w.v[n] * h;
+    w.v[n] = Column(Pack(0));
   }
 }
 

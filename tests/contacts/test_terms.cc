@@ -134,7 +134,7 @@ oracle::Solution solved_exactly(Real l_0) {
   hinge.q_PC = exp_so3(Vec3(0, -pi / 2, 0));
   c.joints.push_back(hinge);
   c.springs = {{.a = 1, .b = 2, .p_A = Tether::tip(), .k = 30, .g = 0.2, .l_0 = l_0},
-               {.b = 2, .p_A = Tether::anchor(), .k = 20, .g = 0.1},
+               {.b = 2, .p_A = rig.anchor(), .k = 20, .g = 0.1},
                {.a = 0, .b = 1, .p_A = Vec3(0, 0.02, 0), .p_B = Tether::tip(), .k = 10, .g = 0.02}};
   for (const Real end : {-1.0, 1.0})
     c.on_floor.push_back(

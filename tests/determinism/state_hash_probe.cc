@@ -21,50 +21,32 @@ struct Composition {
   using Feedback = FeedbackPart;
 };
 
+template <class IntegratorPart, std::size_t bodies = 2>
+using Led = Composition<IntegratorPart, PoseDevice, DampedSpring, LimitedFeedback, bodies>;
+
 /// A tool with every kind of joint, stops and an imposed joint.
 template <class IntegratorPart>
-struct Tool {
-  static constexpr std::size_t max_bodies = 7;
-  using Integrator = IntegratorPart;
-  using Device = PoseDevice;
-  using Coupling = DampedSpring;
+struct Tool : Led<IntegratorPart, 7> {
   using Joints = TreeJoints<JointStops, ImposedJoints>;
-  using Feedback = LimitedFeedback;
 };
 
 /// Two bodies on a hinge that touch a plane and a box.
 template <class IntegratorPart>
-struct Touching {
-  static constexpr std::size_t max_bodies = 2;
-  using Integrator = IntegratorPart;
-  using Device = PoseDevice;
-  using Coupling = DampedSpring;
+struct Touching : Led<IntegratorPart> {
   using Joints = TreeJoints<>;
-  using Feedback = LimitedFeedback;
   using Contacts = FixedContacts<8, 2, 10>;
 };
 
 /// Five bodies that touch each other and a plane; on joints they are two tools.
 template <class IntegratorPart, class JointsPart = None>
-struct TouchingEachOther {
-  static constexpr std::size_t max_bodies = 5;
-  using Integrator = IntegratorPart;
-  using Device = PoseDevice;
-  using Coupling = DampedSpring;
+struct TouchingEachOther : Led<IntegratorPart, 5> {
   using Joints = JointsPart;
-  using Feedback = LimitedFeedback;
   using Contacts = BodyContacts<20, 5, 30>;
 };
 
 /// A tool with a net round it that touches a plane, and a sheet in the scene.
 template <class IntegratorPart>
-struct Netted {
-  static constexpr std::size_t max_bodies = 2;
-  using Integrator = IntegratorPart;
-  using Device = PoseDevice;
-  using Coupling = DampedSpring;
-  using Joints = None;
-  using Feedback = LimitedFeedback;
+struct Netted : Led<IntegratorPart> {
   using Contacts = BodyContacts<2, 1, 10>;
   using Net = MassSpringNet<50, 100, 50>;
 };
@@ -232,10 +214,10 @@ template <class Integrator>
 void print_hashes() {
   std::printf("%s\n", Integrator::name);
   print_hash<Composition<Integrator, None, None, None>>("  free");
-  print_hash<Composition<Integrator, PoseDevice, DampedSpring, LimitedFeedback>>("  pose, feedback");
+  print_hash<Led<Integrator>>("  pose, feedback");
   print_hash<Composition<Integrator, RelativeDevice, DampedSpring, LimitedFeedback>>("  relative, feedback");
   print_hash<Composition<Integrator, AdmittanceDevice, None, None>>("  admittance");
-  print_hash<Composition<Integrator, PoseDevice, DampedSpring, LimitedFeedback, 5>>("  five bodies");
+  print_hash<Led<Integrator, 5>>("  five bodies");
   print_hash<Tool<Integrator>>("  joints");
   print_hash<Touching<Integrator>>("  contacts");
   print_hash<TouchingEachOther<Integrator>>("  contacts between bodies");
