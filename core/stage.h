@@ -204,11 +204,13 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
     const std::size_t i = g * num_lanes<T> + j;
     TreePlace& place = w.contacts.finder.at[i];
     place = lane(at, j);
-    w.contacts.finder.owned[i].tree = static_cast<std::uint32_t>(i);
+    auto& owned = w.contacts.finder.owned[i];
+    owned.tree = static_cast<std::uint32_t>(i);
     w.contacts.stages[i] = {
         .A_ww = {{A_0[j], A_1[j], A_2[j]}}, .M = lane(translation.M, j), .b_w = b_w_W[j], .b_v = b_v_W[j]};
     w.contacts.x.V[i] = {.w = w_0[j], .v = v_0[j]};
     w.contacts.x.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
+    owned.pulled = {.w = w_0[j].vec() - place.V.w, .v = v_0[j].vec() - place.V.v};
   }
 }
 
@@ -224,6 +226,7 @@ void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
     contacts.finder.at[u] = {
         .p_W = p_W, .R_WB = Mat3::Identity(), .a_W = p_W, .V = {.w = Vec3::Zero(), .v = v_W}};
     contacts.finder.owned[u].tree = u;
+    contacts.finder.owned[u].pulled = {};
     contacts.stages[u] = {
         .A_ww = Block::identity(), .M = m, .b_w = Column(Pack(0)), .b_v = Column(Vec3(m * v_W))};
     contacts.x.V[u] = contacts.x.V_0[u] = {.w = Column(Pack(0)), .v = Column(v_W)};

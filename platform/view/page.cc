@@ -1,19 +1,22 @@
 #include "platform/view/page.h"
 
 #include <array>
+#include <cstdint>
 
 #ifdef GODOBJECT_PAGE_DIR
-// The files as they were built, between two labels each.
+// The files as they were built, each with its size.
 #define GODOBJECT_EMBED(label, file)                                                                 \
   asm(".pushsection .rodata\n.global page_" label "\npage_" label ":\n.incbin \"" GODOBJECT_PAGE_DIR \
-      "/" file "\"\n.global page_" label "_end\npage_" label "_end:\n.byte 0\n.popsection\n")
+      "/" file "\"\n1:\n.balign 8\n.global page_" label "_size\npage_" label                         \
+      "_size:\n.quad "                                                                               \
+      "1b - page_" label "\n.popsection\n")
 GODOBJECT_EMBED("html", "index.html");
 GODOBJECT_EMBED("js", "app.js");
 GODOBJECT_EMBED("css", "app.css");
 GODOBJECT_EMBED("licences", "licences.txt");
 extern "C" {
-extern const char page_html[], page_html_end[], page_js[], page_js_end[], page_css[], page_css_end[],
-    page_licences[], page_licences_end[];
+extern const char page_html[], page_js[], page_css[], page_licences[];
+extern const std::uint64_t page_html_size, page_js_size, page_css_size, page_licences_size;
 }
 #endif
 
@@ -26,15 +29,11 @@ struct Row {
 };
 
 #ifdef GODOBJECT_PAGE_DIR
-std::string_view between(const char* begin, const char* end) noexcept {
-  return {begin, static_cast<std::size_t>(end - begin)};
-}
-
 std::array<Row, 4> rows() noexcept {
-  return {{{"/", {between(page_html, page_html_end), "text/html; charset=utf-8"}},
-           {"/app.js", {between(page_js, page_js_end), "text/javascript; charset=utf-8"}},
-           {"/app.css", {between(page_css, page_css_end), "text/css; charset=utf-8"}},
-           {"/licences.txt", {between(page_licences, page_licences_end), "text/plain; charset=utf-8"}}}};
+  return {{{"/", {{page_html, page_html_size}, "text/html; charset=utf-8"}},
+           {"/app.js", {{page_js, page_js_size}, "text/javascript; charset=utf-8"}},
+           {"/app.css", {{page_css, page_css_size}, "text/css; charset=utf-8"}},
+           {"/licences.txt", {{page_licences, page_licences_size}, "text/plain; charset=utf-8"}}}};
 }
 #else
 constexpr std::string_view no_page =

@@ -116,8 +116,8 @@ class RecallDeepPairs {
   std::size_t at_ = 0;
 };
 
-/// The point p inside a box, behind the face through which the contact pressed before; if there was none,
-/// behind the nearest one.
+/// The point p that was inside a box, or is, behind the face through which the contact pressed before; if there was none,
+/// the nearest one.
 template <class Contacts, std::size_t N>
 SurfacePoint behind_face_before(const ContactFinder<Contacts, N>& w, std::uint64_t key,
                                 const ShapeParams& box, const Mat3& R_WS, const Vec3& p_W,
@@ -180,6 +180,9 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         return swept(shape, R_WS, p_W, -w.since() * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)),
                      pack.r[j]);
       };
+      const auto before = [&](std::uint32_t j, const SurfacePoint& nearest) noexcept {
+        return behind_face_before(w, pair | touch_key(s + j, o), shape, R_WS, lane(pack.p_W, j), nearest);
+      };
       Pack d;
       Vector3<Pack> n_W;
       if (shape.kind == ShapeKind::plane) {
@@ -199,8 +202,14 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           for (; fast != 0; fast &= fast - 1) {
             const auto j = static_cast<std::uint32_t>(std::countr_zero(fast));
             const SweptContact first = first_touch(j);
-            if (!first.touches) continue;
-            found(j, first.depth, first.n_W);
+            if (first.touches) {
+              found(j, first.depth, first.n_W);
+            } else if (first.was_inside && d[j] < pack.r[j]) {
+              const SurfacePoint behind = before(j, {.distance = pack.r[j] - d[j], .n = lane(n_W, j)});
+              found(j, pack.r[j] - behind.distance, behind.n);
+            } else {
+              continue;
+            }
             hits &= ~(1u << j);
           }
           if ((hits & bits(pack.r <= d)) != 0) {
@@ -217,14 +226,14 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
         SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
         if (b >= N && (travel > radius || surface.distance < 0)) {
-          if (const SweptContact first = first_touch(j); first.touches) {
+          const SweptContact first = first_touch(j);
+          if (first.touches) {
             found(j, first.depth, first.n_W);
             continue;
           }
+          if (shape.kind == ShapeKind::box && (surface.distance < 0 || first.was_inside))
+            surface = before(j, surface);
         }
-        if (b >= N && shape.kind == ShapeKind::box && surface.distance < 0)
-          surface =
-              behind_face_before(w, pair | touch_key(s + j, o), shape, R_WS, lane(pack.p_W, j), surface);
         const Real depth = radius - surface.distance;
         if (depth <= -reach || (leaving_W != nullptr && leaving_W->dot(surface.n) < 0)) continue;
         found(j, depth, surface.n);

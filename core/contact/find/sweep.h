@@ -19,7 +19,8 @@ inline SurfacePoint nearest_of(const ShapeParams& shape, const Mat3& R_WS, const
 /// Where a sphere is against the surface that it touched first.
 struct SweptContact {
   bool touches = false;
-  Real depth = 0;  // where the stage is predicted to end, m: of the plane through where it touched
+  bool was_inside = false;  // its centre, where it starts: it has no way in
+  Real depth = 0;           // where the stage is predicted to end, m: of the plane through where it touched
   Vec3 n_W = Vec3::UnitZ();
 };
 
@@ -49,15 +50,16 @@ Real left_at_touch(Real way, Real in_touch, Depth deep) noexcept {
   return -1;
 }
 
-/// A sphere of radius r that comes from p + back to p, against the shape. One whose centre is inside where it starts has no
-/// way in.
+/// A sphere of radius r that comes from p + back to p, against the shape.
 inline SweptContact swept(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W, const Vec3& back_W,
                           Real r) noexcept {
   const Real way = back_W.norm(), reach = r + way;
   const auto at = [&](Real left) noexcept { return nearest_of(shape, R_WS, p_W + left * back_W, reach); };
-  if (!(at(1).distance > 0)) return {};
-  const Real left =
+  const SurfacePoint start = at(1);
+  if (!(start.distance > 0)) return {.was_inside = true};
+  Real left =
       left_at_touch(way, sweep_tolerance * r, [&](Real left) noexcept { return r - at(left).distance; });
+  if (left < 0 && start.distance < r && start.n.dot(back_W) > r) left = 1;  // in touch, and on through
   if (left < 0) return {};
   const SurfacePoint s = at(left);
   return {.touches = true, .depth = r - s.distance + left * s.n.dot(back_W), .n_W = s.n};

@@ -24,8 +24,10 @@ struct ContactFinder {
   static_assert(max_spheres + max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 && N < 0xffff);
   struct Owned {
     std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
-    std::uint32_t tree = 0;  // of the bodies on joints that do not touch each other
-    Real travel = 0;         // bound of how far its spheres move in the stage, m
+    std::uint32_t tree = 0;           // of the bodies on joints that do not touch each other
+    Real travel = 0;                  // bound of how far its spheres move in the stage, m
+    Real farthest = 0, smallest = 0;  // of its spheres: distance from the centre of mass, radius, m
+    Twist pulled;                     // its velocity without contacts, beyond what it was predicted to be
 
     std::uint32_t num_packs() const noexcept { return (end_sphere - first_sphere + 3) / 4; }
     bool has_surfaces() const noexcept { return end_surface > first_surface; }
@@ -40,6 +42,7 @@ struct ContactFinder {
   // what contacts carried over: from the step before, and from the stage before if it is of this step
   const ContactMemories<Contacts::max_contacts>*before = nullptr, *of_stage = nullptr;
   std::size_t num_fixed = 0;  // surfaces of the world
+  bool strays = false;        // a body is pulled from where its contacts are sought, unless they hold it
   std::array<TreePlace, N> at;
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
   std::array<ShapeParams, max_surfaces> posed;              // surfaces in the world
@@ -55,14 +58,13 @@ Vec3 velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const 
   return at.V.v + at.V.w.cross(p_W - at.a_W);
 }
 
-/// The spheres [s, end) of a body in the world, four to a pack from `packs` on, and how far at most they are from its centre
-/// of mass. Returns the number of packs.
-template <std::size_t max_spheres, std::size_t max_surfaces>
-std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par, std::uint32_t s,
-                            std::uint32_t end, const TreePlace& at, SpherePack* packs,
-                            Real& farthest) noexcept {
+/// The spheres of a body in the world, up to number `end`, four to a pack from `packs` on. Returns the number of packs.
+template <std::size_t max_spheres, std::size_t max_surfaces, class Owned>
+std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par, std::uint32_t end,
+                            const TreePlace& at, SpherePack* packs, Owned& owned) noexcept {
+  std::uint32_t s = owned.first_sphere;
   std::uint32_t num_packs = 0;
-  Pack far = 0;
+  Pack far = 0, small = std::numeric_limits<Real>::infinity();
   for (; s < end; s += 4, ++num_packs) {
     const std::array<const BodySphere*, 4> spheres{&par.spheres[s], &par.spheres[std::min(s + 1, end - 1)],
                                                    &par.spheres[std::min(s + 2, end - 1)],
@@ -78,8 +80,10 @@ std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par,
     for (int k = 0; k < 3; ++k)
       pack.p_W[k] = at.p_W[k] + (at.R_WB(k, 0) * x + at.R_WB(k, 1) * y + at.R_WB(k, 2) * z);
     far = max(far, abs(x) + abs(y) + abs(z));
+    small = min(small, pack.r);
   }
-  farthest = largest(far);
+  owned.farthest = largest(far);
+  owned.smallest = -largest(-small);
   return num_packs;
 }
 
@@ -136,6 +140,17 @@ std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t
   return o;
 }
 
+/// Of points up to so far from the centre of mass, m/s.
+inline Real speed_bound(const Twist& V, Real farthest) noexcept {
+  return V.v.cwiseAbs().sum() + V.w.cwiseAbs().sum() * farthest;
+}
+
+/// Some sphere moves farther than it is large with velocities that are so much beyond what was predicted.
+template <class Owned>
+bool is_astray(const Owned& owned, const Twist& beyond, Real h) noexcept {
+  return h * speed_bound(beyond, owned.farthest) > owned.smallest;
+}
+
 /// Who owns what, and where it all is.
 template <class Contacts, std::size_t N>
 void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
@@ -146,6 +161,7 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     w.R_WS[o] = w.posed[o].X_WS.q.toRotationMatrix();
   }
   w.num_fixed = o;
+  w.strays = false;
   if constexpr (Contacts::between_bodies) w.broad.num_entries = 0;
   for (std::uint32_t i = 0; i < num_bodies; ++i) {
     auto& owned = w.owned[i];
@@ -153,10 +169,9 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     while (s < par.num_spheres && par.spheres[s].body == i) ++s;
     owned.end_sphere = s;
     owned.first_pack = num_packs;
-    Real farthest = 0;
-    num_packs += place_spheres(par, owned.first_sphere, s, w.at[i], &w.packs[num_packs], farthest);
-    const Twist& V = w.at[i].V;
-    owned.travel = w.since() * (V.v.cwiseAbs().sum() + V.w.cwiseAbs().sum() * farthest);
+    num_packs += place_spheres(par, s, w.at[i], &w.packs[num_packs], owned);
+    owned.travel = w.since() * speed_bound(w.at[i].V, owned.farthest);
+    w.strays = w.strays || is_astray(owned, owned.pulled, w.h);
     if constexpr (Contacts::between_bodies) o = place_surfaces(par, i, o, w);
   }
 }
