@@ -4,7 +4,7 @@
 //
 // the diagonal alone is changed as it is factored (Meijerink and van der Vorst 1977). Every D is positive definite: if
 // D_i >= sum of the K_il, l > i, then K_ij D_i^-1 K_ij <= K_ij, and what is left of A_jj, the sum of all K at j and the mass,
-// is D_j >= sum of the K_jl, l > j, and the mass.
+// is D_j >= sum of the K_jl, l > j, and the mass. Nodes are taken in the order of NetParams: the factor is that of their numbers.
 #pragma once
 
 #include "core/net/springs.h"
@@ -40,9 +40,10 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
   auto& D = w.D_inverse;
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) D[n] = Block::identity() * (w.m[n] + w.kappa[n]);
   for (std::size_t c = 0; c < w.num_contacts; ++c) D[w.contacts[c].node] += impedance(w.contacts[c]);
-  for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
+  for (std::uint32_t o = 0; o < w.num_nodes; ++o) {
+    const std::uint32_t i = w.order[o], s = w.first_of[i + 1];
     Block D_i = D[i];
-    for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) D_i += impedance(w.q_a[s]);
+    for (std::uint32_t t = w.first_of[i]; t < s; ++t) D_i += impedance(w.q_a[t]);
     D_i = D[i] = inverse(D_i);
     for (std::uint32_t t = w.first_of[i]; t < s; ++t) add_eliminated(w.q_a[t], D_i, D[w.other[t]]);
   }
@@ -68,12 +69,14 @@ void put_contacts_in(NetStage<Net, N>& w) noexcept {
 /// z = M^-1 r; r is used up.
 template <class Net, std::size_t N, class Vector>
 void solve_nodes(const NetStage<Net, N>& w, Vector& r, Vector& z) noexcept {
-  for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
+  for (std::uint32_t o = 0; o < w.num_nodes; ++o) {
+    const std::uint32_t i = w.order[o];
     const Column z_i = z[i] = w.D_inverse[i] * r[i];
-    for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s)
+    for (std::uint32_t s = w.first_of[i], end = w.first_of[i + 1]; s < end; ++s)
       r[w.other[s]] += spring_product(w.q_a[s], z_i);
   }
-  for (std::uint32_t i = static_cast<std::uint32_t>(w.num_nodes); i-- > 0;) {
+  for (std::uint32_t o = static_cast<std::uint32_t>(w.num_nodes); o-- > 0;) {
+    const std::uint32_t i = w.order[o];
     Column sum(Pack(0));
     for (std::uint32_t s = w.first_of[i]; s < w.first_of[i + 1]; ++s)
       sum += spring_product(w.q_a[s], z[w.other[s]]);

@@ -32,13 +32,15 @@ struct NetSpring {
   Real k = 0, g = 0, l_0 = 0;  // N/m, N s/m, m
 };
 
-/// Constant while running. Springs are in the order of i, then j (put_in_order() of setup.h).
+/// Constant while running. Springs are in the order of i, then j, and nodes have one of elimination: put_in_order() of setup.h.
 template <std::size_t max_nodes, std::size_t max_springs>
 struct NetParams {
   std::array<NetNode, max_nodes> nodes;
   std::size_t num_nodes = 0;
   std::array<NetSpring, max_springs> springs;
   std::size_t num_springs = 0;
+  // of elimination: each node after those that springs join to it from below
+  std::array<std::uint32_t, max_nodes> order{};
   int max_iterations = 12;  // of conjugate gradients in a stage
   Real tolerance = 1e-4;    // m/s: an iteration that changes no velocity by more is the last
 };

@@ -51,7 +51,8 @@ struct NetStage {
   std::array<Pack, Net::max_springs> q_a;
   std::array<std::uint32_t, Net::max_springs> other;  // its second node
   std::array<std::uint32_t, Net::max_nodes + 1>
-      first_of;  // springs of node i: [first_of[i], first_of[i + 1])
+      first_of;                          // springs of node i: [first_of[i], first_of[i + 1])
+  const std::uint32_t* order = nullptr;  // of elimination: NetParams
   std::array<SymmetricSpatialMatrix, N>
       prestress;  // what springs that pull resist of their carrier's turning
 

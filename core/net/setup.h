@@ -8,16 +8,44 @@
 
 namespace godobject {
 
-/// Springs in the order that a step needs: i < j, by i, then j.
+/// Nodes by how many springs lead up to them: those of one level are not joined, so that a processor may work on several of
+/// them at a time, where in the order of their numbers each node waits for the one before.
+template <std::size_t max_nodes, std::size_t max_springs>
+void order_by_levels(NetParams<max_nodes, max_springs>& par) noexcept {
+  std::array<std::uint32_t, max_nodes> level{};
+  for (std::size_t s = 0; s < par.num_springs; ++s) {
+    const NetSpring& spring = par.springs[s];
+    if (spring.j < par.num_nodes) level[spring.j] = std::max(level[spring.j], level[spring.i] + 1);
+  }
+  for (std::size_t n = 0; n < par.num_nodes; ++n) par.order[n] = static_cast<std::uint32_t>(n);
+  std::sort(
+      par.order.begin(), par.order.begin() + static_cast<std::ptrdiff_t>(par.num_nodes),
+      [&](std::uint32_t a, std::uint32_t b) { return level[a] != level[b] ? level[a] < level[b] : a < b; });
+}
+
+/// Springs in the order that a step needs: i < j, by i, then j; and nodes in that of elimination.
 template <std::size_t max_nodes, std::size_t max_springs>
 void put_in_order(NetParams<max_nodes, max_springs>& par) noexcept {
   for (std::size_t s = 0; s < par.num_springs; ++s)
     if (par.springs[s].j < par.springs[s].i) std::swap(par.springs[s].i, par.springs[s].j);
   std::sort(par.springs.begin(), par.springs.begin() + static_cast<std::ptrdiff_t>(par.num_springs),
             [](const NetSpring& a, const NetSpring& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
+  order_by_levels(par);
 }
 
-/// Nodes of one carrier are in a row, springs in order, numbers positive where they must be. Bodies are below num_bodies.
+/// Every node once, after those that springs join to it from below.
+template <std::size_t max_nodes, std::size_t max_springs>
+bool is_elimination_order(const NetParams<max_nodes, max_springs>& par) noexcept {
+  std::array<std::uint32_t, max_nodes> place{};  // from 1
+  for (std::uint32_t o = 0; o < par.num_nodes; ++o) {
+    if (par.order[o] >= par.num_nodes || place[par.order[o]] != 0) return false;
+    place[par.order[o]] = o + 1;
+  }
+  return std::all_of(par.springs.begin(), par.springs.begin() + static_cast<std::ptrdiff_t>(par.num_springs),
+                     [&](const NetSpring& spring) { return place[spring.i] < place[spring.j]; });
+}
+
+/// Nodes of one carrier are in a row, springs and nodes in order, numbers positive where they must be. Bodies are below num_bodies.
 template <std::size_t max_nodes, std::size_t max_springs>
 bool is_valid_net(const NetParams<max_nodes, max_springs>& par, std::size_t num_bodies) noexcept {
   const auto is_number = [](Real a) noexcept { return a >= 0 && a - a == 0; };
@@ -41,7 +69,7 @@ bool is_valid_net(const NetParams<max_nodes, max_springs>& par, std::size_t num_
       return false;
     if (!is_number(spring.k) || !is_number(spring.g) || !is_number(spring.l_0)) return false;
   }
-  return true;
+  return is_elimination_order(par);
 }
 
 /// Every node at its anchor, moving with its carrier.

@@ -53,6 +53,7 @@ void index_net(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
     w.first_of[n] = s;
   }
   for (s = 0; s < par.num_springs; ++s) w.other[s] = par.springs[s].j;
+  w.order = par.order.data();
 }
 
 /// Where the nodes are predicted to be at the end of the stage: where their bases lead them.

@@ -130,6 +130,7 @@ Real chain_error(std::size_t links) {
                                                 .g = chain.g,
                                                 .l_0 = l_0};
   }
+  put_in_order(par.net);
   hold(*run, 0, 1e7);
   hold(*run, links, 1e7);
   place_net(par.net, run->x);

@@ -163,6 +163,8 @@ TEST(NetStep, IsCheckedBeforeTheFirst) {
   refused("a spring to itself", [](Net& net) { net.springs[0].j = net.springs[0].i; });
   refused("springs not in order", [](Net& net) { std::swap(net.springs[0], net.springs[1]); });
   refused("a spring twice", [](Net& net) { net.springs[1] = net.springs[0]; });
+  refused("nodes out of the order of elimination", [](Net& net) { std::swap(net.order[0], net.order[8]); });
+  refused("a node eliminated twice", [](Net& net) { net.order[1] = net.order[0]; });
   refused("no iteration", [](Net& net) { net.max_iterations = 0; });
 }
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/net/net.h"
+#include "core/net/setup.h"
 #include "platform/scene/scene.h"
 
 namespace godobject {
@@ -42,6 +42,7 @@ void set_net_params(const SceneNets& nets, Params& par) noexcept {
   std::ranges::copy(nets.nodes, par.nodes.begin());
   par.num_springs = nets.springs.size();
   std::ranges::copy(nets.springs, par.springs.begin());
+  put_in_order(par);
 }
 
 /// How many springs a net with this surface and these settings has.
