@@ -119,29 +119,6 @@ class NetFinder {
     }
   }
 
-  /// Bit j: node j of a pack may touch what is within `size` of p.
-  static std::uint32_t within(const Vec3& p, const SpherePack& pack, Real size) noexcept {
-    Pack distance_sq = 0;
-    for (int c = 0; c < 3; ++c) {
-      const Pack a = pack.p_W[c] - p[c];
-      distance_sq += a * a;
-    }
-    const Pack reach = pack.r * (1 + contact_reach) + size;
-    return bits(distance_sq < reach * reach);
-  }
-
-  /// The same of a capsule.
-  static std::uint32_t within_capsule(const ShapeParams& shape, const Mat3& R_WS, const SpherePack& pack,
-                                      Real travel) noexcept {
-    Vector3<Pack> a = pack.p_W;
-    for (int c = 0; c < 3; ++c) a[c] -= shape.X_WS.p[c];
-    const Pack z = a[0] * R_WS(0, 2) + a[1] * R_WS(1, 2) + a[2] * R_WS(2, 2);
-    const Pack along = max(min(z, Pack(shape.half_length)), Pack(-shape.half_length));
-    for (int c = 0; c < 3; ++c) a[c] -= along * R_WS(c, 2);
-    const Pack reach = pack.r * (1 + contact_reach) + (shape.radius + travel);
-    return bits(a.squaredNorm() < reach * reach);
-  }
-
   /// touched: number of a surface or, after all of them, a sphere.
   void add(std::uint32_t n, std::uint32_t b, std::uint32_t touched, Real d, const Vec3& n_W) noexcept {
     const std::size_t carrier = net_.nodes[n].body;

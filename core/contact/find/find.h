@@ -5,8 +5,9 @@
 // a query for each sphere in the other's box; for each body a query for each of its spheres and surface of the world.
 #pragma once
 
+#include "core/contact/find/before.h"
 #include "core/contact/find/edges.h"
-#include "core/contact/find/exit_direction.h"
+#include "core/contact/find/four_spheres.h"
 #include "core/contact/find/sweep.h"
 
 namespace godobject {
@@ -18,121 +19,6 @@ void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
               NearContacts<Contacts::max_contacts>& near) noexcept {
   at.v_n = at.n_W.dot(velocity_at(w, at.a, at.p_W) - velocity_at(w, at.b, at.p_W));
   if (std::max(at.d, at.d + w.h * at.v_n) > -reach) near.add(at);
-}
-
-/// Four spheres and a box: bit j of the result, sphere j is near. Where its centre is inside, its depth is its radius,
-/// and it has no normal; with a way out, it is that from there.
-inline std::uint32_t near_box(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack, Real travel,
-                              const Vec3* way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
-  const Vector3<Pack> p_S = in_frame(box.X_WS.p, R_WS, pack.p_W);
-  Vector3<Pack> n_S;
-  Pack distance;
-  if (way_out_S == nullptr) BoxShape::nearest(box.half_extents, p_S, distance, n_S);
-  else BoxShape::nearest(box.half_extents, p_S, *way_out_S, distance, n_S);
-  for (int k = 0; k < 3; ++k) n_W[k] = R_WS(k, 0) * n_S[0] + R_WS(k, 1) * n_S[1] + R_WS(k, 2) * n_S[2];
-  d = pack.r - distance;
-  return bits(-contact_reach * pack.r - travel < d);
-}
-
-/// Four spheres and a box that their body leaves through one face: the same, of those that touch it, behind that face.
-inline std::uint32_t behind_face(const ShapeParams& box, const Mat3& R_WS, const SpherePack& pack,
-                                 const Vec3& way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
-  const std::uint32_t hits = near_box(box, R_WS, pack, 0, nullptr, d, n_W) & bits(Pack(0) < d);
-  const Vec3 n = R_WS * way_out_S;
-  Pack distance = -box.half_extents.dot(way_out_S.cwiseAbs());
-  for (int k = 0; k < 3; ++k) {
-    n_W[k] = n[k];
-    distance += (pack.p_W[k] - box.X_WS.p[k]) * n[k];
-  }
-  d = pack.r - distance;
-  return hits;
-}
-
-/// Four spheres and a half-space: the same.
-inline std::uint32_t near_plane(const ShapeParams& plane, const Mat3& R_WS, const SpherePack& pack,
-                                Real travel, Pack& d, Vector3<Pack>& n_W) noexcept {
-  Pack distance = 0;
-  for (int k = 0; k < 3; ++k) {
-    n_W[k] = R_WS(k, 2);
-    distance += (pack.p_W[k] - plane.X_WS.p[k]) * R_WS(k, 2);
-  }
-  d = pack.r - distance;
-  return ~bits(d <= -contact_reach * pack.r - travel);
-}
-
-/// Of a contact between bodies, or of a body and the world: the pair, what is touched, and the sphere that touches it.
-/// Those of a pair are in a row.
-inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
-  return std::uint64_t(a) << 48 | std::uint64_t(b) << 32;
-}
-inline std::uint64_t touch_key(std::uint32_t sphere, std::uint32_t touched) noexcept {
-  return std::uint64_t(touched) << 15 | sphere;
-}
-inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
-  return static_cast<std::uint32_t>(key) & 0x7fff;
-}
-inline std::uint32_t touched_of(std::uint64_t key) noexcept {
-  return static_cast<std::uint32_t>(key >> 15) & 0x7fff;
-}
-
-/// Of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
-inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::uint32_t edges) noexcept {
-  return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
-}
-inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
-/// Of bodies that are sunk in each other: along which axis they part.
-inline std::uint64_t sinking_key(std::uint32_t axis) noexcept { return std::uint64_t(1) << 30 | axis; }
-inline bool is_of_sinking(std::uint64_t key) noexcept { return (key >> 30 & 3) == 1; }
-
-/// How a pair of bodies was in each other in the step before.
-struct DeepPair {
-  bool spheres = false;                    // some by their rest penetration
-  bool pressed = false;                    // pressed together, each contact by itself
-  std::uint32_t axis = SinkingAxis::none;  // along which they were sunk
-};
-
-/// Says of pairs of bodies that come in rising order how deep in each other they were.
-template <class Contacts>
-class RecallDeepPairs {
- public:
-  RecallDeepPairs(const typename Contacts::Params& par, const typename Contacts::State& of) noexcept
-      : par_(par), of_(of) {}
-  DeepPair find(std::uint64_t pair) noexcept {
-    while (at_ < of_.size && of_.list[at_].key < pair) ++at_;
-    DeepPair deep;
-    for (; at_ < of_.size && of_.list[at_].key >> 32 == pair >> 32; ++at_) {
-      const ContactMemory& m = of_.list[at_];
-      deep.pressed |= m.pressed > 0 && !is_of_sinking(m.key);
-      if (is_of_edges(m.key)) continue;
-      if (is_of_sinking(m.key)) deep.axis = static_cast<std::uint32_t>(m.key) & ((1u << 30) - 1);
-      else deep.spheres |= m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
-    }
-    return deep;
-  }
-
- private:
-  const typename Contacts::Params& par_;
-  const typename Contacts::State& of_;
-  std::size_t at_ = 0;
-};
-
-/// The point p that was inside a box, or is, behind the face through which the contact pressed before; if there was none,
-/// the nearest one.
-template <class Contacts, std::size_t N>
-SurfacePoint behind_face_before(const ContactFinder<Contacts, N>& w, std::uint64_t key,
-                                const ShapeParams& box, const Mat3& R_WS, const Vec3& p_W,
-                                const SurfacePoint& nearest) noexcept {
-  const ContactMemory* at = nullptr;
-  for (const auto* memories : {w.before, w.of_stage}) {
-    if (memories == nullptr) continue;
-    const ContactMemory *const first = memories->list.data(), *const end = first + memories->size;
-    const ContactMemory* const one = std::lower_bound(
-        first, end, key, [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
-    if (one != end && one->key == key) at = one;
-  }
-  if (at == nullptr) return nearest;
-  const Vec3 n_S = face_along(R_WS, at->n_W), n_W = R_WS * n_S;
-  return {.distance = n_W.dot(p_W - box.X_WS.p) - box.half_extents.dot(n_S.cwiseAbs()), .n = n_W};
 }
 
 /// Spheres of body a against the surfaces [first, end) of body b. Those of a body with shapes that are deep in a box of the

@@ -1,0 +1,84 @@
+// What contacts carried over from the step before says of where to look for them: their keys, pairs that were deep in each
+// other, and the face through which a sphere came into a box.
+#pragma once
+
+#include "core/contact/find/exit_direction.h"
+
+namespace godobject {
+
+/// Of a contact between bodies, or of a body and the world: the pair, what is touched, and the sphere that touches it.
+/// Those of a pair are in a row.
+inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
+  return std::uint64_t(a) << 48 | std::uint64_t(b) << 32;
+}
+inline std::uint64_t touch_key(std::uint32_t sphere, std::uint32_t touched) noexcept {
+  return std::uint64_t(touched) << 15 | sphere;
+}
+inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
+  return static_cast<std::uint32_t>(key) & 0x7fff;
+}
+inline std::uint32_t touched_of(std::uint64_t key) noexcept {
+  return static_cast<std::uint32_t>(key >> 15) & 0x7fff;
+}
+
+/// Of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
+inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::uint32_t edges) noexcept {
+  return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
+}
+inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
+/// Of bodies that are sunk in each other: along which axis they part.
+inline std::uint64_t sinking_key(std::uint32_t axis) noexcept { return std::uint64_t(1) << 30 | axis; }
+inline bool is_of_sinking(std::uint64_t key) noexcept { return (key >> 30 & 3) == 1; }
+
+/// How a pair of bodies was in each other in the step before.
+struct DeepPair {
+  bool spheres = false;                    // some by their rest penetration
+  bool pressed = false;                    // pressed together, each contact by itself
+  std::uint32_t axis = SinkingAxis::none;  // along which they were sunk
+};
+
+/// Says of pairs of bodies that come in rising order how deep in each other they were.
+template <class Contacts>
+class RecallDeepPairs {
+ public:
+  RecallDeepPairs(const typename Contacts::Params& par, const typename Contacts::State& of) noexcept
+      : par_(par), of_(of) {}
+  DeepPair find(std::uint64_t pair) noexcept {
+    while (at_ < of_.size && of_.list[at_].key < pair) ++at_;
+    DeepPair deep;
+    for (; at_ < of_.size && of_.list[at_].key >> 32 == pair >> 32; ++at_) {
+      const ContactMemory& m = of_.list[at_];
+      deep.pressed |= m.pressed > 0 && !is_of_sinking(m.key);
+      if (is_of_edges(m.key)) continue;
+      if (is_of_sinking(m.key)) deep.axis = static_cast<std::uint32_t>(m.key) & ((1u << 30) - 1);
+      else deep.spheres |= m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
+    }
+    return deep;
+  }
+
+ private:
+  const typename Contacts::Params& par_;
+  const typename Contacts::State& of_;
+  std::size_t at_ = 0;
+};
+
+/// The point p that was inside a box, or is, behind the face through which the contact pressed before; if there was none,
+/// the nearest one.
+template <class Contacts, std::size_t N>
+SurfacePoint behind_face_before(const ContactFinder<Contacts, N>& w, std::uint64_t key,
+                                const ShapeParams& box, const Mat3& R_WS, const Vec3& p_W,
+                                const SurfacePoint& nearest) noexcept {
+  const ContactMemory* at = nullptr;
+  for (const auto* memories : {w.before, w.of_stage}) {
+    if (memories == nullptr) continue;
+    const ContactMemory *const first = memories->list.data(), *const end = first + memories->size;
+    const ContactMemory* const one = std::lower_bound(
+        first, end, key, [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
+    if (one != end && one->key == key) at = one;
+  }
+  if (at == nullptr) return nearest;
+  const Vec3 n_S = face_along(R_WS, at->n_W), n_W = R_WS * n_S;
+  return {.distance = n_W.dot(p_W - box.X_WS.p) - box.half_extents.dot(n_S.cwiseAbs()), .n = n_W};
+}
+
+}  // namespace godobject

@@ -1,0 +1,156 @@
+// What a step works on, as large as the scene's parts ask for. Scratch: undefined between steps.
+#pragma once
+
+#include "core/contact/bodies.h"
+#include "core/device/device.h"
+#include "core/joint/tree.h"
+#include "core/math/lanes.h"
+#include "core/net/solve.h"
+
+namespace godobject {
+
+/// What the bodies of a scene are worked on with: one by one, or by groups of four where there are more than two. A
+/// scene may say which with `using Number = Real;` or Pack.
+template <class S>
+struct NumberOf {
+  using type = std::conditional_t<(S::max_bodies > 2), Pack, Real>;
+};
+template <class S>
+requires requires { typename S::Number; }
+struct NumberOf<S> {
+  using type = typename S::Number;
+};
+template <class S>
+using Lanes = typename NumberOf<S>::type;
+template <class S>
+using GroupIn = Group<Lanes<S>>;
+template <class S>
+inline constexpr std::size_t lanes = num_lanes<Lanes<S>>;
+template <class S>
+inline constexpr std::size_t max_groups = (S::max_bodies + lanes<S> - 1) / lanes<S>;
+template <class S>
+constexpr std::size_t num_groups(const Params<S>& par) noexcept {
+  return (num_bodies(par) + lanes<S> - 1) / lanes<S>;
+}
+
+/// Of a group's state, what a step computes before it is known to be good.
+template <class S>
+struct Next {
+  using T = Lanes<S>;
+  RigidBodyStateOf<T> x;
+  [[no_unique_address]] Slot<typename S::Integrator::template MemoryOf<T>, 0> memory;
+  [[no_unique_address]] Slot<typename S::Coupling::template StateOf<T>, 1> coupling;
+};
+
+/// Joints of the scene may follow the device.
+template <class S>
+inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
+
+/// The contacts of a scene, with its joints, nodes and terms if it has any.
+template <class S>
+struct TouchingType {
+  using OfBodies = std::conditional_t<uses<typename S::Joints>, OnJoints<ContactsOf<S>>, ContactsOf<S>>;
+  using OfTerms = std::conditional_t<uses<NodesOf<S>> || uses<TermsOf<S>>,
+                                     WithTerms<OfBodies, TermsOf<S>, max_nodes<S>>, OfBodies>;
+  using type = std::conditional_t<uses<NetOf<S>>, WithNet<OfTerms, NetOf<S>>, OfTerms>;
+};
+template <class S>
+using TouchingOf = typename TouchingType<S>::type;
+
+template <class S>
+struct ContactScratchType {
+  using type = Absent<10>;
+};
+template <class S>
+requires(uses<ContactsOf<S>>) struct ContactScratchType<S> {
+  using type = BodyContactScratch<TouchingOf<S>, S::max_bodies + max_nodes<S>>;
+};
+template <class S>
+using ContactScratchOf = typename ContactScratchType<S>::type;
+
+template <class S>
+struct JointScratchType {
+  using type = Absent<4>;
+};
+template <class S>
+requires(uses<typename S::Joints>) struct JointScratchType<S> {
+  using type = std::conditional_t<uses<ContactsOf<S>>, TouchingJoints<S::max_bodies, typename S::Joints>,
+                                  Tree<S::max_bodies, typename S::Joints>>;
+};
+
+/// (34)  How fast the bodies are expected to turn at the end of a stage, rad/s, body axes: where nothing jumps.
+template <class S>
+struct ExpectedTurns {
+  bool known = false;
+  std::array<Vector3<Lanes<S>>, max_groups<S>> w_B;
+};
+template <class S>
+inline constexpr bool expects_turns = uses<ContactsOf<S>>&& S::Integrator::order > 1;
+
+/// (39)  Stages of bodies on joints are iterated.
+template <class S>
+constexpr bool takes_joints_again() noexcept {
+  if constexpr (uses<typename S::Joints>) return !S::Joints::Stabilisation::uses_base;
+  return false;
+}
+template <class S>
+inline constexpr bool iterates_joints = takes_joints_again<S>();
+/// A step has more than one stage, and contacts that each carries over.
+template <class S>
+inline constexpr bool has_stages = uses<ContactsOf<S>>&& S::Integrator::order > 1;
+template <class S>
+struct MemoriesOf {
+  using type = Absent<21>;
+};
+template <class S>
+requires(has_stages<S>) struct MemoriesOf<S> {
+  using type = typename ContactsOf<S>::State;
+};
+template <class S>
+struct Iteration {
+  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;        // bases of the stage
+  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;     // where the joints were taken
+  [[no_unique_address]] typename MemoriesOf<S>::type of_stage_before;  // contacts
+};
+
+/// The nodes of nets: where the stage starts, and where it ends.
+template <class S>
+struct NetMotions {
+  std::array<NodeMotion, NetOf<S>::max_nodes> bases;
+  std::array<NodeState<S>, NetOf<S>::max_nodes> next;  // committed if finite
+};
+template <class S>
+struct NetMotionsType {
+  using type = Absent<21>;
+};
+template <class S>
+requires(uses<NetOf<S>>) struct NetMotionsType<S> {
+  using type = NetMotions<S>;
+};
+template <class S>
+using NetMotionsOf = typename NetMotionsType<S>::type;
+
+/// Scratch: undefined between steps.
+template <class S>
+struct Scratch {
+  using T = Lanes<S>;
+  std::array<typename PullOf<typename S::Device>::type, S::max_bodies> pulls;  // from the devices
+  std::array<Next<S>, max_groups<S>> next;                                     // committed if finite
+  std::array<TargetOf<T>, max_groups<S>> inside;                               // targets inside the step
+  std::array<RigidBodyStateOf<T>, max_groups<S>> bases;                        // where the stage starts
+  std::array<StageVelocityOf<T>, max_groups<S>> velocities;                    // what the stage solves for
+  [[no_unique_address]] typename JointScratchType<S>::type tree;               // the bodies with their joints
+  [[no_unique_address]] std::conditional_t<uses<typename S::Joints> && uses<typename S::Feedback>,
+                                           std::array<Wrench, S::max_bodies>, Absent<2>>
+      wanted;  // to be shown on the links of the device, before limits
+  [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
+  [[no_unique_address]] std::conditional_t<expects_turns<S>, ExpectedTurns<S>, Absent<17>> turns;
+  [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
+  [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,
+                                           Absent<18>>
+      nodes;
+  [[no_unique_address]] NetMotionsOf<S> net;  // nodes of nets
+  [[no_unique_address]] ContactScratchOf<S> contacts;
+};
+
+}  // namespace godobject
