@@ -1,5 +1,5 @@
 // Prints the state hash of a fixed run of each composition: every compiler and optimisation level must print
-// the same. The motion is made with + - * / alone, so no libm has a say. PROBED_INTEGRATOR: ImplicitEuler or TrBdf2.
+// the same. The motion is made with + - * / alone, so no libm has a say.
 #include <cinttypes>
 #include <cstdio>
 
@@ -228,4 +228,7 @@ void print_hashes() {
 
 }  // namespace
 
-int main() { print_hashes<PROBED_INTEGRATOR>(); }
+int main() {
+  print_hashes<ImplicitEuler>();
+  print_hashes<TrBdf2>();
+}
