@@ -6,6 +6,8 @@
 //
 //   travel:  a contact is found if the centre ends a step within (-T, r) of the surface, which steps of h v
 //            cannot leave out while                                             h v < r + T
+// (obstacles of the world are swept on the way and hold above that, decision 042; bodies are not)
+//
 //   energy:  the tool's m v^2 / 2 goes into one contact before its depth is r + T: v < (r + T) sqrt(k / m)
 //
 // Edges of boxes on two bodies cross where no sphere is, and are sought where a step is predicted to end, not on the way. What
