@@ -72,7 +72,7 @@ inline constexpr int max_advances = 32;
 inline constexpr Real sweep_tolerance = 0.01, edge_touch = 0.2;
 /// Of the thinnest half extent: boxes that are deeper in each other are sunk, and part along one axis.
 /// test_touching_overlap.cc, sunk pairs.
-inline constexpr Real sunk = 0.5;
+inline constexpr Real sunk_depth = 0.5;
 
 // Rest penetration (35).
 

@@ -196,7 +196,7 @@ template <class F>
 BoxesAre each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB,
                        bool may_be_sunk, F f) noexcept {
   const BoxOnBox w(a, R_WA, b, R_WB);
-  const Real reach = reach_of_edges(a, b), too_deep = sunk / edge_reach * reach;
+  const Real reach = reach_of_edges(a, b), too_deep = sunk_depth / edge_reach * reach;
   const LeastFace face = least_face(w);
   if (face.depth <= -reach) return BoxesAre::in_touch;
   if (may_be_sunk && face.depth > too_deep && deeper_along_edges(w, too_deep)) return BoxesAre::sunk;

@@ -87,10 +87,10 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           std::uint32_t fast = b < N ? 0 : hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
           for (; fast != 0; fast &= fast - 1) {
             const auto j = static_cast<std::uint32_t>(std::countr_zero(fast));
-            const SweptContact first = first_touch(j);
-            if (first.touches) {
-              found(j, first.depth, first.n_W);
-            } else if (first.was_inside && d[j] < pack.r[j]) {
+            const SweptContact touch = first_touch(j);
+            if (touch.touches) {
+              found(j, touch.depth, touch.n_W);
+            } else if (touch.was_inside && d[j] < pack.r[j]) {
               const SurfacePoint behind = before(j, {.distance = pack.r[j] - d[j], .n = lane(n_W, j)});
               found(j, pack.r[j] - behind.distance, behind.n);
             } else {
@@ -112,12 +112,12 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
         SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
         if (b >= N && (travel > radius || surface.distance < 0)) {
-          const SweptContact first = first_touch(j);
-          if (first.touches) {
-            found(j, first.depth, first.n_W);
+          const SweptContact touch = first_touch(j);
+          if (touch.touches) {
+            found(j, touch.depth, touch.n_W);
             continue;
           }
-          if (shape.kind == ShapeKind::box && (surface.distance < 0 || first.was_inside))
+          if (shape.kind == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
             surface = before(j, surface);
         }
         const Real depth = radius - surface.distance;
@@ -164,7 +164,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
     return each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], may_be_sunk, add);
   };
   const BoxesAre at_end = add_end(true);
-  if (!sweeps || was_apart || (at_end == BoxesAre::in_touch && !(travel > sunk / edge_reach * reach)))
+  if (!sweeps || was_apart || (at_end == BoxesAre::in_touch && !(travel > sunk_depth / edge_reach * reach)))
     return at_end;
   before_end = time_from_touch(w, a, o, b, q, travel, reach);
   if (!(before_end > 0)) return at_end;

@@ -58,7 +58,7 @@ inline SweptContact swept(const ShapeParams& shape, const Mat3& R_WS, const Vec3
   const SurfacePoint start = at(1);
   if (!(start.distance > 0)) return {.was_inside = true};
   Real left =
-      left_at_touch(way, sweep_tolerance * r, [&](Real left) noexcept { return r - at(left).distance; });
+      left_at_touch(way, sweep_tolerance * r, [&](Real part) noexcept { return r - at(part).distance; });
   if (left < 0 && start.distance < r && start.n.dot(back_W) > r) left = 1;  // in touch, and on through
   if (left < 0) return {};
   const SurfacePoint s = at(left);
@@ -103,7 +103,7 @@ template <class Contacts, std::size_t N>
     const EarlierBox on_a(w, a, o, left * w.since()), on_b(w, b, q, left * w.since());
     return depth_of(BoxOnBox(on_a.shape, on_a.R_WS, on_b.shape, on_b.R_WS));
   };
-  if (deep(1) > sunk / edge_reach * reach) return -1;
+  if (deep(1) > sunk_depth / edge_reach * reach) return -1;
   return w.since() * left_at_touch(travel, edge_touch * reach, deep);
 }
 
