@@ -56,7 +56,7 @@ struct TrBdf2 {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
     unsolved  // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain
-              // energy; or joints (39) do not hold, or springs gain (46): to be taken again
+    // energy; or joints (39) do not hold, or springs gain (46), or a body is pulled off its way: to be taken again
   };
 
   /// Forces of joints and contacts are not known at the start: extrapolated from the first stage alone they may drive.
@@ -89,8 +89,7 @@ struct TrBdf2 {
     bool still_smooth = smooth && turns_are_small(par, w);
     if constexpr (uses<ContactsOf<S>>) {
       const bool alike = touch_alike(x.contacts, w.contacts.memories[w.contacts.last]);
-      const bool may_gain = ContactsOf<S>::between_bodies || w.contacts.finder.strays;
-      if (may_gain && smooth && !alike) return StepEnd::unsolved;
+      if (ContactsOf<S>::between_bodies && smooth && !alike) return StepEnd::unsolved;
       still_smooth = still_smooth && alike;
     }
     if constexpr (uses<NetOf<S>>) {
@@ -125,7 +124,6 @@ struct TrBdf2 {
     }
     end_nodes(par, x, h_2, w);
     if constexpr (uses<ContactsOf<S>>) {
-      if (still_smooth && w.contacts.finder.strays && stores_anew(w.contacts)) return StepEnd::unsolved;
       const auto& memories = w.contacts.memories;
       if (ContactsOf<S>::between_bodies && smooth && !touch_alike(memories[0], memories[1]))
         return StepEnd::unsolved;
@@ -223,13 +221,6 @@ struct TrBdf2 {
       if (!(par.coupling.g_r > 0) && par.coupling.k_r > 0) max_turn = Real(0.5) / par.body.anisotropy;
     }
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
-  }
-
-  /// A contact is new, and found deeper than the way since the step began accounts for.
-  template <class Contacts, std::size_t N>
-  static bool stores_anew(const BodyContactScratch<Contacts, N>& w) noexcept {
-    return std::any_of(w.begun.begin(), w.begun.begin() + static_cast<std::ptrdiff_t>(w.near.size),
-                       [](const BegunContact& c) noexcept { return c.F_n < 0 && c.e > 0; });
   }
 
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step; so does a

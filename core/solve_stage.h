@@ -157,20 +157,21 @@ template <Scene S, class TargetOfGroup>
   return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
 }
 
-/// Something pulls a body in the stage to where its contacts were not sought: farther, or elsewhere and nothing holds it.
+/// Something pulls a body in the stage to where its contacts were not sought: it moves otherwise than predicted, and farther,
+/// or nothing holds it.
 template <Scene S>
-[[gnu::noinline]] bool ends_astray(const Params<S>& par, Real h, const Scratch<S>& w) noexcept {
+[[gnu::noinline]] bool ends_astray(const Params<S>& par, Real h, bool may_be_held,
+                                   const Scratch<S>& w) noexcept {
   const auto& finder = w.contacts.finder;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const auto& owned = finder.owned[i];
-    if (!is_astray(owned, owned.pulled, h)) continue;
     const Twist V{.w = w.contacts.x.V[i].w.vec(), .v = w.contacts.x.V[i].v.vec()}, &sought = finder.at[i].V;
+    const Twist beyond{.w = V.w - sought.w, .v = V.v - sought.v};
+    if (!is_astray(owned, owned.pulled, h) || !is_astray(owned, beyond, h)) continue;
     const Wrench& F = w.contacts.wrenches[i];
     const bool is_held = F.f.squaredNorm() + F.tau.squaredNorm() > 0;
-    const Real beyond = speed_bound(V, owned.farthest) - speed_bound(sought, owned.farthest);
-    if (is_held ? h * beyond > owned.smallest
-                : is_astray(owned, {.w = V.w - sought.w, .v = V.v - sought.v}, h))
-      return true;
+    const Real farther = speed_bound(V, owned.farthest) - speed_bound(sought, owned.farthest);
+    if (may_be_held || !is_held || h * farther > owned.smallest) return true;
   }
   return false;
 }
@@ -181,8 +182,11 @@ StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_un
                      const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
   solve_once(par, x, h, target_of, w);
   if constexpr (uses<ContactsOf<S>>) {
-    if (w.contacts.finder.strays && ends_astray(par, h, w)) [[unlikely]]
+    // a step of second order has no straight way to seek contacts on
+    if (w.contacts.finder.strays && ends_astray(par, h, !may_part, w)) [[unlikely]] {
+      if (!may_part) return {.solved = false, .calm = false, .h = h};
       solve_anew<Solve::again>(par, x, h, target_of, w);
+    }
   }
   if constexpr (iterates_joints<S>) {
     const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };

@@ -4,7 +4,8 @@
 //
 // the diagonal alone is changed as it is factored (Meijerink and van der Vorst 1977). Every D is positive definite: if
 // D_i >= sum of the K_il, l > i, then K_ij D_i^-1 K_ij <= K_ij, and what is left of A_jj, the sum of all K at j and the mass,
-// is D_j >= sum of the K_jl, l > j, and the mass. Nodes are taken in the order of NetParams: the factor is that of their numbers.
+// is D_j >= sum of the K_jl, l > j, and the mass. Nodes are taken in the order of NetParams: the factor is that of their
+// numbers.
 #pragma once
 
 #include "core/net/springs.h"

@@ -32,7 +32,8 @@ struct NetSpring {
   Real k = 0, g = 0, l_0 = 0;  // N/m, N s/m, m
 };
 
-/// Constant while running. Springs are in the order of i, then j, and nodes have one of elimination: put_in_order() of setup.h.
+/// Constant while running. Springs are in the order of i, then j, and nodes have one of elimination: put_in_order() of
+/// setup.h.
 template <std::size_t max_nodes, std::size_t max_springs>
 struct NetParams {
   std::array<NetNode, max_nodes> nodes;

@@ -45,7 +45,8 @@ bool is_elimination_order(const NetParams<max_nodes, max_springs>& par) noexcept
                      [&](const NetSpring& spring) { return place[spring.i] < place[spring.j]; });
 }
 
-/// Nodes of one carrier are in a row, springs and nodes in order, numbers positive where they must be. Bodies are below num_bodies.
+/// Nodes of one carrier are in a row, springs and nodes in order, numbers positive where they must be. Bodies are below
+/// num_bodies.
 template <std::size_t max_nodes, std::size_t max_springs>
 bool is_valid_net(const NetParams<max_nodes, max_springs>& par, std::size_t num_bodies) noexcept {
   const auto is_number = [](Real a) noexcept { return a >= 0 && a - a == 0; };

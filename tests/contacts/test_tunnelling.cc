@@ -39,36 +39,57 @@ struct FaceHit {
   Real depth(const Vec3& p) const { return face - side * p[axis]; }
 };
 
-/// A ball thrown straight at a face of a box of the world, at up to 95 % of the speed that
-/// `check` promises (platform/scene/top_speed.h). True: it was past the middle of the box, or half its thickness.
+/// A ball and a box of the world, drawn at random.
+template <class I>
+struct BallAndBox {
+  using S = Touching<I, 1, 1, PoseDevice, 1, 4>;
+  Random random;
+  Vec3 half;
+  Real r, m, h, k, thin;
+  Pose box;
+  std::unique_ptr<Running<S>> run = std::make_unique<Running<S>>();
+
+  BallAndBox(unsigned seed, Real smallest) : random(seed) {
+    for (Real& extent : half) extent = random.log_uniform(0.005, 0.05);
+    r = random.log_uniform(smallest, 0.01);
+    m = random.log_uniform(0.01, 1);
+    h = random.log_uniform(1e-4, 5e-3);
+    k = random.log_uniform(1e4, 1e9);
+    thin = half.minCoeff();
+    box = {.p = 0.1 * random.vector(), .q = random.rotation()};
+    auto& par = run->par;
+    par.h = h;
+    par.bodies[0].body = solid_ball(m, r);
+    add_box(par, box, half);
+    add_sphere(par, 0, Vec3::Zero(), r);
+    set_law(par, law_of(k, 0.7, 0.3 * random.integer(0, 1), m));
+  }
+  Pose placed(const Vec3& p) const { return {.p = box.p + box.q * p, .q = Quat::Identity()}; }
+  /// Past the middle of the box, or half its thickness.
+  bool is_past(const FaceHit& face) const {
+    return face.depth(box.q.conjugate() * (run->body().X_WB.p - box.p)) > thin;
+  }
+  /// Enough for what takes some periods of sqrt(m / stiffness).
+  int steps_for(Real stiffness) const {
+    return static_cast<int>(std::min(20 + (0.2 + 20 * std::sqrt(m / stiffness)) / h, 20000.0));
+  }
+};
+
+/// A ball thrown straight at a face of a box of the world, at up to 95 % of the speed that `check` promises
+/// (platform/scene/top_speed.h).
 template <class I>
 bool passes(unsigned seed) {
-  using S = Touching<I, 1, 1, PoseDevice, 1, 4>;
-  Random random(seed);
-  const auto run = std::make_unique<Running<S>>();
-  for (auto& device : run->in.devices) device.engaged = false;
-  const auto drawn = [&]() { return random.log_uniform(0.005, 0.05); };
-  const Real x = drawn(), y = drawn(), z = drawn();
-  const Vec3 half(x, y, z);
-  const Real r = random.log_uniform(5e-4, 0.01), m = random.log_uniform(0.01, 1),
-             h = random.log_uniform(1e-4, 5e-3), k = random.log_uniform(1e4, 1e9), thin = half.minCoeff();
-  const Pose box{.p = 0.1 * random.vector(), .q = random.rotation()};
-  run->par.num_bodies = 1;
-  run->par.h = h;
-  run->par.bodies[0].body = solid_ball(m, r);
-  add_box(run->par, box, half);
-  add_sphere(run->par, 0, Vec3::Zero(), r);
-  set_law(run->par, law_of(k, 0.7, 0.3 * random.integer(0, 1), m));
-  const Real promised = (r + thin) * std::min(1 / h, std::sqrt(k / m)),
-             speed = random.log_uniform(0.01, 0.95) * promised;
-  const FaceHit face(random, half);
-  const Vec3 start = face.before(r + speed * h * random.uniform(0.01, 3));
-  place<S>(run->x, 0,
-           {.X_WB = {.p = box.p + box.q * start}, .V_WB = {.w = {}, .v = box.q * face.inward * speed}});
-  const int steps = static_cast<int>(std::min(20 + (0.2 + 20 * std::sqrt(m / k)) / h, 20000.0));
+  BallAndBox<I> of(seed, 5e-4);
+  of.run->in.devices[0].engaged = false;
+  const Real promised = (of.r + of.thin) * std::min(1 / of.h, std::sqrt(of.k / of.m)),
+             speed = of.random.log_uniform(0.01, 0.95) * promised;
+  const FaceHit face(of.random, of.half);
+  const Vec3 start = face.before(of.r + speed * of.h * of.random.uniform(0.01, 3));
+  place(of.run->x, 0, {.X_WB = of.placed(start), .V_WB = {.w = {}, .v = of.box.q * face.inward * speed}});
+  const int steps = of.steps_for(of.k);
   for (int n = 0; n < steps; ++n) {
-    run->step();
-    if (face.depth(box.q.conjugate() * (run->body().X_WB.p - box.p)) > thin) return true;
+    of.run->step();
+    if (of.is_past(face)) return true;
   }
   return false;
 }
@@ -101,56 +122,49 @@ TYPED_TEST(Tunnelling, ABallBesideAnEdgeIsHeld) {
   }
 }
 
-/// What was drawn of a ball that is let go up to 1 m from its target, with a box between.
-enum class Outcome { held, passed, too_soft, fault };
+/// What became of a ball that is let go up to 1 m from its target, with a box between.
+enum class Outcome { held, moves, passed, too_soft, fault };
 
 /// The coupling may be so stiff that it is there in a step, and its spring holds no more energy than that of the contact.
 template <class I>
 Outcome let_go(unsigned seed) {
-  using S = Touching<I, 1, 1, PoseDevice, 1, 4>;
-  Random random(seed);
-  const auto run = std::make_unique<Running<S>>();
-  const auto drawn = [&]() { return random.log_uniform(0.005, 0.05); };
-  const Real x = drawn(), y = drawn(), z = drawn();
-  const Vec3 half(x, y, z);
-  const Real r = random.log_uniform(2e-4, 0.01), m = random.log_uniform(0.01, 1),
-             h = random.log_uniform(1e-4, 5e-3), k = random.log_uniform(1e4, 1e9), thin = half.minCoeff();
-  const Pose box{.p = 0.1 * random.vector(), .q = random.rotation()};
-  run->par.h = h;
-  run->par.bodies[0].body = solid_ball(m, r);
-  add_box(run->par, box, half);
-  add_sphere(run->par, 0, Vec3::Zero(), r);
-  set_law(run->par, law_of(k, 0.7, 0.3 * random.integer(0, 1), m));
-  const FaceHit face(random, half);
-  const Real away = random.log_uniform(1e-3, 1), k_c = random.log_uniform(1e2, 1e6),
-             deep = random.uniform(0, 1) * std::min<Real>(0.5, 0.9 * (r + thin) * (1 + k / k_c));
-  if (std::sqrt(k_c) * (away + deep) > 0.9 * (r + thin) * std::sqrt(k)) return Outcome::too_soft;
+  BallAndBox<I> of(seed, 2e-4);
+  const Real r = of.r, m = of.m;
+  const FaceHit face(of.random, of.half);
+  const Real away = of.random.log_uniform(1e-3, 1), k_c = of.random.log_uniform(1e2, 1e6),
+             deep = of.random.uniform(0, 1) * std::min<Real>(0.5, 0.9 * (r + of.thin) * (1 + of.k / k_c));
+  if (std::sqrt(k_c) * (away + deep) > 0.9 * (r + of.thin) * std::sqrt(of.k)) return Outcome::too_soft;
   const Real I_B = 0.4 * m * r * r, k_r = 1e-3 * k_c;
-  run->par.bodies[0].coupling = {.k = k_c,
-                                 .g = random.uniform(1.4, 2) * std::sqrt(k_c * m),
-                                 .k_r = k_r,
-                                 .g_r = 2 * std::sqrt(k_r * I_B)};
-  place<S>(run->x, 0, {.X_WB = {.p = box.p + box.q * face.before(r + away)}, .V_WB = {}});
-  hold_at(*run, {.p = box.p + box.q * face.before(-deep), .q = Quat::Identity()});
-  const int steps = static_cast<int>(std::min(20 + (0.2 + 20 * std::sqrt(m / k_c)) / h, 20000.0));
+  auto& run = *of.run;
+  run.par.bodies[0].coupling = {.k = k_c,
+                                .g = of.random.uniform(1.4, 2) * std::sqrt(k_c * m),
+                                .k_r = k_r,
+                                .g_r = 2 * std::sqrt(k_r * I_B)};
+  place(run.x, 0, {.X_WB = of.placed(face.before(r + away)), .V_WB = {}});
+  hold_at(run, of.placed(face.before(-deep)));
+  const int steps = of.steps_for(k_c) + static_cast<int>(std::min(1 / of.h, 5000.0));
   for (int n = 0; n < steps; ++n) {
-    run->step();
-    if (any(run->out.fault)) return Outcome::fault;
-    if (face.depth(box.q.conjugate() * (run->body().X_WB.p - box.p)) > thin) return Outcome::passed;
+    run.step();
+    if (any(run.out.fault)) return Outcome::fault;
+    if (of.is_past(face)) return Outcome::passed;
+  }
+  for (int n = 0; n < 20; ++n) {
+    run.step();
+    if (run.body().v_W.norm() > 1e-6) return Outcome::moves;
   }
   return Outcome::held;
 }
 
-TYPED_TEST(Tunnelling, NoBallPassesABoxThatIsLetGoFromItsTarget) {
+TYPED_TEST(Tunnelling, ABallThatIsLetGoOffItsTargetRestsOnTheBoxBetween) {
   int num_held = 0;
   for (unsigned seed = 0; seed < num_throws; ++seed) {
     const Outcome outcome = let_go<TypeParam>(seed);
-    EXPECT_NE(outcome, Outcome::passed) << "seed " << seed;
-    EXPECT_NE(outcome, Outcome::fault) << "seed " << seed;
+    EXPECT_TRUE(outcome == Outcome::held || outcome == Outcome::too_soft)
+        << "seed " << seed << ", outcome " << static_cast<int>(outcome);
     num_held += outcome == Outcome::held ? 1 : 0;
   }
   EXPECT_GT(num_held, 0.3 * num_throws);
-  std::printf("%s: %d balls are held\n", TypeParam::name, num_held);
+  std::printf("%s: %d balls rest on the box\n", TypeParam::name, num_held);
 }
 
 /// How deep two bodies were, m, and how thin the thinner one is: its least half extent.

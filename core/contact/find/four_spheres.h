@@ -46,6 +46,7 @@ inline std::uint32_t near_plane(const ShapeParams& plane, const Mat3& R_WS, cons
   d = pack.r - distance;
   return ~bits(d <= -contact_reach * pack.r - travel);
 }
+
 /// Four spheres and what is within `size` of p: bit j, sphere j may touch it.
 inline std::uint32_t within(const Vec3& p, const SpherePack& pack, Real size) noexcept {
   Pack distance_sq = 0;
