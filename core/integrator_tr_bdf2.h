@@ -55,8 +55,9 @@ struct TrBdf2 {
   enum class StepEnd : std::uint8_t {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
-    unsolved  // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain
-    // energy; or joints (39) do not hold, or springs gain (46), or a body is pulled off its way: to be taken again
+    // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain energy; joints (39) do
+    // not hold; springs gain (46); a body is pulled off its way: to be taken again
+    unsolved
   };
 
   /// Forces of joints and contacts are not known at the start: extrapolated from the first stage alone they may drive.
