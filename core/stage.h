@@ -85,10 +85,10 @@ void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
   }
 }
 
-/// The same, with what they touch and what else acts on them.
+/// The same, with what they touch and what else acts on them. Compiled once for all stages of a step.
 template <Scene S>
-void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which, Real h,
-                    Scratch<S>& w) noexcept {
+[[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which,
+                                      Real h, Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
   if constexpr (uses<NodesOf<S>>) load_nodes(par, h, w);
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, which == Solve::first, h, w.tree, contacts);
@@ -113,17 +113,6 @@ void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] So
   if constexpr (uses<NodesOf<S>>)
     for (std::size_t j = 0; j < num_nodes(par); ++j)
       w.nodes.velocities[j] = contacts.x.V[node_number<S>(j)].v.vec();
-}
-/// Compiled once for all stages of a step; that of a few contacts with the world as one function.
-template <Scene S>
-[[gnu::noinline]] void solve_among_bodies(const Params<S>& par, const State<S>& x, Solve which, Real h,
-                                          Scratch<S>& w) noexcept {
-  solve_touching(par, x, which, h, w);
-}
-template <Scene S>
-GODOBJECT_FLATTEN [[gnu::noinline]] void solve_on_world(const Params<S>& par, const State<S>& x, Solve which,
-                                                        Real h, Scratch<S>& w) noexcept {
-  solve_touching(par, x, which, h, w);
 }
 
 /// What a stage starts from: contacts dragged on for t_0 at the rate of the step, t_1 at that of the stage before.
@@ -199,8 +188,7 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
     }
   }
   if constexpr (uses<ContactsOf<S>>) {
-    if constexpr (ContactsOf<S>::between_bodies) solve_among_bodies(par, x, which, h, w);
-    else solve_on_world(par, x, which, h, w);
+    solve_touching(par, x, which, h, w);
   } else if constexpr (uses<typename S::Joints>) {
     solve_tree<which>(par, x, h, w);
   }
