@@ -16,40 +16,46 @@ mkdir -p "$work"
 wide=""
 if grep -qw avx2 /proc/cpuinfo 2> /dev/null; then wide="-O3_-mavx2"; fi
 
-levels_of() {
-  if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then
-    echo -O0 -O3 $wide
-  elif [ "$1" = g++ ]; then
-    echo -O0 -O3
-  else
-    echo "${wide:--O3}"
-  fi
-}
-
-# The levels of one compiler, each leaving its output in a file of its own.
+# run_levels COMPILER LEVEL...: leaves the output of each in a file of its own
 run_levels() {
-  for level in $(levels_of "$1"); do
-    name=$work/$1$level
+  compiler=$1
+  shift
+  for level in "$@"; do
+    name=$work/$compiler$level
     # shellcheck disable=SC2046,SC2086
-    $launcher "$1" $flags $(echo $level | tr _ ' ') -I "$source_dir" -isystem "$eigen" \
+    $launcher "$compiler" $flags $(echo "$level" | tr _ ' ') -I "$source_dir" -isystem "$eigen" \
       -c "$source_dir/tests/determinism/state_hash_probe.cc" -o "$name.o"
-    "$1" "$name.o" -o "$name"
+    "$compiler" "$name.o" -o "$name"
     "$name" > "$name.txt"
   done
 }
 
-running=""
-incomplete=0
-for compiler in g++ clang++; do
-  if command -v "$compiler" > /dev/null; then
-    run_levels "$compiler" &
-    running="$running $!"
-  else
-    echo "$compiler: not on this machine, left out"
-    incomplete=77
+has() {
+  command -v "$1" > /dev/null || { echo "$1: not on this machine, left out"; false; }
+}
+
+# g++ with all of it takes as long as the others one after the other.
+slow="" others="" incomplete=0
+if has g++; then
+  run_levels g++ -O3 &
+  slow=$!
+else
+  incomplete=77
+fi
+has clang++ || incomplete=77
+(
+  set -e
+  if command -v clang++ > /dev/null; then
+    # shellcheck disable=SC2086
+    if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then run_levels clang++ -O0 -O3 $wide; else run_levels clang++ "${wide:--O3}"; fi
   fi
-done
-for pid in $running; do wait "$pid"; done
+  if command -v g++ > /dev/null; then
+    # shellcheck disable=SC2086
+    if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then run_levels g++ -O0 $wide; else run_levels g++ -O0; fi
+  fi
+) &
+others=$!
+for pid in $slow $others; do wait "$pid"; done
 
 reference=$(ls "$work"/*-O0.txt | head -n 1)
 cat "$reference"
