@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/body/implicit_stage.h"
-#include "core/math/flatten.h"
 #include "core/stage_scratch.h"
 
 namespace godobject {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/device/feedback.h"
+#include "core/math/flatten.h"
 #include "core/net/momentum.h"
 #include "core/stage.h"
 

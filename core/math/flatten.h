@@ -1,6 +1,6 @@
-// A step and all it calls in one function: the chain of its results stays in registers (docs/decisions/010). Builds
-// with assertions and sanitizers do without, and so do the core's own tests, which instantiate it by the dozen: they
-// would compile for minutes.
+// A step and all it calls, but for stages with contacts, in one function: the chain of its results stays in registers
+// (docs/decisions/010). Builds with assertions and sanitizers do without, and so do the core's own tests, which
+// instantiate it by the dozen: they would compile for minutes.
 #pragma once
 
 #if defined(NDEBUG) && !defined(GODOBJECT_NO_FLATTEN)

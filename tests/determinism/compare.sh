@@ -16,11 +16,20 @@ mkdir -p "$work"
 wide=""
 if grep -qw avx2 /proc/cpuinfo 2> /dev/null; then wide="-O3_-mavx2"; fi
 
-# run_levels COMPILER LEVEL...: leaves the output of each in a file of its own
-run_levels() {
-  compiler=$1
-  shift
-  for level in "$@"; do
+levels_of() {
+  if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then
+    echo -O0 -O3 $wide
+  elif [ "$1" = g++ ]; then
+    echo -O0 -O3
+  else
+    echo "${wide:--O3}"
+  fi
+}
+
+# run COMPILER/LEVEL...: one after the other, each leaving its output in a file of its own.
+run() {
+  for build in "$@"; do
+    compiler=${build%%/*} level=${build#*/}
     name=$work/$compiler$level
     # shellcheck disable=SC2046,SC2086
     $launcher "$compiler" $flags $(echo "$level" | tr _ ' ') -I "$source_dir" -isystem "$eigen" \
@@ -30,32 +39,25 @@ run_levels() {
   done
 }
 
-has() {
-  command -v "$1" > /dev/null || { echo "$1: not on this machine, left out"; false; }
-}
-
 # g++ with all of it takes as long as the others one after the other.
 slow="" others="" incomplete=0
-if has g++; then
-  run_levels g++ -O3 &
-  slow=$!
-else
-  incomplete=77
-fi
-has clang++ || incomplete=77
-(
-  set -e
-  if command -v clang++ > /dev/null; then
-    # shellcheck disable=SC2086
-    if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then run_levels clang++ -O0 -O3 $wide; else run_levels clang++ "${wide:--O3}"; fi
+for compiler in g++ clang++; do
+  if ! command -v "$compiler" > /dev/null; then
+    echo "$compiler: not on this machine, left out"
+    incomplete=77
+    continue
   fi
-  if command -v g++ > /dev/null; then
-    # shellcheck disable=SC2086
-    if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then run_levels g++ -O0 $wide; else run_levels g++ -O0; fi
-  fi
-) &
-others=$!
-for pid in $slow $others; do wait "$pid"; done
+  for level in $(levels_of "$compiler"); do
+    if [ "$compiler$level" = g++-O3 ]; then slow=$compiler/$level; else others="$others $compiler/$level"; fi
+  done
+done
+running=""
+for chain in "$slow" "$others"; do
+  # shellcheck disable=SC2086
+  run $chain &
+  running="$running $!"
+done
+for pid in $running; do wait "$pid"; done
 
 reference=$(ls "$work"/*-O0.txt | head -n 1)
 cat "$reference"
