@@ -199,12 +199,13 @@ class SimCanWire {
   std::optional<Nanoseconds> recovery_time(const SimCanPort& node) const noexcept;
   bool any_error_active(NodeSet nodes) const noexcept;
   std::size_t segment_of(const SimCanPort& node) const noexcept;
-  std::span<Segment> segments() noexcept { return std::span(segments_).first(1 + places_used_); }
-  std::span<const Segment> segments() const noexcept { return std::span(segments_).first(1 + places_used_); }
-  std::span<SimCanPort* const> nodes() const noexcept { return std::span(nodes_).first(places_used_); }
   Nanoseconds bits_ns(int bits) const noexcept { return duration_ns(bits, params_.rates); }
   template <class Function>
   void for_each(NodeSet nodes, Function&& function) const;
+  /// function(segment) of the shared wire and the stubs in use.
+  template <class Self, class Function>
+  static void for_each_segment(Self& self, Function&& function);
+  void note_queue(const SimCanPort& node) noexcept;
 
   SimWireParams params_;
   SplitMix64 random_;
@@ -212,7 +213,10 @@ class SimCanWire {
   Nanoseconds now_ns_ = 0;
   std::array<SimCanPort*, max_nodes> nodes_{};  // null: place is free
   std::array<Segment, 1 + max_nodes> segments_;
-  std::size_t places_used_ = 0;  // no node has ever been beyond
+  // where an event can be: a wire is asked for its next one many times a cycle
+  NodeSet sending_ = 0;  // nodes whose transmit queue is not empty
+  NodeSet timed_ = 0;    // at least those with a restart, a recovery or a frame that they cannot read yet
+  NodeSet stubs_ = 0;    // at least the stubs with a node or a frame on them
 };
 
 }  // namespace godobject

@@ -19,6 +19,7 @@ void SimCanPort::close() noexcept {
   open_ = false;
   wire_.drop_out(index_);
   transmit_queue_.clear();
+  wire_.note_queue(*this);
   receive_queue_.clear();
   errors_.reset();
   t_restart_ns_.reset();
@@ -43,6 +44,7 @@ SendResult SimCanPort::queue(const CanFrame& frame) noexcept {
     return SendResult::queued;  // the sender does not notice
   }
   if (!transmit_queue_.push(frame)) return SendResult::full;
+  wire_.note_queue(*this);
   if (wire_.random_.chance(faults_.duplicate)) static_cast<void>(transmit_queue_.push(frame));
   return SendResult::queued;
 }

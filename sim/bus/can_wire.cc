@@ -45,6 +45,13 @@ void SimCanWire::for_each(NodeSet nodes, Function&& function) const {
   for (; nodes != 0; nodes &= nodes - 1) function(*nodes_[static_cast<std::size_t>(std::countr_zero(nodes))]);
 }
 
+template <class Self, class Function>
+void SimCanWire::for_each_segment(Self& self, Function&& function) {
+  function(self.segments_[shared_segment]);
+  for (NodeSet stubs = self.stubs_; stubs != 0; stubs &= stubs - 1)
+    function(self.segments_[stub_segment(static_cast<std::size_t>(std::countr_zero(stubs)))]);
+}
+
 // Nodes on the wire.
 
 std::size_t SimCanWire::attach(SimCanPort& port) noexcept {
@@ -52,19 +59,27 @@ std::size_t SimCanWire::attach(SimCanPort& port) noexcept {
   const auto node = static_cast<std::size_t>(place - nodes_.begin());
   if (node == max_nodes) return max_nodes;
   *place = &port;
-  places_used_ = std::max(places_used_, node + 1);
   segments_[shared_segment].members |= bit_of(node);
   return node;
 }
 
 void SimCanWire::detach(std::size_t node) noexcept {
-  for (Segment& segment : segments()) segment.members &= ~bit_of(node);
+  for (Segment& segment : segments_) segment.members &= ~bit_of(node);
   nodes_[node] = nullptr;
+  sending_ &= ~bit_of(node);
+  timed_ &= ~bit_of(node);
+}
+
+void SimCanWire::note_queue(const SimCanPort& node) noexcept {
+  if (node.index_ == max_nodes) return;
+  if (node.transmit_queue_.empty()) sending_ &= ~bit_of(node.index_);
+  else sending_ |= bit_of(node.index_);
 }
 
 void SimCanWire::join(std::size_t node, std::size_t segment) noexcept {
-  for (Segment& other : segments()) other.members &= ~bit_of(node);
+  for (Segment& other : segments_) other.members &= ~bit_of(node);
   segments_[segment].members |= bit_of(node);
+  if (segment != shared_segment) stubs_ |= bit_of(node);
   if (nodes_[node]->recovery_) start_recovery(*nodes_[node]);
 }
 
@@ -92,9 +107,9 @@ std::size_t SimCanWire::segment_of(const SimCanPort& node) const noexcept {
 void SimCanWire::advance_to(Nanoseconds t_ns) noexcept {
   if (t_ns < now_ns_) return;
   for (;;) {
-    for (Segment& segment : segments()) {
+    for_each_segment(*this, [&](Segment& segment) {
       if (segment.phase == Phase::idle) start_frame(segment);
-    }
+    });
     const std::optional<Nanoseconds> t_next_ns = next_event();
     if (!t_next_ns || *t_next_ns > t_ns) break;
     now_ns_ = *t_next_ns;
@@ -105,18 +120,16 @@ void SimCanWire::advance_to(Nanoseconds t_ns) noexcept {
 
 std::optional<Nanoseconds> SimCanWire::next_event() const noexcept {
   std::optional<Nanoseconds> t_ns;
-  for (const Segment& segment : segments()) t_ns = earlier(t_ns, next_event(segment));
-  for (const SimCanPort* node : nodes()) {
-    if (node != nullptr) t_ns = earlier(t_ns, next_event(*node));
-  }
+  for_each_segment(*this, [&](const Segment& segment) { t_ns = earlier(t_ns, next_event(segment)); });
+  for_each(timed_, [&](const SimCanPort& node) { t_ns = earlier(t_ns, next_event(node)); });
   return t_ns;
 }
 
 std::optional<Nanoseconds> SimCanWire::next_event(const Segment& segment) const noexcept {
   if (segment.phase != Phase::idle) return segment.t_next_ns;
   std::optional<Nanoseconds> t_ns;
-  for_each(segment.members, [&](const SimCanPort& node) {
-    if (!node.takes_part() || node.transmit_queue_.empty()) return;
+  for_each(segment.members & sending_, [&](const SimCanPort& node) {
+    if (!node.takes_part()) return;
     t_ns = earlier(t_ns, std::max(now_ns_, node.t_may_send_ns_));
   });
   return t_ns;
@@ -131,21 +144,21 @@ std::optional<Nanoseconds> SimCanWire::next_event(const SimCanPort& node) const 
 }
 
 void SimCanWire::run_due_events() noexcept {
-  for (SimCanPort* node : nodes()) {
-    if (node == nullptr) continue;
-    if (node->t_restart_ns_ && *node->t_restart_ns_ <= now_ns_) start_recovery(*node);
-    const std::optional<Nanoseconds> t_recovered_ns = recovery_time(*node);
-    if (t_recovered_ns && *t_recovered_ns <= now_ns_) finish_recovery(*node);
-  }
-  for (Segment& segment : segments()) {
-    if (segment.phase == Phase::idle || segment.t_next_ns > now_ns_) continue;
+  for_each(timed_, [&](SimCanPort& node) {
+    if (node.t_restart_ns_ && *node.t_restart_ns_ <= now_ns_) start_recovery(node);
+    const std::optional<Nanoseconds> t_recovered_ns = recovery_time(node);
+    if (t_recovered_ns && *t_recovered_ns <= now_ns_) finish_recovery(node);
+    if (!node.t_restart_ns_ && !node.recovery_ && node.receive_queue_.empty()) timed_ &= ~bit_of(node.index_);
+  });
+  for_each_segment(*this, [&](Segment& segment) {
+    if (segment.phase == Phase::idle || segment.t_next_ns > now_ns_) return;
     switch (segment.phase) {
       case Phase::sending: finish_sending(segment); break;
       case Phase::ending: complete_frame(segment); break;
       case Phase::intermission: become_idle(segment); break;
       case Phase::idle: break;
     }
-  }
+  });
 }
 
 // A frame, from arbitration to the idle wire.
@@ -153,10 +166,8 @@ void SimCanWire::run_due_events() noexcept {
 void SimCanWire::start_frame(Segment& segment) noexcept {
   NodeSet candidates = 0, listeners = 0;
   std::uint32_t winner = 0;
-  for_each(segment.members, [&](const SimCanPort& node) {
-    if (!node.takes_part()) return;
-    listeners |= bit_of(node.index_);
-    if (node.transmit_queue_.empty() || node.t_may_send_ns_ > now_ns_) return;
+  for_each(segment.members & sending_, [&](const SimCanPort& node) {
+    if (!node.takes_part() || node.t_may_send_ns_ > now_ns_) return;
     const std::uint32_t key = arbitration_key(node.transmit_queue_.front());
     if (candidates == 0 || key < winner) {
       candidates = bit_of(node.index_);
@@ -166,6 +177,9 @@ void SimCanWire::start_frame(Segment& segment) noexcept {
     }
   });
   if (candidates == 0) return;
+  for_each(segment.members, [&](const SimCanPort& node) {
+    if (node.takes_part()) listeners |= bit_of(node.index_);
+  });
 
   count_idle_time(segment);
   segment.senders = candidates;
@@ -220,8 +234,9 @@ void SimCanWire::begin_error_frame(Segment& segment, int bits_before_delimiter) 
 
 void SimCanWire::complete_frame(Segment& segment) noexcept {
   const ReceivedFrame received{.frame = segment.frame, .t_ns = now_ns_};
-  for_each(segment.senders, [](SimCanPort& sender) {
+  for_each(segment.senders, [&](SimCanPort& sender) {
     sender.transmit_queue_.pop();
+    note_queue(sender);
     sender.errors_.transmitted();
     ++sender.counters_.sent;
   });
@@ -241,6 +256,7 @@ void SimCanWire::deliver(SimCanPort& node, const ReceivedFrame& received) noexce
     return;
   }
   const Nanoseconds t_readable_ns = received.t_ns + node.receive_delay_ns_ + node.faults_.delay_ns;
+  if (t_readable_ns > now_ns_) timed_ |= bit_of(node.index_);
   for (int copies = random_.chance(node.faults_.duplicate) ? 2 : 1; copies > 0; --copies)
     if (!node.receive_queue_.push({received, t_readable_ns})) ++node.counters_.receive_overflow;
 }
@@ -255,6 +271,8 @@ void SimCanWire::become_idle(Segment& segment) noexcept {
   });
   segment.senders = 0;
   segment.receivers = 0;
+  if (segment.members == 0 && &segment != &segments_[shared_segment])
+    stubs_ &= ~bit_of(static_cast<std::size_t>(&segment - &segments_[stub_segment(0)]));
   for_each(segment.members, [&](SimCanPort& node) {
     if (!node.recovery_ || now_ns_ - node.recovery_->t_start_ns < bits_ns(recessive_sequence_bits)) return;
     if (--node.recovery_->sequences_left <= 0) finish_recovery(node);
@@ -273,13 +291,17 @@ void SimCanWire::check_bus_off(SimCanPort& node) noexcept {
   if (!node.errors_.is_bus_off()) return;
   drop_out(node.index_);
   node.transmit_queue_.clear();
+  note_queue(node);
   ++node.counters_.bus_off_events;
-  if (node.restart_delay_ns_ > 0) node.t_restart_ns_ = now_ns_ + node.restart_delay_ns_;
+  if (node.restart_delay_ns_ <= 0) return;
+  node.t_restart_ns_ = now_ns_ + node.restart_delay_ns_;
+  timed_ |= bit_of(node.index_);
 }
 
 void SimCanWire::start_recovery(SimCanPort& node) noexcept {
   node.t_restart_ns_.reset();
   node.recovery_ = {.sequences_left = recovery_sequences, .t_start_ns = now_ns_};
+  timed_ |= bit_of(node.index_);
 }
 
 // When the recovery ends if the wire stays idle; none while it is busy.
