@@ -100,12 +100,15 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
   if constexpr (Contacts::has_net) {
     w.system.keep();
     if (!island.has_net) return;
-    if (!first) take_contacts_out(w.net);
+    // nodes have moved little since the stage before: its factor is as good a preconditioner
+    const bool is_factored = !first || (w.stage.goes_on && w.net.factored_h == h);
+    if (is_factored) take_contacts_out(w.net);
     gather_net_contacts(h, w.net);
     load_impulses(w);
     load_riding(w);
-    if (first) factor_nodes(w.net);
-    else put_contacts_in(w.net);
+    if (is_factored) put_contacts_in(w.net);
+    else factor_nodes(w.net);
+    w.net.factored_h = h;
   }
 }
 

@@ -66,8 +66,7 @@ class NetFinder {
     const std::size_t body = contacts_.surfaces[o].body;
     const std::uint32_t b = body == world ? on_world : static_cast<std::uint32_t>(body);
     const Real body_travel = b == on_world ? 0 : bodies_.owned[b].travel;
-    const bool bounded = is_carried(shape.kind);
-    const Real size = bounded ? half_extents(shape).norm() : 0;
+    const Real ball = ball_round(shape);
     for (std::uint32_t k = 0; k < num_packs; ++k) {
       const SpherePack& pack = w_.spheres[k];
       const Real travel = travel_[k] + body_travel;
@@ -82,8 +81,7 @@ class NetFinder {
         }
         continue;
       }
-      if (shape.kind == ShapeKind::capsule) hits &= within_capsule(shape, R_WS, pack, travel);
-      else if (bounded) hits &= within(shape.X_WS.p, pack, size + travel);
+      hits &= may_touch(shape, R_WS, ball, pack, travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;

@@ -71,6 +71,7 @@ struct NetStage {
   std::size_t last = 0;
 
   std::array<Block, max_nodes> D_inverse;  // of the incomplete factor of the nodes
+  Real factored_h = 0;  // length of the stage that it is of, s; 0: it is not to be taken again
   std::array<Column, max_nodes> riding_v;  // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;
   OfBodies delta, c_1;    // (45)

@@ -23,7 +23,7 @@ void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
 template <class Contacts, std::size_t N, class Bases>
 void begin_net(const NetInput<typename Contacts::Net>& in, const Bases& bases, Real h,
                BodyContactScratch<Contacts, N>& w) noexcept {
-  index_net<typename Contacts::Net>(in.par, w.net);
+  if (!w.stage.goes_on) index_net<typename Contacts::Net>(in.par, w.net);
   predict_nodes(bases, in.gravity_W, h, w.net);
   linearise_net(in, h, w);
 }
@@ -61,10 +61,12 @@ template <class Contacts, std::size_t N>
 void solve_majorised(Real h, const NetInput<typename Contacts::Net>& in,
                      BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
+  net.factored_h = 0;
   rest_at_start(h, net);
   linearise_net<Springs::majorised>(in, h, w);
   std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
+  net.factored_h = 0;
   net.report.majorised = true;
 }
 

@@ -2,7 +2,8 @@
 //
 // A body with shapes is touched at its shapes by the spheres of others, one without at its spheres. Bodies on joints
 // of one tree do not touch each other. Bound: that of the broad phase; for each pair of bodies with overlapping boxes
-// a query for each sphere in the other's box; for each body a query for each of its spheres and surface of the world.
+// a query for each sphere in the other's box; for each body, surface of the world and four of its spheres a look whether
+// they are near, and a query for those that are.
 #pragma once
 
 #include "core/contact/find/before.h"
@@ -34,6 +35,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
   Real travel = on_a.travel;
   if (b < N) travel += w.owned[b].travel;
   for (std::uint32_t o = first; o < end; ++o) {
+    const Real ball = ball_round(w.posed[o]);
     for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
       const SpherePack& pack = w.packs[k];
       std::uint32_t sought = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
@@ -107,7 +109,8 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         found_all(hits, d, n_W);
         continue;
       }
-      for (std::uint32_t hits = sought; hits != 0; hits &= hits - 1) {
+      std::uint32_t hits = sought & may_touch(shape, R_WS, ball, pack, travel);
+      for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
         SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);

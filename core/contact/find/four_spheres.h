@@ -47,7 +47,12 @@ inline std::uint32_t near_plane(const ShapeParams& plane, const Mat3& R_WS, cons
   return ~bits(d <= -contact_reach * pack.r - travel);
 }
 
-/// Four spheres and what is within `size` of p: bit j, sphere j may touch it.
+/// The radius of a ball round a shape about the origin of its frame, of those that have one.
+inline Real ball_round(const ShapeParams& shape) noexcept {
+  return shape.kind == ShapeKind::box ? shape.half_extents.norm() : shape.radius + shape.half_length;
+}
+
+/// Four spheres and what is within `size` of p: bit j, sphere j may touch it. One that is nowhere may.
 inline std::uint32_t within(const Vec3& p, const SpherePack& pack, Real size) noexcept {
   Pack distance_sq = 0;
   for (int c = 0; c < 3; ++c) {
@@ -55,7 +60,7 @@ inline std::uint32_t within(const Vec3& p, const SpherePack& pack, Real size) no
     distance_sq += a * a;
   }
   const Pack reach = pack.r * (1 + contact_reach) + size;
-  return bits(distance_sq < reach * reach);
+  return ~bits(reach * reach <= distance_sq);
 }
 
 /// Four spheres and a capsule: the same.
@@ -67,7 +72,14 @@ inline std::uint32_t within_capsule(const ShapeParams& shape, const Mat3& R_WS, 
   const Pack along = max(min(z, Pack(shape.half_length)), Pack(-shape.half_length));
   for (int c = 0; c < 3; ++c) a[c] -= along * R_WS(c, 2);
   const Pack reach = pack.r * (1 + contact_reach) + (shape.radius + travel);
-  return bits(a.squaredNorm() < reach * reach);
+  return ~bits(reach * reach <= a.squaredNorm());
+}
+
+/// Four spheres and any shape, with a ball of this radius round it: the same.
+inline std::uint32_t may_touch(const ShapeParams& shape, const Mat3& R_WS, Real ball, const SpherePack& pack,
+                               Real travel) noexcept {
+  if (shape.kind == ShapeKind::capsule) return within_capsule(shape, R_WS, pack, travel);
+  return is_carried(shape.kind) ? within(shape.X_WS.p, pack, ball + travel) : ~0u;
 }
 
 }  // namespace godobject
