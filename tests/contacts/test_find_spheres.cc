@@ -1,4 +1,4 @@
-// Near spheres of bodies, against all pairs one by one: depth, point, normal and who they are of.
+// Near spheres of bodies and obstacles, against all pairs one by one: depth, point, normal and who they are of.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -9,8 +9,8 @@ namespace godobject::test_find_spheres {
 namespace {
 
 constexpr std::size_t num_bodies = 20, num_spheres = 160;
-using Part = BodyContacts<num_spheres, 2, 4000>;
-struct Search {
+template <class Part>
+struct SearchIn {
   Part::Params par;
   Part::State before;
   ContactFinder<Part, num_bodies> w;
@@ -19,10 +19,14 @@ struct Search {
   static constexpr Real h = 5e-3;
   void find() { find_contacts(par, before, num_bodies, h, w, near); }
 };
+using Search = SearchIn<BodyContacts<num_spheres, 2, 4000>>;
+constexpr std::uint32_t num_obstacles = 60;
+using SearchOnObstacles = SearchIn<FixedContacts<num_spheres, num_obstacles, 4000>>;
 
 /// Bodies of some spheres each, in a room of this size; a third of them on one tree of joints.
-std::unique_ptr<Search> clusters(Real size, Random& random) {
-  auto s = std::make_unique<Search>();
+template <class In = Search>
+std::unique_ptr<In> clusters(Real size, Random& random) {
+  auto s = std::make_unique<In>();
   for (std::uint32_t i = 0; i < num_bodies; ++i) {
     TreePlace& at = s->w.at[i];
     at.p_W = at.a_W = size * random.vector();
@@ -36,7 +40,8 @@ std::unique_ptr<Search> clusters(Real size, Random& random) {
   return s;
 }
 
-Vec3 centre(const Search& s, const BodySphere& sphere) {
+template <class In>
+Vec3 centre(const In& s, const BodySphere& sphere) {
   const TreePlace& at = s.w.at[sphere.body];
   return at.p_W + at.R_WB * sphere.p_B;
 }
@@ -85,6 +90,57 @@ TEST(FindSpheres, FindsWhatAllPairsOneByOneFind) {
     contacts += expected;
   }
   EXPECT_GT(contacts, 5000u);
+}
+
+/// A ball, capsule or box somewhere, as long or flat as it comes.
+ShapeParams random_obstacle(Real size, Random& random) {
+  constexpr std::array kinds{ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
+  const auto length = [&]() { return random.log_uniform(1e-3, 0.1); };
+  return {.kind = kinds[static_cast<std::size_t>(random.integer(0, 2))],
+          .X_WS = {.p = size * random.vector(), .q = random.rotation()},
+          .half_extents = Vec3(length(), length(), length()),
+          .radius = length(),
+          .half_length = length()};
+}
+
+/// Those that are passed over four at a time are those that are not near.
+TEST(FindSpheres, FindsWhatAllObstaclesOneByOneAreTouchedBy) {
+  Random random(3);
+  std::size_t contacts = 0, apart = 0;
+  for (int n = 0; n < 400; ++n) {
+    const Real size = random.log_uniform(0.1, 0.5);
+    const auto s = clusters<SearchOnObstacles>(size, random);
+    for (auto& at : s->w.at) at.V = {.w = 0.02 * at.V.w, .v = 0.02 * at.V.v};  // slow: nothing is swept
+    for (std::uint32_t o = 0; o < num_obstacles; ++o)
+      s->par.surfaces[s->par.num_surfaces++].shape = random_obstacle(size, random);
+    s->find();
+    std::map<std::pair<std::uint32_t, std::uint32_t>, const NearContact*> found;
+    for (std::size_t i = 0; i < s->near.size; ++i)
+      found[{s->near.list[i].of - num_obstacles, s->near.list[i].on}] = &s->near.list[i];
+    for (std::uint32_t i = 0; i < s->par.num_spheres; ++i)
+      for (std::uint32_t o = 0; o < num_obstacles; ++o) {
+        const BodySphere& a = s->par.spheres[i];
+        const TreePlace& at = s->w.at[a.body];
+        const Vec3 p_W = centre(*s, a);
+        const SurfacePoint surface = nearest(s->par.surfaces[o].shape, p_W, 1);
+        const Real d = a.radius - surface.distance;
+        const Vec3 v = at.V.v + at.V.w.cross(p_W - a.radius * surface.n - at.a_W);
+        const Real reached = std::max(d, d + SearchOnObstacles::h * surface.n.dot(v));
+        if (surface.distance < 0) continue;  // it may have come in elsewhere: test_tunnelling.cc
+        const auto c = found.find({i, o});
+        ASSERT_EQ(c != found.end(), reached > -contact_reach * a.radius)
+            << n << ": " << reached << " of " << a.radius;
+        if (c == found.end()) {
+          ++apart;
+          continue;
+        }
+        ++contacts;
+        EXPECT_NEAR(c->second->d, d, 1e-12);
+        EXPECT_LT((c->second->n_W - surface.n).norm(), 1e-9);
+      }
+  }
+  EXPECT_GT(contacts, 2000u);
+  EXPECT_GT(apart, 10 * contacts);
 }
 
 /// Where centres coincide the bodies say the way, and where these do, too, the z axis.
