@@ -43,7 +43,9 @@ struct NetParams {
   // of elimination: each node after those that springs join to it from below
   std::array<std::uint32_t, max_nodes> order{};
   int max_iterations = 12;  // of conjugate gradients in a stage
-  Real tolerance = 1e-4;    // m/s: an iteration that changes no velocity by more is the last
+  // m/s^3: an iteration that changes no velocity by more than this times h^2, h of the stage, is the last. Steps add up what
+  // it leaves: so that falls as the error of the integrator does.
+  Real tolerance = 100;
 };
 
 /// What a step says of its nets, at the end of its last stage.

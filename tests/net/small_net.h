@@ -48,7 +48,7 @@ struct NetSmall : Running<SmallNetScene<I>> {
   }
   void solve_tightly() {
     this->par.net.max_iterations = 2000;
-    this->par.net.tolerance = 1e-13;
+    this->par.net.tolerance = 1e-13 / (this->par.h * this->par.h);
   }
   Target target(Real t) const {
     const Real omega = 2 * pi * 5, s = 1 - std::cos(omega * t), ds = omega * std::sin(omega * t);

@@ -65,7 +65,7 @@ Momentum momentum(const Running<S>& run) {
 template <class S>
 void solve_completely(Running<S>& run) {
   run.par.net.max_iterations = 5000;
-  run.par.net.tolerance = 1e-15;
+  run.par.net.tolerance = 1e-15 / (run.par.h * run.par.h);
 }
 
 /// The largest misses of flights, of the momenta that there were at first.

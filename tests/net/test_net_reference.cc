@@ -27,6 +27,27 @@ TEST(NetReference, ConvergesAsItsIntegratorDoes) {
       << "with the default iterations";
 }
 
+/// What iterations leave falls with the step as the error of the integrator does: a step half as long is never worse.
+template <class I>
+Real order_by_default(const Truth& truth) {
+  const Real steps[] = {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4};
+  Real first = 0, last = 0;
+  for (const Real h : steps) {
+    const Real e = error<I>(h, false, false, truth);
+    std::printf("%s, default iterations, %g ms: %.2e m\n", I::name, 1e3 * h, e);
+    if (last > 0) EXPECT_LT(e, 0.7 * last) << "at " << h << " s";
+    else first = e;
+    last = e;
+  }
+  return std::log2(first / last) / std::log2(steps[0] / steps[4]);
+}
+
+TEST(NetReference, ConvergesWithDefaultIterationsToo) {
+  const Truth truth = solved_exactly(false);
+  EXPECT_GE(order_by_default<ImplicitEuler>(truth), 0.9);
+  EXPECT_GE(order_by_default<TrBdf2>(truth), 1.6);
+}
+
 TEST(NetReference, PressedOnAPlane) {
   const Truth truth = solved_exactly(true);
   auto net = std::make_unique<NetSmall<TrBdf2>>(1e-3, true);

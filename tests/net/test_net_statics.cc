@@ -30,7 +30,7 @@ Real speed(const Running<S>& run) {
 template <class S>
 void solve_tightly(Running<S>& run) {
   run.par.net.max_iterations = 3000;
-  run.par.net.tolerance = 1e-14;
+  run.par.net.tolerance = 1e-14 / (run.par.h * run.par.h);
 }
 /// Anchors a node to the world, or lets go of it.
 template <class S>
