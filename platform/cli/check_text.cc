@@ -117,10 +117,10 @@ void add_nets(const Session& session, std::vector<std::string>& lines) {
       number_of(nets.nets.size(), "net").c_str(), nets.nodes.size(), c.max_nodes, nets.springs.size(),
       c.max_springs, mass, c.max_node_contacts));
   const int stages = session.scene().integrator == integrator_names[0] ? 1 : 2;
-  const double most = stages * max_net_iterations;
+  const double most = stages * nets.max_iterations;
   lines.push_back(
       line("", "%zu bytes; a step: %s, each at most %d iterations over %zu springs: %.2g springs, %.2g Mflop",
-           bytes, number_of(static_cast<std::size_t>(stages), "stage").c_str(), max_net_iterations,
+           bytes, number_of(static_cast<std::size_t>(stages), "stage").c_str(), nets.max_iterations,
            nets.springs.size(), most * static_cast<double>(nets.springs.size()),
            1e-6 * most * flops_of_an_iteration(nets)));
   lines.push_back(line("", "time constants: fastest %.3g s, %.2g steps; slowest %.3g s", times.fastest,

@@ -164,6 +164,7 @@ struct SceneConfig {
   std::vector<BodyConfig> bodies;   // parents before children
   std::vector<JointConfig> joints;  // a tree: each body is the child of at most one
   std::vector<NetConfig> nets{};
+  int net_iterations = NetParams<1, 1>{}.max_iterations;  // at most in a stage, for all of them
   std::vector<ObstacleConfig> obstacles;
   std::vector<ContactConfig> contacts;  // one for every pair of materials that can meet
   std::optional<DeviceConfig> device;   // drives the bodies that have a handle

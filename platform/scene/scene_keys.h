@@ -158,6 +158,12 @@ void visit_header(V& v, SceneConfig& s) {
              "step"},
          coupling_names, s.coupling);
   v.value(Key{"gravity", "m/s^2", "world axes"}, s.gravity);
+  v.value(
+      Key{"net_iterations",
+          "",
+          "of conjugate gradients in a stage of nets, at most; what they leave is residual_N of the report",
+          {1, 1000}},
+      s.net_iterations);
 }
 
 template <class V>

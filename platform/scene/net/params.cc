@@ -100,7 +100,9 @@ SceneNets scene_nets(const SceneConfig& scene) {
       nets, {}, [&](const NetConfig* net) { return body_named(scene, net->body).value_or(world); });
   NetBuilder builder(scene);
   for (const NetConfig* net : nets) builder.add(*net);
-  return builder.take();
+  SceneNets made = builder.take();
+  made.max_iterations = scene.net_iterations;
+  return made;
 }
 
 }  // namespace godobject

@@ -30,6 +30,7 @@ struct SceneNets {
   std::vector<NetNode> nodes;
   std::vector<NetSpring> springs;
   std::vector<NetRange> nets;
+  int max_iterations = NetParams<1, 1>{}.max_iterations;
 };
 
 /// Of a scene that was read without errors.
@@ -42,6 +43,7 @@ void set_net_params(const SceneNets& nets, Params& par) noexcept {
   std::ranges::copy(nets.nodes, par.nodes.begin());
   par.num_springs = nets.springs.size();
   std::ranges::copy(nets.springs, par.springs.begin());
+  par.max_iterations = nets.max_iterations;
   put_in_order(par);
 }
 

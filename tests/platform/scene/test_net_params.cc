@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <random>
 
@@ -141,6 +142,16 @@ TEST(NetParams, NodesOfACarrierAreInARow) {
   EXPECT_EQ(next, nets.nodes.size());
   EXPECT_TRUE(
       std::ranges::is_sorted(nets.springs, {}, [](const NetSpring& s) { return std::pair(s.i, s.j); }));
+}
+
+TEST(NetParams, IterationsAreTheScenes) {
+  SceneConfig scene = scene_of({sheet(0.1, 0.1, 0.02)});
+  auto par = std::make_unique<godobject::NetParams<max_net_nodes, max_net_springs>>();
+  set_net_params(scene_nets(scene), *par);
+  EXPECT_EQ(par->max_iterations, 12);
+  scene.net_iterations = 3;
+  set_net_params(scene_nets(scene), *par);
+  EXPECT_EQ(par->max_iterations, 3);
 }
 
 TEST(NetParams, RimAndBallsAreHeldByStifferAnchors) {
