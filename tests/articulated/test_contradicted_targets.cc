@@ -6,6 +6,7 @@
 
 #include "tests/articulated/contradicted_tree.h"
 #include "tests/articulated/grasper_tool.h"
+#include "tests/articulated/usual_scene.h"
 
 namespace godobject::test_contradicted_targets {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "tests/articulated/grasper_tool.h"
 #include "tests/articulated/heavy_ends.h"
+#include "tests/articulated/usual_scene.h"
 
 namespace godobject::test_heavy_ends {
 namespace {

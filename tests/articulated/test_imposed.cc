@@ -3,6 +3,7 @@
 
 #include "tests/articulated/grasper_tool.h"
 #include "tests/articulated/random_tool.h"
+#include "tests/articulated/usual_scene.h"
 
 namespace godobject::test_imposed {
 namespace {

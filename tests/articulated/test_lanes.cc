@@ -4,6 +4,7 @@
 
 #include "core/math/block.h"
 #include "tests/articulated/random_tool.h"
+#include "tests/articulated/usual_scene.h"
 
 namespace godobject::test_lanes {
 namespace {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/articulated/oracle_tool.h"
+#include "tests/articulated/usual_scene.h"
 #include "tests/oracle/reference_case.h"
 
 namespace godobject::test_reference {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "tests/articulated/grasper_tool.h"
+#include "tests/articulated/usual_scene.h"
 
 namespace godobject::test_stabilisation {
 namespace {

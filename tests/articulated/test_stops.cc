@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "tests/articulated/grasper_tool.h"
+#include "tests/articulated/usual_scene.h"
 
 namespace godobject::test_stops {
 namespace {

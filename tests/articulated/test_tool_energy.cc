@@ -5,6 +5,7 @@
 
 #include "tests/articulated/grasper_tool.h"
 #include "tests/articulated/random_tool.h"
+#include "tests/articulated/usual_scene.h"
 
 namespace godobject::test_tool_energy {
 namespace {

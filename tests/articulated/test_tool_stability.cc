@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/articulated/grasper_tool.h"
+#include "tests/articulated/usual_scene.h"
 
 namespace godobject::test_tool_stability {
 namespace {

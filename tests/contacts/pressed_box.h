@@ -20,7 +20,7 @@ struct Press {
 };
 
 template <class I>
-using Pressed = Touching<I, 1, 8, PoseDevice, 2, 16>;
+using Pressed = Touching<I, 1, 12>;
 
 template <class I>
 std::unique_ptr<Running<Pressed<I>>> pressed(const PressedBox& box, const Press& press, const Pose& start) {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "tests/contacts/contact_scene.h"
+#include "tests/contacts/usual_scenes.h"
 #include "tests/oracle/csv_table.h"
 #include "tests/oracle/reference_case.h"
 #include "tests/support/shared_data.h"
@@ -50,7 +50,7 @@ ContactCase load_case(const std::filesystem::path& folder) {
 template <class I>
 class CaseRun {
  public:
-  using S = Touching<I, 1, 2, PoseDevice, 1>;
+  using S = OneTool<I>;
 
   CaseRun(const ContactCase& c, double h) : case_(c) {
     const nlohmann::json &body = c.about.at("bodies").at(0), &contact = c.about.at("contact");

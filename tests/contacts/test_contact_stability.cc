@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "tests/contacts/contact_scene.h"
+#include "tests/contacts/usual_scenes.h"
 
 namespace godobject::test_contact_stability {
 namespace {
@@ -26,7 +26,7 @@ constexpr Real m = 0.1;
 
 /// A rod of five spheres, askew above a plane.
 template <class I>
-using Rod = Running<Touching<I, 1, 5, PoseDevice, 1>>;
+using Rod = Running<OneTool<I>>;
 
 template <class I>
 Rod<I> rod(const SweepCase& c) {

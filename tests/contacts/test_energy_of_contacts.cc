@@ -4,14 +4,14 @@
 #include <cstdio>
 
 #include "core/energy_balance.h"
-#include "tests/contacts/bricks.h"
+#include "tests/contacts/usual_scenes.h"
 #include "tests/core/broken.h"
 
 namespace godobject::test_energy_of_contacts {
 namespace {
 
 template <class I>
-using Sliding = Touching<I, 1, 8, PoseDevice, 2, 16>;
+using Sliding = Touching<I, 1, 12>;
 
 /// A box of eight spheres that is thrown along a floor. True: it is told that it gains.
 template <class I>
@@ -70,7 +70,7 @@ TYPED_TEST(EnergyOfContacts, ABrokenSolverIsFoundInABoxThatSlides) {
 
 /// Bricks that fall on each other.
 TYPED_TEST(EnergyOfContacts, NoHeapIsToldToGain) {
-  using S = TouchingBodies<TypeParam, 4>;
+  using S = FewBodies<TypeParam>;
   for (unsigned seed = 0; seed < num_throws / 5; ++seed) {
     Random random(seed);
     const auto pile = std::make_unique<Pile<S>>();

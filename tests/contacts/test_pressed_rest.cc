@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/contacts/pressed_box.h"
+#include "tests/contacts/usual_scenes.h"
 
 namespace godobject::test_pressed_rest {
 namespace {

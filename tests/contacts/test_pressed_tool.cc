@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "tests/contacts/contact_scene.h"
+#include "tests/contacts/usual_scenes.h"
 
 namespace godobject::test_pressed_tool {
 namespace {
@@ -32,8 +32,8 @@ Target target_at(Real t) {
 }
 
 template <class I>
-Running<Touching<I, 1, num_spheres, PoseDevice, 1>> pressed_tool(Real k) {
-  Running<Touching<I, 1, num_spheres, PoseDevice, 1>> run;
+Running<OneTool<I>> pressed_tool(Real k) {
+  Running<OneTool<I>> run;
   auto& par = run.par;
   par.bodies[0].body = rigid_body(0.1, Vec3(3.4667e-4, 3.4667e-4, 2.6667e-5).asDiagonal());
   par.bodies[0].coupling = spring(par.bodies[0].body, k, 1e-3 * k);

@@ -3,12 +3,12 @@
 
 #include <cstdio>
 
-#include "tests/contacts/bricks.h"
+#include "tests/contacts/usual_scenes.h"
 
 namespace godobject::test_touching_laws {
 namespace {
 
-using Hands = TouchingBodies<ImplicitEuler, 8>;
+using Hands = FewBodies<ImplicitEuler>;
 using Held = TouchingBodies<ImplicitEuler, 3, HoldingDevice>;
 
 struct Momentum {
@@ -177,7 +177,7 @@ TEST(TouchingLaws, FrictionCarriesABrickAlong) {
 
 /// What a brick lacks of its friction is its acceleration: g sin a (1 - share) where mu is that share of tan a.
 TEST(TouchingLaws, ABrickSlidesDownASlopeByItsLaw) {
-  using Sliding = Pile<TouchingBodies<ImplicitEuler, 2, PoseDevice, 64>>;
+  using Sliding = Pile<FewBodies<ImplicitEuler>>;
   constexpr Real slope = 0.35;
   for (const Real share : {0.9, 0.99, 0.999, 1.001}) {
     const auto pile = std::make_unique<Sliding>();

@@ -1,7 +1,7 @@
 // The order of both integrators among bodies that touch, where nothing hits, slips or comes apart.
 #include <gtest/gtest.h>
 
-#include "tests/contacts/bricks.h"
+#include "tests/contacts/usual_scenes.h"
 
 namespace godobject::test_touching_order {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 constexpr Real duration = 0.128;  // s
 
 template <class I>
-using Tower = TouchingBodies<I, 3>;
+using Tower = FewBodies<I>;
 
 template <class I>
 struct JointedTower : Tower<I> {

@@ -4,12 +4,13 @@
 #include <cstdio>
 
 #include "tests/contacts/box_overlap.h"
+#include "tests/contacts/usual_scenes.h"
 
 namespace godobject::test_touching_overlap {
 namespace {
 
 template <class I>
-using Pair = Pile<TouchingBodies<I, 2, PoseDevice, 48>>;
+using Pair = Pile<FewBodies<I>>;
 
 struct Parted {
   Real fastest = 0;  // a point of either, m/s

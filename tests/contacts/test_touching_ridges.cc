@@ -6,7 +6,7 @@
 #include <functional>
 #include <iostream>
 
-#include "tests/contacts/bricks.h"
+#include "tests/contacts/usual_scenes.h"
 #include "tests/support/box_overlap.h"
 
 namespace godobject::test_touching_ridges {
@@ -25,7 +25,7 @@ constexpr Real resting = 0.1;
 constexpr Real small_radius = 5e-4;
 inline const Vec3 bar_half(0.03, 0.004, 0.004);
 
-class Bars : public Pile<TouchingBodies<ImplicitEuler, 2, PoseDevice, 96, 8>> {
+class Bars : public Pile<FewBodies<ImplicitEuler>> {
  public:
   /// A solid box with spheres of this radius at its corners alone.
   std::size_t add_bar(const Start& start, const Vec3& half, Real radius = small_radius) {

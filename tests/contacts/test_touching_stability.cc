@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <iostream>
 
-#include "tests/contacts/bricks.h"
+#include "tests/contacts/usual_scenes.h"
 
 namespace godobject::test_touching_stability {
 namespace {
 
 template <class I>
-using Three = Pile<TouchingBodies<I, 3>>;
+using Three = Pile<FewBodies<I>>;
 
 struct SweepCase {
   Real k, zeta, h, mu;

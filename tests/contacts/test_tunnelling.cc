@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "tests/contacts/box_overlap.h"
+#include "tests/contacts/usual_scenes.h"
 
 namespace godobject::test_tunnelling {
 namespace {
@@ -42,7 +43,7 @@ struct FaceHit {
 /// A ball and a box of the world, drawn at random.
 template <class I>
 struct BallAndBox {
-  using S = Touching<I, 1, 1, PoseDevice, 1, 4>;
+  using S = OneTool<I>;
   Random random;
   Vec3 half;
   Real r, m, h, k, thin;
@@ -106,7 +107,7 @@ TYPED_TEST(Tunnelling, NoBallPassesABoxBelowThePromisedSpeed) {
 
 /// The first that was seen to: 5 mm, 2 mm inside the edge, at 10 m/s where 55 are promised.
 TYPED_TEST(Tunnelling, ABallBesideAnEdgeIsHeld) {
-  using S = Touching<TypeParam, 1, 1, PoseDevice, 1, 4>;
+  using S = OneTool<TypeParam>;
   for (const Real speed : {2.0, 4.0, 8.0, 10.0, 20.0, 40.0}) {
     const auto run = std::make_unique<Running<S>>();
     run->in.devices[0].engaged = false;
@@ -177,7 +178,7 @@ struct Cut {
 template <class I>
 Cut cut(unsigned seed) {
   Random random(seed);
-  const auto pair = std::make_unique<Pile<TouchingBodies<I, 2, PoseDevice, 96, 8>>>();
+  const auto pair = std::make_unique<Pile<FewBodies<I>>>();
   const auto drawn = [&]() { return random.log_uniform(0.004, 0.03); };
   const auto box = [&]() {
     const Real x = drawn(), y = drawn(), z = drawn();

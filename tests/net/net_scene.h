@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-template <class I, std::size_t bodies = 4, std::size_t nodes = 64, std::size_t springs = 400,
+template <class I, std::size_t bodies = 4, std::size_t nodes = 65, std::size_t springs = 400,
           std::size_t contacts = 256>
 struct NetScene {
   static constexpr std::size_t max_bodies = bodies;

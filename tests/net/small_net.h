@@ -10,9 +10,6 @@
 
 namespace godobject::small_net {
 
-template <class I>
-using SmallNetScene = NetScene<I, 1, 25, 80, 25>;
-
 inline constexpr Real duration = 0.128, spacing = 0.01, radius = 2e-3;  // s, m, m
 inline constexpr Stuff sheet{
     .m = 2e-3, .k = 40, .g = 0.05, .k_a = 8, .g_a = 0.02, .radius = radius, .carrier = 0};
@@ -20,7 +17,7 @@ inline constexpr ContactLaw floor_law{.k = 200, .c = 0.2, .push_out = 10};
 
 /// on_floor: the sheet hangs askew, and one of its corners is pressed on a plane.
 template <class I>
-struct NetSmall : Running<SmallNetScene<I>> {
+struct NetSmall : Running<NetScene<I>> {
   bool on_floor;
   Pose start;
 

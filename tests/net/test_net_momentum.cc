@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "core/net/energy.h"
-#include "tests/net/net_scene.h"
+#include "tests/net/usual_scene.h"
 
 namespace godobject::test_net_momentum {
 namespace {
 
 template <class I>
-using Flying = NetScene<I, 1, 64, 400, 8>;
+using Flying = NetScene<I>;
 
 /// A tube of 48 nodes on a body that nobody holds, its springs stretched, all flying, turning and moving at random.
 template <class I>

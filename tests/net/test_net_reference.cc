@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/net/small_net.h"
+#include "tests/net/usual_scene.h"
 
 namespace godobject::test_net_reference {
 namespace {

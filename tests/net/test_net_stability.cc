@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/net/random_net.h"
+#include "tests/net/usual_scene.h"
 
 namespace godobject::test_net_stability {
 namespace {

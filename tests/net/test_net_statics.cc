@@ -4,13 +4,11 @@
 
 #include <Eigen/Cholesky>
 
-#include "tests/net/net_scene.h"
+#include "tests/net/usual_scene.h"
 
 namespace godobject::test_net_statics {
 namespace {
 
-template <class I, std::size_t nodes>
-using Scenery = NetScene<I, 1, nodes, 6 * nodes, 8>;
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 template <class S>
@@ -76,7 +74,7 @@ VectorXd equilibrium(const Params<S>& par, VectorXd x) {
 /// A sheet held by its corners sags and rests.
 template <class I>
 void expect_equilibrium(bool tight) {
-  using S = Scenery<I, 49>;
+  using S = NetScene<I>;
   auto run = empty_scene<S>();
   auto& par = run->par;
   par.gravity_W = Vec3(1, 0.5, -9.81);
@@ -111,7 +109,7 @@ TEST(NetStatics, RestsInTheSolvedEquilibrium) {
 /// The largest distance of a hanging chain of so many links from the catenary of its length, of its sag.
 template <class I>
 Real chain_error(std::size_t links) {
-  using S = Scenery<I, 65>;
+  using S = NetScene<I>;
   auto run = empty_scene<S>();
   auto& par = run->par;
   par.gravity_W = Vec3(0, 0, -9.81);
@@ -165,7 +163,7 @@ TEST(NetStatics, AChainHangsAsACatenary) {
 
 /// A square of n x n springs a side, stretched from l_0 to a, its rim held: m w^2 = 8 T / a sin^2(pi / 2 n), T = k (a - l_0).
 TEST(NetDynamics, AStretchedSheetHasItsFirstFrequency) {
-  using S = Scenery<TrBdf2, 64>;
+  using S = NetScene<TrBdf2>;
   constexpr std::uint32_t n = 7;
   constexpr Real a = 0.01, l_0 = 0.008, k = 200, m = 1e-3;
   auto run = empty_scene<S>();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/net/random_net.h"
+#include "tests/net/usual_scene.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_net_step {
@@ -136,7 +137,7 @@ TEST(NetStep, IsCheckedBeforeTheFirst) {
     change(run->par.net);
     return validate(run->par);
   };
-  using Net = NetParams<64, 400>;
+  using Net = NetParams<65, 400>;
   const Real nan = std::numeric_limits<Real>::quiet_NaN(), infinity = std::numeric_limits<Real>::infinity();
   EXPECT_EQ(validated([](Net&) {}), Invalid::nothing);
   const auto refused = [&](const char* what, auto change) {
@@ -157,7 +158,7 @@ TEST(NetStep, IsCheckedBeforeTheFirst) {
   refused("no such body", [](Net& net) { net.nodes[0].body = 1; });
   refused("carriers not in a row", [](Net& net) { net.nodes[4].body = 0; });
   refused("material", [](Net& net) { net.nodes[4].material = max_materials; });
-  refused("too many nodes", [](Net& net) { net.num_nodes = 65; });
+  refused("too many nodes", [](Net& net) { net.num_nodes = 66; });
   refused("too many springs", [](Net& net) { net.num_springs = 401; });
   refused("a spring to a node that is not there", [](Net& net) { net.springs[net.num_springs - 1].j = 9; });
   refused("a spring to itself", [](Net& net) { net.springs[0].j = net.springs[0].i; });

@@ -1,0 +1,9 @@
+#include "tests/net/net_scene.h"
+#include "tests/support/compiled_step.h"
+
+namespace godobject {
+
+GODOBJECT_STEP_OF(NetScene<ImplicitEuler>);
+GODOBJECT_STEP_OF(NetScene<TrBdf2>);
+
+}  // namespace godobject
