@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/joint/list.h"
+#include "core/net/net.h"
 #include "hal/rig/params.h"
 #include "hal/tracker/params.h"
 #include "platform/scene/contact_config.h"
