@@ -46,6 +46,9 @@ struct NetParams {
   // m/s^3: an iteration that changes no velocity by more than this times h^2, h of the stage, is the last. Steps add up what
   // it leaves: so that falls as the error of the integrator does.
   Real tolerance = 100;
+
+  /// m/s, in a stage of this length.
+  Real tolerated_change(Real h) const noexcept { return tolerance * h * h; }
 };
 
 /// What a step says of its nets, at the end of its last stage.

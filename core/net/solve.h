@@ -44,7 +44,7 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};
   const Solving how{.has_contacts = w.net.near.size > 0 || w.near.size > 0,
                     .most_iterations = in.par.max_iterations,
-                    .tolerance = in.par.tolerance * h * h};
+                    .tolerance = in.par.tolerated_change(h)};
   const auto solve = [&]() noexcept {
     for (std::size_t n = 0; n < w.graph.num_islands; ++n)
       if (w.graph.islands[n].has_net) return solve_island(h, w.graph.islands[n], how, system, w);
@@ -80,7 +80,8 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
   std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
-  if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net).is_too_much(in.par.tolerance * h * h))
+  if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net)
+          .is_too_much(in.par.tolerated_change(h)))
     solve_majorised(h, in, w);
 }
 

@@ -10,13 +10,10 @@
 namespace godobject::test_energy_of_contacts {
 namespace {
 
-template <class I>
-using Sliding = Touching<I, 1, 12>;
-
 /// A box of eight spheres that is thrown along a floor. True: it is told that it gains.
 template <class I>
 bool gains(unsigned seed, bool has_friction) {
-  using S = Sliding<I>;
+  using S = OneTool<I>;
   Random random(seed);
   const auto run = std::make_unique<Running<S>>();
   auto& par = run->par;

@@ -114,9 +114,9 @@ static_assert(gain_allowed == 0.01, "quoted above");
 constexpr const char* nets_method =
     R"(**Nets.** The small net: a sheet of 5 x 5 nodes on a body that a hand sways for 0.128 s, free, or a corner of it pressed on a
 plane (tests/net/small_net.h). The oracle has its nodes as balls and its anchors as springs. Error: the farthest of nodes and
-body at the end; default iterations: 12 at most, and none
-after one that changes no velocity by more than 0.1 mm/s in an implicit Euler step of 1 ms. Cost: S6, a tube of rings on a coupled body, pressed on a bar and
-drawn off for 0.9 s; each step is timed.
+body at the end; default iterations: 12 at most, and none after one that changes no velocity by more than 0.1 mm/s in an
+implicit Euler step of 1 ms. Cost: S6, a tube of rings on a coupled body, pressed on a bar and drawn off for 0.9 s; each step
+is timed.
 
 )";
 

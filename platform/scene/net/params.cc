@@ -35,6 +35,7 @@ class NetBuilder {
  public:
   explicit NetBuilder(const SceneConfig& scene) : scene_(scene) {
     for (const MaterialUse& use : materials_of(scene)) materials_.push_back(use.material);
+    to_.max_iterations = scene.net_iterations;
   }
 
   void add(const NetConfig& net) {
@@ -100,9 +101,7 @@ SceneNets scene_nets(const SceneConfig& scene) {
       nets, {}, [&](const NetConfig* net) { return body_named(scene, net->body).value_or(world); });
   NetBuilder builder(scene);
   for (const NetConfig* net : nets) builder.add(*net);
-  SceneNets made = builder.take();
-  made.max_iterations = scene.net_iterations;
-  return made;
+  return builder.take();
 }
 
 }  // namespace godobject

@@ -30,7 +30,7 @@ struct SceneNets {
   std::vector<NetNode> nodes;
   std::vector<NetSpring> springs;
   std::vector<NetRange> nets;
-  int max_iterations = NetParams<1, 1>{}.max_iterations;
+  int max_iterations = 0;  // in a stage, for all of them
 };
 
 /// Of a scene that was read without errors.

@@ -16,8 +16,8 @@ struct NetTimes {
 
 NetTimes time_constants(const SceneNets& nets);
 
-/// Floating-point operations of an iteration of conjugate gradients: of a spring 23 in the product and 17 each way through the incomplete factor; of a
-/// node 75, with what conjugate gradients do to vectors.
+/// Floating-point operations of an iteration of conjugate gradients: of a spring 23 in the product and 17 each way through
+/// the incomplete factor; of a node 75, with what the iteration does to vectors.
 inline double flops_of_an_iteration(const SceneNets& nets) {
   return 57.0 * static_cast<double>(nets.springs.size()) + 75.0 * static_cast<double>(nets.nodes.size());
 }
