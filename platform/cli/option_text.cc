@@ -68,7 +68,8 @@ OptionText text_of(const CLI::Option& option) {
 std::vector<const CLI::Option*> options_of(const CLI::App& verb) {
   std::vector<const CLI::Option*> options =
       verb.get_options([](const CLI::Option* option) { return !option->get_group().empty(); });
-  std::ranges::stable_partition(options, [](const CLI::Option* option) { return option->get_positional(); });
+  std::stable_partition(options.begin(), options.end(),
+                        [](const CLI::Option* option) { return option->get_positional(); });
   return options;
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 [[maybe_unused]] void add_peer(const ContactScene& scene, const std::string& who, MakeContactPeer make,
                                const Effort& effort) {
-  const auto it = std::make_shared<Contest>(scene);
+  const auto it = std::make_shared<Contest>(Contest{scene});
   add(scene.name + "/" + who, effort, [=](benchmark::State& state) {
     const std::unique_ptr<ContactPeer> peer = make(it->scene, it->targets);
     run_contest(state, who, true, *it, *peer, [&] {

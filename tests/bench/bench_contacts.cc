@@ -10,7 +10,7 @@ namespace {
 
 template <Scene S>
 void add_run(const ContactScene& scene, const std::string& who, const Effort& effort) {
-  const auto it = std::make_shared<Contest>(scene);
+  const auto it = std::make_shared<Contest>(Contest{scene});
   add(scene.name + "/" + who, effort, [=](benchmark::State& state) {
     const auto run = std::make_unique<ContactRun<S>>(it->scene, it->targets);
     state.counters["state_bytes"] = sizeof(State<S>);

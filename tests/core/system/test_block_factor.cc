@@ -196,7 +196,7 @@ TEST(BlockFactor, SolvesOneSystemAfterTheOther) {
   const Free::Vector b = random_impulses<Free>(s.size(), random);
   Free::Vector V{}, used{};
   for (const auto& [first, end] : {Edge{0, 5}, Edge{5, 9}, Edge{9, 15}}) {
-    s.begin([&](std::uint32_t i) { return i >= first && i < end; });
+    s.begin([first = first, end = end](std::uint32_t i) { return i >= first && i < end; });
     EXPECT_EQ(s.system->size, end - first);
     s.load();
     factorize(*s.system);
