@@ -252,7 +252,9 @@ class EnergyBalance {
 
   static Springs contact_springs(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
     Springs sum;
-    const auto mass = [&](std::uint32_t i) {
+    const auto mass = [&](std::uint32_t i) noexcept -> Real {
+      if constexpr (uses<NodesOf<S>>)
+        if (i >= S::max_bodies && i < end_of_numbers(par)) return par.nodes.list[i - S::max_bodies].m;
       return i < num_bodies(par) ? par.bodies[i].body.m : std::numeric_limits<Real>::infinity();
     };
     const auto add = [&](const auto& memories, const auto& near, auto law_of, auto mass_of) noexcept {

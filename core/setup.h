@@ -15,6 +15,7 @@ namespace godobject {
 enum class Invalid : std::uint8_t {
   nothing,
   step_not_positive,
+  gravity,          // not finite
   too_many_bodies,  // more than the scene's max_bodies, or none
   mass_not_positive,
   inertia_not_positive,  // not symmetric, or an eigenvalue not above zero
@@ -172,6 +173,7 @@ bool are_valid(const std::tuple<Terms...>& par, IsThere is_there) noexcept {
 template <Scene S>
 Invalid validate(const Params<S>& par) noexcept {
   if (!(par.h > 0 && par.h - par.h == 0)) return Invalid::step_not_positive;
+  if (const Real g = par.gravity_W.sum(); g - g != 0) return Invalid::gravity;
   if (par.num_bodies < 1 || par.num_bodies > S::max_bodies) return Invalid::too_many_bodies;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const BodyParams<S>& b = par.bodies[i];

@@ -46,11 +46,9 @@ bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
     all += sum(next.x.X_WB) + next.x.v_W.sum() + next.x.w_B.sum() + sum(next.memory);
   }
   if constexpr (uses<NodesOf<S>>)
-    for (std::size_t j = 0; j < num_nodes(par); ++j)
-      all += w.nodes.next[j].p_W.sum() + w.nodes.next[j].v_W.sum();
+    for (std::size_t j = 0; j < num_nodes(par); ++j) all += sum(w.nodes.next[j]);
   if constexpr (uses<NetOf<S>>)
-    for (std::size_t n = 0; n < num_net_nodes(par); ++n)
-      all += w.net.next[n].p_W.sum() + w.net.next[n].v_W.sum();
+    for (std::size_t n = 0; n < num_net_nodes(par); ++n) all += sum(w.net.next[n]);
   return is_finite(all);
 }
 
@@ -138,7 +136,6 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   }
   if constexpr (uses<NetOf<S>>) {
     if (taken) out.net = w.contacts.net.report;
-    if (taken && w.contacts.net.near.full()) out.fault |= Fault::contacts_full;
   }
 
   // feedback: (8), moved to driven links (9), bounded
@@ -179,6 +176,9 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   if constexpr (uses<ContactsOf<S>>) {
     if (taken && w.contacts.near.full()) out.fault |= Fault::contacts_full;
     if (taken && w.contacts.report.num_without_room > 0) out.fault |= Fault::blocks_full;
+  }
+  if constexpr (uses<NetOf<S>>) {
+    if (taken && w.contacts.net.near.full()) out.fault |= Fault::contacts_full;
   }
 }
 

@@ -27,6 +27,13 @@ struct NodeStateOf {
   [[no_unique_address]] Memory memory = no_memory<Memory>();
 };
 
+template <class Memory>
+Real sum(const NodeStateOf<Memory>& x) noexcept {
+  const Real moves = x.p_W.sum() + x.v_W.sum();
+  if constexpr (std::is_same_v<Memory, Vec3>) return moves + x.memory.sum();
+  return moves;
+}
+
 /// The nodes part of a scene.
 template <std::size_t max_>
 struct NodeList {

@@ -29,16 +29,22 @@ struct RigidBodyStateOf {
 };
 using RigidBodyState = RigidBodyStateOf<Real>;
 
+/// A turn, or as much of it as is half a turn: what exp_so3() takes.
+template <class T = Real>
+Vector3<T> at_most_half_a_turn(Vector3<T> turn) noexcept {
+  const T turn_sq = turn.squaredNorm();
+  if (any(turn_sq > pi * pi)) {
+    using std::sqrt;
+    turn *= select(turn_sq > pi * pi, T(pi / sqrt(turn_sq)), T(1));
+  }
+  return turn;
+}
+
 /// (17)  pose after moving for a time t with constant v_W and w_B. A body turns at most half a turn per step.
 template <class T = Real>
 PoseOf<T> moved(const PoseOf<T>& X_WB, const Vector3<T>& v_W, const Vector3<T>& w_B,
                 const std::type_identity_t<T>& t) noexcept {
-  Vector3<T> turn_B = t * w_B;
-  const T turn_sq = turn_B.squaredNorm();
-  if (any(turn_sq > pi * pi)) {
-    using std::sqrt;
-    turn_B *= select(turn_sq > pi * pi, T(pi / sqrt(turn_sq)), T(1));
-  }
+  const Vector3<T> turn_B = at_most_half_a_turn<T>(t * w_B);
   return {.p = X_WB.p + t * v_W, .q = X_WB.q * renormalizing<T>(exp_so3<T>(turn_B), X_WB.q)};
 }
 

@@ -221,7 +221,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   w.finder.of_stage = w.stage.goes_on ? &w.memories[w.last] : nullptr;
   w.finder.extrapolated = w.stage.t_0 > 0 && !w.stage.is_euler ? w.stage.t_0 + w.stage.t_1 : 0;
   find_contacts(par, before, num_bodies, h, w.finder, w.near);
-  (find_net_contacts(par, net, num_bodies, h, w), ...);
+  (find_net_contacts(par, net, num_bodies, w), ...);
   find_pairs(num_bodies, w);
   w.report = {.num_near = w.near.size, .found = w.stage.found};
   begin_contacts(par, before, num_bodies, h, w);

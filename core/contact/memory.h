@@ -69,7 +69,7 @@ struct ContactStage {
   bool goes_on =
       false;  // after another stage of the step; otherwise that one's memories are none of this step
   bool follows = false;   // it starts where that stage has ended
-  bool is_euler = false;  // likewise, and (35) is asked between steps alone
+  bool is_euler = false;  // likewise, but (35) is asked between steps alone
 
   /// It starts where another stage has ended, of this step or the one before.
   bool starts_at_an_end() const noexcept { return follows || (t_0 == 0 && !goes_on); }
@@ -80,7 +80,7 @@ struct ContactStage {
 /// that the lighter body, of mass m, has at the depenetration velocity. More would drive where stiff bodies are found
 /// deep in each other since they turned where nothing foresaw it.
 inline Real max_stored_penetration(const ContactLaw& law, Real m) noexcept {
-  return law.push_out * std::sqrt(m / law.k);
+  return law.k > 0 ? law.push_out * std::sqrt(m / law.k) : std::numeric_limits<Real>::infinity();
 }
 
 /// e a while later, in which it would fall by `by` if the depth d followed; most: by which d may be behind.
@@ -108,7 +108,7 @@ struct BegunContact {
 
 /// (38)  Of a contact spring that was pressed by `before` where a stage ended, and is by `now` where the next one starts.
 inline Real found_energy(const ContactLaw& law, Real before, Real now) noexcept {
-  return Real(0.5) * law.k * (now * now - before * before);
+  return law.k > 0 ? Real(0.5) * law.k * (now * now - before * before) : 0;
 }
 
 /// Of a contact of normal n, from the memories of the step and of the stage before. Where the normal has turned round a
@@ -130,7 +130,8 @@ inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, c
   Vec3 xi = Vec3::Zero();
   if (of_step != nullptr) xi = of_step->xi_W + stage.t_0 * of_step->xi_dot_W;
   if (of_stage != nullptr) xi += stage.t_1 * of_stage->xi_dot_W;
-  if (of_stage != nullptr && stage.follows) xi = of_stage->xi_W;
+  // that stage's rate is of its last part alone, where it was parted (39)
+  if (of_stage != nullptr && (stage.follows || stage.is_euler)) xi = of_stage->xi_W;
   const ContactMemory& last = of_stage != nullptr ? *of_stage : *of_step;
   c.e =
       relax_offset(last.e, start.d_0, std::min(stage.relaxing * law.push_out, start.max_relaxed), start.most);

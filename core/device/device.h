@@ -94,10 +94,13 @@ struct PullOf<Device> {
   using type = typename Device::Pull;
 };
 
+/// A pose shifted and turned, by half a turn at most: what turns faster is not known by its samples.
+inline Pose displaced(const Pose& X, const Vec3& dp_W, const Vec3& dphi_W) noexcept {
+  return {.p = X.p + dp_W, .q = renormalized(exp_so3(at_most_half_a_turn(dphi_W)) * X.q)};
+}
 /// A target that goes on as it moved for a time dt.
 inline Target carried_on(const Target& x, Real dt) noexcept {
-  return {.X_WD = {.p = x.X_WD.p + dt * x.V_WD.v, .q = renormalized(exp_so3(dt * x.V_WD.w) * x.X_WD.q)},
-          .V_WD = x.V_WD};
+  return {.X_WD = displaced(x.X_WD, dt * x.V_WD.v, dt * x.V_WD.w), .V_WD = x.V_WD};
 }
 
 /// A step without a valid sample, or after one. A short gap is bridged. During a longer one the target rests and what
@@ -209,7 +212,7 @@ struct RelativeDevice {
       d.to = after_gap(in, x, h);
       if (d.fresh) d.from = d.to;
     } else if (in.clutch && in.valid && x.held == 0) {
-      d.to.X_WD = {.p = d.from.X_WD.p + in.dp_W, .q = renormalized(exp_so3(in.dphi_W) * d.from.X_WD.q)};
+      d.to.X_WD = displaced(d.from.X_WD, in.dp_W, in.dphi_W);
       d.to.V_WD = {.w = in.dphi_W / h, .v = in.dp_W / h};
     } else if (!in.valid && d.gap.bridged && !d.fresh) {
       d.to = carried_on(x.last, h);
@@ -224,7 +227,7 @@ struct RelativeDevice {
     const Real bridged = std::min(x.held, bridged_steps * h), since = x.held + h, open = in.clutch ? 1 : 0;
     const Vec3 dp_W = open * in.dp_W - bridged * x.last.V_WD.v,
                dphi_W = open * in.dphi_W - bridged * x.last.V_WD.w;
-    return {.X_WD = {.p = x.last.X_WD.p + dp_W, .q = renormalized(exp_so3(dphi_W) * x.last.X_WD.q)},
+    return {.X_WD = displaced(x.last.X_WD, dp_W, dphi_W),
             .V_WD = {.w = (open / since) * in.dphi_W, .v = (open / since) * in.dp_W}};
   }
 };

@@ -44,11 +44,19 @@ struct BoundedList {
     std::push_heap(list.begin(), list.end(), is_deeper);
   }
   void put_in_order() noexcept {
-    if (full()) std::sort(list.begin(), list.end(), comes_before);
+    if (full()) put_full_in_order();
     else if (!in_order) put_few_in_order();
   }
 
  private:
+  /// What was to be forgotten, and was not, may have been added again: the deeper of both is kept.
+  [[gnu::noinline]] void put_full_in_order() noexcept {
+    std::sort(list.begin(), list.end(), [](const Item& a, const Item& b) noexcept {
+      return comes_before(a, b) || (!comes_before(b, a) && is_deeper(a, b));
+    });
+    const auto is_again = [](const Item& a, const Item& b) noexcept { return !comes_before(a, b); };
+    size = static_cast<std::size_t>(std::unique(list.begin(), list.end(), is_again) - list.begin());
+  }
   /// By insertion.
   void put_few_in_order() noexcept {
     for (std::size_t i = 1; i < size; ++i) {

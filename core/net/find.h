@@ -1,7 +1,8 @@
 // What nodes of nets are near: surfaces of the world, shapes on bodies, spheres of bodies that have no shapes.
 //
 // Bound: for each four nodes a query of each surface of the world, and of each surface or sphere of a body whose box they
-// are in. Nodes do not touch each other, nor bodies of the tree that their carrier is of.
+// are in. Nodes do not touch each other, nor bodies of the tree that their carrier is of. What is fast, or deep in an obstacle
+// of the world, is sought on its way as spheres of bodies are (core/contact/find/sweep.h).
 #pragma once
 
 #include "core/contact/find/find.h"
@@ -27,9 +28,12 @@ void place_nodes(const typename Net::Params& par, NetStage<Net, N>& w) noexcept 
 template <class Contacts, std::size_t N, class Net>
 class NetFinder {
  public:
-  NetFinder(const typename Contacts::Params& contacts, const typename Net::Params& net, Real h,
-            const ContactFinder<Contacts, N>& bodies, NetStage<Net, N>& w) noexcept
-      : contacts_(contacts), net_(net), h_(h), bodies_(bodies), w_(w) {}
+  using Memories = ContactMemories<Net::max_contacts>;
+  /// of_stage: null in the first stage of a step.
+  NetFinder(const typename Contacts::Params& contacts, const typename Net::Params& net,
+            const Memories& of_step, const Memories* of_stage, const ContactFinder<Contacts, N>& bodies,
+            NetStage<Net, N>& w) noexcept
+      : contacts_(contacts), net_(net), of_step_(of_step), of_stage_(of_stage), bodies_(bodies), w_(w) {}
 
   /// In the order of the keys: what is touched, then the node.
   void find(std::size_t num_bodies) noexcept {
@@ -57,7 +61,7 @@ class NetFinder {
       const Vec3 v = w_.v[n].vec();
       most = std::max(most, v.cwiseAbs().sum());
     }
-    return h_ * most;
+    return bodies_.since() * most;
   }
 
   void find_on_surface(std::uint32_t o, std::uint32_t num_packs) noexcept {
@@ -84,19 +88,22 @@ class NetFinder {
       hits &= may_touch(shape, R_WS, ball, pack, travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+        const std::uint32_t n = 4 * k + j;
+        const Vec3 p_W = w_.p[n].vec();
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
-        const SurfacePoint surface = nearest_of(shape, R_WS, lane(pack.p_W, j), radius + reach);
-        if (radius - surface.distance > -reach) add(4 * k + j, b, o, radius - surface.distance, surface.n);
+        SurfacePoint surface = nearest_of(shape, R_WS, p_W, radius + reach);
+        if (b == on_world && (travel > radius || surface.distance < 0)) {
+          const SweptContact touch = swept(shape, R_WS, p_W, -bodies_.since() * w_.v[n].vec(), radius);
+          if (touch.touches) {
+            add(n, b, o, touch.depth, touch.n_W);
+            continue;
+          }
+          if (shape.kind == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
+            surface = behind_face_before(key_of(n, o), &of_step_, of_stage_, shape, R_WS, p_W, surface);
+        }
+        if (radius - surface.distance > -reach) add(n, b, o, radius - surface.distance, surface.n);
       }
     }
-  }
-
-  /// A box that a body carries has no other attitude than R_WS.
-  static SurfacePoint nearest_of(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W,
-                                 Real reach) noexcept {
-    if (shape.kind != ShapeKind::box) return nearest(shape, p_W, reach);
-    const SurfacePoint s = BoxShape::nearest(shape, R_WS.transpose() * (p_W - shape.X_WS.p), reach);
-    return {.distance = s.distance, .n = R_WS * s.n};
   }
 
   /// A sphere of body i.
@@ -117,6 +124,10 @@ class NetFinder {
     }
   }
 
+  static std::uint64_t key_of(std::uint32_t n, std::uint32_t touched) noexcept {
+    return std::uint64_t(touched) << 32 | n;
+  }
+
   /// touched: number of a surface or, after all of them, a sphere.
   void add(std::uint32_t n, std::uint32_t b, std::uint32_t touched, Real d, const Vec3& n_W) noexcept {
     const std::size_t carrier = net_.nodes[n].body;
@@ -129,8 +140,8 @@ class NetFinder {
       v -= at.V.v + at.V.w.cross(p_W - at.a_W);
     }
     const Real v_n = n_W.dot(v);
-    if (!(std::max(d, d + h_ * v_n) > -contact_reach * radius)) return;
-    w_.near.add({.key = std::uint64_t(touched) << 32 | n,
+    if (!(std::max(d, d + bodies_.h * v_n) > -contact_reach * radius)) return;
+    w_.near.add({.key = key_of(n, touched),
                  .of = n,
                  .on = touched,
                  .a = n,
@@ -143,7 +154,8 @@ class NetFinder {
 
   const typename Contacts::Params& contacts_;
   const typename Net::Params& net_;
-  Real h_;
+  const Memories& of_step_;
+  const Memories* of_stage_;
   const ContactFinder<Contacts, N>& bodies_;
   NetStage<Net, N>& w_;
   std::array<Real, (Net::max_nodes + 3) / 4> travel_;

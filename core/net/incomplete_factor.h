@@ -38,32 +38,40 @@ inline Block impedance(const NetContactImpedance& contact) noexcept {
 /// Factors the nodes as their springs, anchors and contacts are.
 template <class Net, std::size_t N>
 void factor_nodes(NetStage<Net, N>& w) noexcept {
-  auto& D = w.D_inverse;
-  for (std::uint32_t n = 0; n < w.num_nodes; ++n) D[n] = Block::identity() * (w.m[n] + w.kappa[n]);
-  for (std::size_t c = 0; c < w.num_contacts; ++c) D[w.contacts[c].node] += impedance(w.contacts[c]);
+  auto& D = w.D;
+  for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
+    D[n] = Block::identity() * (w.m[n] + w.kappa[n]);
+    w.of_contacts[n] = Block::zero();
+  }
+  for (std::size_t c = 0; c < w.num_contacts; ++c)
+    w.of_contacts[w.contacts[c].node] += impedance(w.contacts[c]);
   for (std::uint32_t o = 0; o < w.num_nodes; ++o) {
     const std::uint32_t i = w.order[o], s = w.first_of[i + 1];
     Block D_i = D[i];
     for (std::uint32_t t = w.first_of[i]; t < s; ++t) D_i += impedance(w.q_a[t]);
-    D_i = D[i] = inverse(D_i);
+    D[i] = D_i;
+    D_i = w.D_inverse[i] = inverse(D_i + w.of_contacts[i]);
     for (std::uint32_t t = w.first_of[i]; t < s; ++t) add_eliminated(w.q_a[t], D_i, D[w.other[t]]);
   }
 }
 
 /// The contacts of nodes, out of their D and into it: what they change elsewhere is left as it was factored, a
-/// preconditioner all the same, since D_j is never less than the contacts of j.
+/// preconditioner all the same, since D_j is positive definite without the contacts of j.
 template <class Net, std::size_t N>
 void take_contacts_out(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c) {
-    Block& D = w.D_inverse[w.contacts[c].node];
-    D = inverse(inverse(D) - impedance(w.contacts[c]));
+    const std::uint32_t n = w.contacts[c].node;
+    w.D_inverse[n] = inverse(w.D[n]);
   }
 }
 template <class Net, std::size_t N>
 void put_contacts_in(NetStage<Net, N>& w) noexcept {
+  auto& of_node = w.of_contacts;  // which may touch more than one thing
+  for (std::size_t c = 0; c < w.num_contacts; ++c) of_node[w.contacts[c].node] = Block::zero();
+  for (std::size_t c = 0; c < w.num_contacts; ++c) of_node[w.contacts[c].node] += impedance(w.contacts[c]);
   for (std::size_t c = 0; c < w.num_contacts; ++c) {
-    Block& D = w.D_inverse[w.contacts[c].node];
-    D = inverse(inverse(D) + impedance(w.contacts[c]));
+    const std::uint32_t n = w.contacts[c].node;
+    w.D_inverse[n] = inverse(w.D[n] + of_node[n]);
   }
 }
 

@@ -49,10 +49,9 @@ Flight flight_of(const Params<S>& par, const NetRun& run, const RigidBodyState& 
   return all;
 }
 
-/// Nothing pulls the body but its net and gravity.
+/// Nothing acts on the body but its net and gravity: no device, joint, term or contact, nor on the nodes that it carries.
 template <Scene S>
-bool flies([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const Scratch<S>& w,
-           [[maybe_unused]] std::size_t i) noexcept {
+bool flies([[maybe_unused]] const Params<S>& par, const Scratch<S>& w, std::size_t i) noexcept {
   if constexpr (uses<typename S::Coupling>) {
     if (w.pulls[i].ramp.s > 0 && pulls(par.bodies[i].coupling)) return false;
   }
@@ -60,42 +59,47 @@ bool flies([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const Scratch
     const Wrench& F = w.pulls[i].F_WB;
     if (F.f.squaredNorm() + F.tau.squaredNorm() > 0) return false;
   }
+  const auto& contacts = w.contacts;
+  if constexpr (uses<typename S::Joints>) {
+    if (contacts.graph.joints.joined[i]) return false;
+  }
+  if constexpr (uses<TermsOf<S>>) {
+    for (std::size_t t = 0; t < contacts.graph.num_terms; ++t)
+      if (contacts.graph.terms[t].i == i || contacts.graph.terms[t].j == i) return false;
+  }
+  for (std::size_t k = 0; k < contacts.near.size; ++k)
+    if (contacts.near.list[k].a == i || contacts.near.list[k].b == i) return false;
+  for (std::size_t k = 0; k < contacts.net.near.size; ++k)
+    if (contacts.net.carrier[k] == i || contacts.net.near.list[k].b == i) return false;
   return true;
 }
 
-/// A spring joins nodes of two carriers.
+/// A spring joins a node of the run to one of another carrier.
 template <class Net, std::size_t N>
-bool joins_carriers(const NetStage<Net, N>& w) noexcept {
-  for (std::size_t k = 0; k < w.num_runs; ++k) {
-    const NetRun& run = w.runs[k];
-    for (std::uint32_t s = w.first_of[run.first]; s < w.first_of[run.end]; ++s)
-      if (w.other[s] >= run.end) return true;
-  }
+bool joins_carriers(const NetStage<Net, N>& w, const NetRun& run) noexcept {
+  for (std::uint32_t s = 0; s < w.first_of[w.num_nodes]; ++s)
+    if ((w.first_of[run.first] <= s && s < w.first_of[run.end]) != run.holds(w.other[s])) return true;
   return false;
 }
 
-/// (48) of w.next, where nothing is near anything.
+/// (48) of w.next.
 template <Scene S>
 void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
-  if constexpr (!uses<typename S::Joints> && !uses<TermsOf<S>>) {
-    const auto& net = w.contacts.net;
-    if (w.contacts.near.size > 0 || net.near.size > 0) return;
-    each_carried(net, [&](const NetRun& run) noexcept {
-      if (!flies(par, w, run.body) || joins_carriers(net)) return;
-      Next<S>& next = w.next[run.body / lanes<S>];
-      const std::size_t j = run.body % lanes<S>;
-      const RigidBodyState body = lane(next.x, j);
-      const Flight before = flight_of(par, run, x.bodies[run.body].x, x.net.nodes),
-                   after = flight_of(par, run, body, w.net.next);
-      const Vec3 lost = before.L_W - after.L_W;
-      if (lost.norm() > max_given_back * before.size) return;
-      const Vec3 w_W = solve3<Real>(after.I_W, lost), c = after.centre();
-      set_lane(next.x.v_W, j, Vec3(body.v_W + w_W.cross(body.X_WB.p - c)));
-      set_lane(next.x.w_B, j, Vec3(body.w_B + to_body<Real>(body.X_WB.q, w_W)));
-      for (std::uint32_t n = run.first; n < run.end; ++n)
-        w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c);
-    });
-  }
+  const auto& net = w.contacts.net;
+  each_carried(net, [&](const NetRun& run) noexcept {
+    if (!flies(par, w, run.body) || joins_carriers(net, run)) return;
+    Next<S>& next = w.next[run.body / lanes<S>];
+    const std::size_t j = run.body % lanes<S>;
+    const RigidBodyState body = lane(next.x, j);
+    const Flight before = flight_of(par, run, x.bodies[run.body].x, x.net.nodes),
+                 after = flight_of(par, run, body, w.net.next);
+    const Vec3 lost = before.L_W - after.L_W;
+    if (lost.norm() > max_given_back * before.size) return;
+    const Vec3 w_W = solve3<Real>(after.I_W, lost), c = after.centre();
+    set_lane(next.x.v_W, j, Vec3(body.v_W + w_W.cross(body.X_WB.p - c)));
+    set_lane(next.x.w_B, j, Vec3(body.w_B + to_body<Real>(body.X_WB.q, w_W)));
+    for (std::uint32_t n = run.first; n < run.end; ++n) w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c);
+  });
 }
 
 }  // namespace godobject

@@ -12,6 +12,8 @@ namespace godobject {
 struct NetRun {
   std::size_t body = world;
   std::uint32_t first = 0, end = 0;
+
+  bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
 
 /// A contact of a node in the system: the impedance a 1 + b n n^T of the node against the body, at r from its centre of mass.
@@ -70,7 +72,8 @@ struct NetStage {
   std::array<ContactMemories<Net::max_contacts>, 2> memories;
   std::size_t last = 0;
 
-  std::array<Block, max_nodes> D_inverse;  // of the incomplete factor of the nodes
+  // of the incomplete factor of the nodes: D but for their own contacts, and the inverse of all of it
+  std::array<Block, max_nodes> D, of_contacts, D_inverse;
   Real factored_h = 0;  // length of the stage that it is of, s; 0: it is not to be taken again
   std::array<Column, max_nodes> riding_v;  // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;

@@ -23,9 +23,11 @@ void order_by_levels(NetParams<max_nodes, max_springs>& par) noexcept {
       [&](std::uint32_t a, std::uint32_t b) { return level[a] != level[b] ? level[a] < level[b] : a < b; });
 }
 
-/// Springs in the order that a step needs: i < j, by i, then j; and nodes in that of elimination.
+/// Springs in the order that a step needs: i < j, by i, then j; and nodes in that of elimination. What has no room is left as it
+/// is, for is_valid_net() to refuse.
 template <std::size_t max_nodes, std::size_t max_springs>
 void put_in_order(NetParams<max_nodes, max_springs>& par) noexcept {
+  if (par.num_nodes > max_nodes || par.num_springs > max_springs) return;
   for (std::size_t s = 0; s < par.num_springs; ++s)
     if (par.springs[s].j < par.springs[s].i) std::swap(par.springs[s].i, par.springs[s].j);
   std::sort(par.springs.begin(), par.springs.begin() + static_cast<std::ptrdiff_t>(par.num_springs),

@@ -30,8 +30,10 @@ void begin_net(const NetInput<typename Contacts::Net>& in, const Bases& bases, R
 
 template <class Contacts, std::size_t N>
 void find_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& in,
-                       std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  NetFinder<Contacts, N, typename Contacts::Net>(par, in.par, h, w.finder, w.net).find(num_bodies);
+                       std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noexcept {
+  const auto* of_stage = w.stage.goes_on ? &w.net.memories[w.net.last] : nullptr;
+  NetFinder<Contacts, N, typename Contacts::Net>(par, in.par, in.before, of_stage, w.finder, w.net)
+      .find(num_bodies);
 }
 
 /// The velocities of nodes and of the bodies that carry and touch them.
@@ -76,6 +78,7 @@ template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
+  net.report = {};
   if (net.num_nodes == 0) return;
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
   std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());

@@ -66,7 +66,8 @@ struct DampedSprings {
       K_s = par.k * (across * (Mat3::Identity() - along) + along);
       G = par.g * along;
       F = -par.k * (l - par.l_0) * u;
-      F_0 *= 1 - par.l_0 / std::max(x_0.norm(), std::numeric_limits<Real>::min());
+      const Real start = x_0.norm();
+      F_0 *= start > 0 ? 1 - par.l_0 / start : 0;  // without length it has no direction
     }
     const Mat3 K = h * (h * K_s + G);
     w = {.ends = {.i = par.a.on, .j = par.b.on},

@@ -113,6 +113,7 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
 std::string complaint(Invalid rule) {
   switch (rule) {
     case Invalid::step_not_positive: return "the step must be above zero";
+    case Invalid::gravity: return "gravity is not finite";
     case Invalid::too_many_bodies: return "the number of bodies is not within the composition's capacity";
     case Invalid::mass_not_positive: return "a mass is not above zero";
     case Invalid::inertia_not_positive: return "an inertia is not symmetric and positive definite";

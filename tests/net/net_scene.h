@@ -22,6 +22,13 @@ struct NetScene {
   using Net = MassSpringNet<nodes, springs, contacts>;
 };
 
+/// With the parts that the program's scenes with nets have: joints, stops, imposed joints and feedback.
+template <class I>
+struct JointedNetScene : NetScene<I> {
+  using Joints = TreeJoints<JointStops, ImposedJoints>;
+  using Feedback = LimitedFeedback;
+};
+
 /// What all springs of a net are, and all of its anchors.
 struct Stuff {
   Real m = 1e-4;          // of a node, kg

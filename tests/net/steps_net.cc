@@ -5,5 +5,7 @@ namespace godobject {
 
 GODOBJECT_STEP_OF(NetScene<ImplicitEuler>);
 GODOBJECT_STEP_OF(NetScene<TrBdf2>);
+GODOBJECT_STEP_OF(JointedNetScene<ImplicitEuler>);
+GODOBJECT_STEP_OF(JointedNetScene<TrBdf2>);
 
 }  // namespace godobject

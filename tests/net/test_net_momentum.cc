@@ -8,14 +8,11 @@
 namespace godobject::test_net_momentum {
 namespace {
 
-template <class I>
-using Flying = NetScene<I>;
-
 /// A tube of 48 nodes on a body that nobody holds, its springs stretched, all flying, turning and moving at random.
-template <class I>
-std::unique_ptr<Running<Flying<I>>> in_flight(unsigned seed, Real k_a_ratio, int max_iterations) {
+template <class S>
+std::unique_ptr<Running<S>> in_flight(unsigned seed, Real k_a_ratio, int max_iterations) {
   Random random(seed);
-  auto run = std::make_unique<Running<Flying<I>>>();
+  auto run = std::make_unique<Running<S>>();
   auto& par = run->par;
   par.bodies[0].body = rigid_body(0.02, random.inertia(Vec3(4e-6, 5e-6, 7e-6)));
   par.net.max_iterations = max_iterations;
@@ -72,12 +69,14 @@ void solve_completely(Running<S>& run) {
 struct Miss {
   Real linear = 0, angular = 0;
 };
-template <class I>
-Miss misses() {
+/// beside: puts into the scene what has nothing to do with the flight.
+template <class S, class Beside>
+Miss misses(Beside beside) {
   Miss miss;
   for (unsigned seed = 0; seed < 40; ++seed) {
     for (const int cap : {1, 2, 12}) {
-      auto run = in_flight<I>(seed, seed % 2 == 0 ? 0.1 : 0.01, cap);
+      auto run = in_flight<S>(seed, seed % 2 == 0 ? 0.1 : 0.01, cap);
+      beside(*run);
       const Momentum first = momentum(*run);
       for (int n = 0; n < 500; ++n) {
         run->step();
@@ -88,23 +87,66 @@ Miss misses() {
       }
     }
   }
-  std::printf("%s: linear momentum within %.1e, angular momentum within %.1e of what they were\n", I::name,
-              miss.linear, miss.angular);
+  std::printf("%s: linear momentum within %.1e, angular momentum within %.1e of what they were\n",
+              S::Integrator::name, miss.linear, miss.angular);
   return miss;
+}
+void expect_none(const Miss& miss) {
+  EXPECT_LT(miss.linear, 1e-11);
+  EXPECT_LT(miss.angular, 1e-11);
 }
 
 TEST(NetMomentum, IsKeptHoweverFewTheIterations) {
-  for (const Miss& miss : {misses<ImplicitEuler>(), misses<TrBdf2>()}) {
-    EXPECT_LT(miss.linear, 1e-11);
-    EXPECT_LT(miss.angular, 1e-11);
+  const auto nothing = [](const auto&) {};
+  expect_none(misses<NetScene<ImplicitEuler>>(nothing));
+  expect_none(misses<NetScene<TrBdf2>>(nothing));
+}
+
+/// A pendulum that swings on a hinge, and a ball that lies on a plane.
+template <class S>
+void add_others(Running<S>& run) {
+  auto& par = run.par;
+  par.num_bodies = 3;
+  par.gravity_W = Vec3::Zero();
+  for (std::size_t i = 1; i < 3; ++i) {
+    par.bodies[i].body = rigid_body(0.1, Mat3(1e-4 * Mat3::Identity()));
+    run.in.devices[i] = {};
   }
+  par.bodies[1].joint.kind = JointKind::hinge;
+  par.bodies[1].joint.P.p = Vec3(5, 0, 0);
+  par.bodies[1].joint.C.p = Vec3(0.1, 0, 0);
+  place(run.x, 1, {.X_WB = {.p = Vec3(4.9, 0, 0)}, .V_WB = {.w = Vec3(0, 0, 3), .v = Vec3(0, -0.3, 0)}});
+  par.bodies[2].coupling = {.k = 100, .g = 6};
+  par.bodies[2].device.rise = 0;
+  run.in.devices[2].X_WD.p = Vec3(-5, 0, -100.001);
+  place(run.x, 2, {.X_WB = {.p = Vec3(-5, 0, -99.995)}, .V_WB = {}});
+  par.contacts.spheres[par.contacts.num_spheres++] = {.body = 2, .radius = 0.005};
+  par.contacts.surfaces[par.contacts.num_surfaces++] = {.shape = {.X_WS = {.p = Vec3(0, 0, -100)}}};
+  par.contacts.laws[0][0] = {.k = 1000, .c = 1};
+  ASSERT_EQ(validate(par), Invalid::nothing);
+}
+
+/// In the composition that the program runs, beside bodies that swing on joints and touch.
+TEST(NetMomentum, IsKeptBesideOthers) {
+  bool touched = false;
+  const auto others = [&](auto& run) { add_others(run); };
+  expect_none(misses<JointedNetScene<ImplicitEuler>>(others));
+  expect_none(misses<JointedNetScene<TrBdf2>>(others));
+  auto run = in_flight<JointedNetScene<ImplicitEuler>>(0, 0.1, 12);
+  add_others(*run);
+  for (int n = 0; n < 200; ++n) {
+    run->step();
+    touched = touched || run->out.contacts.num_contacts > 0;
+  }
+  EXPECT_TRUE(touched);
+  EXPECT_NEAR(run->x.bodies[1].x.w_B.norm(), 3, 0.01);
 }
 
 /// (48) gives back a turn that springs have braked: no more than they have.
 TEST(NetMomentum, WhatIsGivenBackGainsNoEnergy) {
   Real most = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
-    auto run = in_flight<ImplicitEuler>(seed, seed % 2 == 0 ? 0.1 : 0.01, 12);
+    auto run = in_flight<NetScene<ImplicitEuler>>(seed, seed % 2 == 0 ? 0.1 : 0.01, 12);
     const auto energy = [&] {
       return kinetic_energy(run->par.bodies[0].body, run->x.bodies[0].x) +
              net_kinetic_energy(run->par, run->x) + net_spring_energy(run->par, run->x);
@@ -139,10 +181,10 @@ TEST(NetMomentum, TheResidualBoundsTheError) {
   Real loosest = 0, most = 0;
   for (unsigned seed = 0; seed < 30; ++seed) {
     for (const int cap : {1, 2, 3, 5, 8, 12}) {
-      auto run = in_flight<ImplicitEuler>(seed, seed % 2 == 0 ? 0.1 : 0.01, cap);
+      auto run = in_flight<NetScene<ImplicitEuler>>(seed, seed % 2 == 0 ? 0.1 : 0.01, cap);
       run->par.net.tolerance = 0;
       for (int n = 0; n < 10; ++n) {
-        auto exact = std::make_unique<Running<Flying<ImplicitEuler>>>(*run);
+        auto exact = std::make_unique<Running<NetScene<ImplicitEuler>>>(*run);
         solve_completely(*exact);
         exact->step();
         run->step();

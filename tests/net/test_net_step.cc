@@ -94,6 +94,68 @@ TEST(NetStep, SaysWhenContactsHaveNoRoom) {
   EXPECT_LE(large->out.net.num_near, 8u);
 }
 
+/// The step was taken, and what it found is shown.
+TEST(NetStep, ShowsTheForceWhenContactsHaveNoRoom) {
+  auto run = std::make_unique<Running<JointedNetScene<ImplicitEuler>>>();
+  auto& par = run->par;
+  auto& tool = par.bodies[0];
+  tool.body = rigid_body(0.1, Mat3(1e-4 * Mat3::Identity()));
+  tool.coupling = {.k = 1000, .g = 20, .k_r = 1, .g_r = 0.02};
+  tool.feedback.gains = {.k = 1000};
+  tool.feedback.max_force = tool.feedback.max_torque = 100;
+  tool.feedback.max_force_rate = tool.feedback.max_torque_rate = 1e6;
+  tool.device.rise = 0;
+  add_sheet(par, {.m = 1e-4, .k = 50, .g = 0.02, .k_a = 50, .g_a = 0.05, .radius = 2e-3, .carrier = 0}, 8, 8,
+            0.01);
+  for (int k = 0; k < 4; ++k)  // 64 nodes on each of them: as many contacts as there is room for
+    par.contacts.surfaces[par.contacts.num_surfaces++] = {.shape = {.X_WS = {.p = Vec3(0, 0, -2e-3)}}};
+  add_node(par, {.m = 1e-4, .k_a = 50, .g_a = 0.05, .radius = 2e-3}, Vec3(0.2, 0, -0.01));  // one too many
+  put_in_order(par.net);
+  par.contacts.laws[0][0] = {.k = 100, .c = 0.05};
+  place_net(par.net, run->x);
+  engage_at(run->x, 0, {});
+  run->in.devices[0].X_WD.p.z() = -0.02;
+  ASSERT_EQ(validate(par), Invalid::nothing);
+  run->step(300);
+  EXPECT_EQ(run->out.fault, Fault::contacts_full);
+  EXPECT_EQ(run->x.tick, 300u);
+  EXPECT_GT(run->out.bodies[0].feedback.F_D.f.z(), 1);
+  EXPECT_NEAR(run->out.bodies[0].feedback.F_D.f.z(),
+              1000 * (run->body().X_WB.p.z() - run->in.devices[0].X_WD.p.z()), 1e-6);
+}
+
+/// A sheet that is thrown at an obstacle thinner than its way in a step does not come through.
+TEST(NetStep, NodesDoNotPassThinObstacles) {
+  Random random(9);
+  for (int k = 0; k < 40; ++k) {
+    auto run = std::make_unique<Running<NetScene<ImplicitEuler>>>();
+    auto& par = run->par;
+    par.bodies[0].body = rigid_body(0.1, Mat3(1e-4 * Mat3::Identity()));
+    const Real thick = random.log_uniform(1e-4, 2e-3), v = random.uniform(1, 5), radius = 1e-3;
+    ShapeParams shape{.kind = ShapeKind::box, .half_extents = Vec3(1, 1, thick)};
+    if (k % 2 == 1)
+      shape = {.kind = ShapeKind::capsule,
+               .X_WS = {.q = turn_from_z(Vec3::UnitX())},
+               .radius = thick,
+               .half_length = 1};
+    par.contacts.surfaces[par.contacts.num_surfaces++] = {.shape = shape};
+    par.contacts.laws[0][0] = {.k = 1000, .c = 0.1};
+    const Real start = 0.02 + random.uniform(0, v * par.h);
+    add_node(par, {.m = 1e-4, .radius = radius}, Vec3(0, 0, start));
+    add_node(par, {.m = 1e-4, .radius = radius}, Vec3(0.01, 0, start));
+    add_spring(par, {.k = 100, .g = 0.01}, 0, 1);
+    put_in_order(par.net);
+    place_net(par.net, run->x);
+    for (std::size_t n = 0; n < 2; ++n) run->x.net.nodes[n].v_W = Vec3(0, 0, -v);
+    run->in.devices[0] = {};
+    ASSERT_EQ(validate(par), Invalid::nothing);
+    run->step(100);
+    for (std::size_t n = 0; n < 2; ++n)
+      EXPECT_GT(run->x.net.nodes[n].p_W.z(), 0)
+          << (k % 2 == 1 ? "capsule " : "box ") << thick << " m, " << v << " m/s";
+  }
+}
+
 /// What iterations leave below their tolerance is no reason to take springs again.
 TEST(NetStep, AtRestTakesSpringsOnce) {
   for (const unsigned seed : {1u, 3u, 6u, 20u, 24u, 26u}) {

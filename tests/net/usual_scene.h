@@ -1,4 +1,4 @@
-// The scene of most tests of nets, whose step is compiled once.
+// The scenes of most tests of nets, whose steps are compiled once.
 #pragma once
 
 #include "tests/net/net_scene.h"
@@ -8,5 +8,7 @@ namespace godobject {
 
 extern GODOBJECT_STEP_OF(NetScene<ImplicitEuler>);
 extern GODOBJECT_STEP_OF(NetScene<TrBdf2>);
+extern GODOBJECT_STEP_OF(JointedNetScene<ImplicitEuler>);
+extern GODOBJECT_STEP_OF(JointedNetScene<TrBdf2>);
 
 }  // namespace godobject

@@ -64,12 +64,12 @@ class RecallDeepPairs {
 
 /// The point p that was inside a box, or is, behind the face through which the contact pressed before; if there was none,
 /// the nearest one.
-template <class Contacts, std::size_t N>
-SurfacePoint behind_face_before(const ContactFinder<Contacts, N>& w, std::uint64_t key,
-                                const ShapeParams& box, const Mat3& R_WS, const Vec3& p_W,
-                                const SurfacePoint& nearest) noexcept {
+template <std::size_t max_contacts>
+SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>* of_step,
+                                const ContactMemories<max_contacts>* of_stage, const ShapeParams& box,
+                                const Mat3& R_WS, const Vec3& p_W, const SurfacePoint& nearest) noexcept {
   const ContactMemory* at = nullptr;
-  for (const auto* memories : {w.before, w.of_stage}) {
+  for (const auto* memories : {of_step, of_stage}) {
     if (memories == nullptr) continue;
     const ContactMemory *const first = memories->list.data(), *const end = first + memories->size;
     const ContactMemory* const one = std::lower_bound(

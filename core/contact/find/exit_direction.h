@@ -42,7 +42,7 @@ WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::ui
                std::uint32_t body) noexcept {
   WayOut shortest;
   const auto& owned = w.owned[body];
-  const SpherePack* const packs = &w.packs[owned.first_pack];
+  const SpherePack* const packs = w.packs.data() + owned.first_pack;
   for (std::uint32_t o = first; o < end; ++o) {
     for (int face = 0; face < 6 && w.posed[o].kind == ShapeKind::box; ++face) {
       const Vec3 n_W = face % 2 == 0 ? w.R_WS[o].col(face / 2) : Vec3(-w.R_WS[o].col(face / 2));
@@ -82,7 +82,7 @@ struct SinkingAxis {
 template <class Contacts, std::size_t N>
 Real reach_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& n_W) noexcept {
   const auto& owned = w.owned[body];
-  Real reach = -lowest_along(-n_W, &w.packs[owned.first_pack], owned.num_packs());
+  Real reach = -lowest_along(-n_W, w.packs.data() + owned.first_pack, owned.num_packs());
   for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o)
     reach = std::max(reach, reach_along(n_W, w.posed[o], w.R_WS[o]));
   return reach;

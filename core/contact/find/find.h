@@ -69,7 +69,8 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
                      pack.r[j]);
       };
       const auto before = [&](std::uint32_t j, const SurfacePoint& nearest) noexcept {
-        return behind_face_before(w, pair | touch_key(s + j, o), shape, R_WS, lane(pack.p_W, j), nearest);
+        return behind_face_before(pair | touch_key(s + j, o), w.before, w.of_stage, shape, R_WS,
+                                  lane(pack.p_W, j), nearest);
       };
       Pack d;
       Vector3<Pack> n_W;

@@ -127,7 +127,8 @@ template <class Contacts, std::size_t N>
 std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t i, std::uint32_t o,
                              ContactFinder<Contacts, N>& w) noexcept {
   auto& owned = w.owned[i];
-  Aabb& box = w.broad.boxes[i] = box_round(&w.packs[owned.first_pack], owned.num_packs(), owned.travel);
+  Aabb& box = w.broad.boxes[i] =
+      box_round(w.packs.data() + owned.first_pack, owned.num_packs(), owned.travel);
   owned.first_surface = o;
   for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
     place_shape(par.surfaces[o].shape, w.at[i], w.posed[o], w.R_WS[o]);
@@ -169,7 +170,7 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     while (s < par.num_spheres && par.spheres[s].body == i) ++s;
     owned.end_sphere = s;
     owned.first_pack = num_packs;
-    num_packs += place_spheres(par, s, w.at[i], &w.packs[num_packs], owned);
+    num_packs += place_spheres(par, s, w.at[i], w.packs.data() + num_packs, owned);
     owned.travel = w.since() * speed_bound(w.at[i].V, owned.farthest);
     w.strays = w.strays || is_astray(owned, owned.pulled, w.h);
     if constexpr (Contacts::between_bodies) o = place_surfaces(par, i, o, w);

@@ -55,5 +55,19 @@ TEST(BoundedList, ForgetsWhatWasAddedSince) {
   EXPECT_EQ(list.num_found, found);
 }
 
+/// What a full list was to forget may be added again.
+TEST(BoundedList, HoldsNoneTwice) {
+  Random random(2);
+  for (int n = 0; n < 200; ++n) {
+    List list;
+    for (int key = 0; key < 30; ++key) list.add({.key = key, .depth = random.integer(0, 9)});
+    list.forget_from(0);
+    for (int key = 20; key < 30; ++key) list.add({.key = key, .depth = random.integer(0, 9)});
+    list.put_in_order();
+    EXPECT_TRUE(list.full());
+    for (std::size_t i = 1; i < list.size; ++i) EXPECT_LT(list.list[i - 1].key, list.list[i].key);
+  }
+}
+
 }  // namespace
 }  // namespace godobject::test_bounded_list
