@@ -123,6 +123,26 @@ TYPED_TEST(ContactList, OutlivesInputsThatAreNoNumbers) {
   }
 }
 
+/// What has neither stiffness nor depenetration velocity bears nothing.
+TYPED_TEST(ContactList, TakesLawsWithoutStiffness) {
+  for (const ContactLaw& soft :
+       {ContactLaw{.push_out = 0}, ContactLaw{}, ContactLaw{.c = 1, .push_out = 0}}) {
+    const auto run = bar<TypeParam>();
+    set_law(run->par, soft);
+    run->device().X_WD.p.z() = -0.005;
+    ASSERT_EQ(validate(run->par), Invalid::nothing);
+    EnergyBalance<Touching<TypeParam, 1, num_spheres, PoseDevice, 2, max_contacts>> balance;
+    balance.start(run->par, run->x);
+    for (int n = 0; n < 200; ++n) {
+      run->step();
+      ASSERT_FALSE(has(run->out.fault, Fault::state_not_finite));
+      balance.observe(run->par, run->x, run->w, run->out);
+    }
+    EXPECT_NEAR(run->body().X_WB.p.z(), -0.005, soft.c > 0 ? 1e-3 : 1e-6);
+    EXPECT_FALSE(balance.gains());
+  }
+}
+
 // Bodies that begin inside.
 
 /// Highest speed of a sphere let go with its centre on the surface, and how deep it is after a second.

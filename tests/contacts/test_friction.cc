@@ -193,5 +193,15 @@ TYPED_TEST(Friction, OfNothingHoldsNothing) {
   }
 }
 
+/// Where a stage of implicit Euler was solved in parts, its rate is that of the last part alone.
+TEST(Friction, AStageAfterAnEulerStageGoesOnWithItsDrag) {
+  constexpr ContactLaw law{.k = 1000, .k_t = 500};
+  const Vec3 n_W = Vec3::UnitZ();
+  const ContactMemory of_step{.xi_W = Vec3(1e-4, 0, 0), .F_W = n_W, .n_W = n_W},
+      of_stage{.xi_W = Vec3(4e-4, 2e-4, 0), .xi_dot_W = Vec3(1, 1, 0), .F_W = n_W, .n_W = n_W};
+  const ContactStage stage{.t_1 = 1e-4, .goes_on = true, .is_euler = true};
+  EXPECT_EQ(recalled(law, stage, &of_step, &of_stage, n_W, {}).xi_W, of_stage.xi_W);
+}
+
 }  // namespace
 }  // namespace godobject::test_friction

@@ -254,6 +254,54 @@ TEST(Terms, WebsOfLinearSpringsNeverGain) {
   expect_no_gain<TrBdf2>();
 }
 
+/// A node that lies on the floor weighs what it weighs: what it gains is told.
+TEST(Terms, BalanceTellsOfNodesThatTouch) {
+  using S = Web<ImplicitEuler>;
+  auto run = std::make_unique<Running<S>>();
+  auto& par = run->par;
+  par.gravity_W = Vec3(0, 0, -9.81);
+  par.bodies[0].body = rigid_body(0.1, Mat3(1e-4 * Mat3::Identity()));
+  place(run->x, 0, {.X_WB = {.p = Vec3(0, 0, 100)}, .V_WB = {}});
+  par.nodes.size = 1;
+  par.nodes.list[0].m = 0.01;
+  par.contacts.spheres[par.contacts.num_spheres++] = {.body = node_number<S>(0), .radius = radius};
+  par.contacts.surfaces[par.contacts.num_surfaces++] = {};
+  par.contacts.laws[0][0] = {.k = 1000, .c = 1};
+  run->x.nodes[0].p_W.z() = radius;
+  ASSERT_EQ(validate(par), Invalid::nothing);
+  EnergyBalance<S> balance;
+  balance.start(par, run->x);
+  const auto step = [&] {
+    run->step();
+    ASSERT_EQ(run->out.fault, Fault::none);
+    balance.observe(par, run->x, run->w, run->out);
+  };
+  for (int n = 0; n < 500; ++n) step();
+  ASSERT_EQ(run->out.contacts.num_contacts, 1u);
+  EXPECT_FALSE(balance.gains());
+  for (int n = 0; n < 40; ++n) {
+    run->x.nodes[0].v_W.x() += 0.5;  // by nobody
+    step();
+  }
+  EXPECT_TRUE(balance.gains());
+}
+
+/// Ends in one place have no direction between them.
+TEST(Terms, ASpringMayStartWithoutLength) {
+  auto run = std::make_unique<Running<Web<TrBdf2>>>();
+  auto& par = run->par;
+  par.bodies[0].body = rigid_body(0.1, Mat3(1e-4 * Mat3::Identity()));
+  par.nodes.size = 1;
+  par.nodes.list[0].m = 0.1;
+  auto& springs = par.terms.of<1>();
+  springs.list[springs.size++] = {
+      .a = {}, .b = {.on = node_number<Web<TrBdf2>>(0)}, .k = 1, .g = 1, .l_0 = 5};
+  ASSERT_EQ(validate(par), Invalid::nothing);
+  run->step(100);
+  EXPECT_EQ(run->out.fault, Fault::none);
+  EXPECT_EQ(run->x.tick, 100u);
+}
+
 TEST(Terms, KeepMomentum) {
   auto run = std::make_unique<Running<Web<TrBdf2>>>();
   Random random(7);

@@ -184,5 +184,22 @@ TEST(AdmittanceDeviceDrives, AgainstItsSpringTiedToWhereItWasEngaged) {
   EXPECT_TRUE(has(run.out.limited, Limited::held));
 }
 
+/// Faster than half a turn in a step: what a gap is bridged with is an attitude all the same.
+TEST(DeviceGap, IsBridgedWithAnAttitudeHoweverFastItTurned) {
+  for (const Real turn_rate : {1e3, 1e4, 1e6, 1e12}) {
+    Running<OneBody<TrBdf2>> run;
+    run.constants().body = rigid_body(0.1, 1e-3 * Mat3::Identity());
+    run.constants().coupling = {.k = 1000, .g = 14, .k_r = 1, .g_r = 0.03};
+    run.device().V_WD.w = Vec3(0, turn_rate, 0);
+    run.step(3);
+    run.device().valid = false;
+    run.step(3);
+    EXPECT_EQ(run.out.fault, Fault::none);
+    EXPECT_NEAR(run.x.bodies[0].device.last.X_WD.q.norm(), 1, 1e-12) << turn_rate;
+    pass_time(run.x.bodies[0].device, 2 * h, h);
+    EXPECT_NEAR(run.x.bodies[0].device.last.X_WD.q.norm(), 1, 1e-12) << turn_rate;
+  }
+}
+
 }  // namespace
 }  // namespace godobject::test_device
