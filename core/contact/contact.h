@@ -23,7 +23,7 @@
 
 namespace godobject {
 
-/// Of a pair of materials: what one sphere's contact does. Spheres that share a load add up their stiffness.
+/// The law of a pair of materials: what one sphere's contact does. Spheres that share a load add up their stiffness.
 struct ContactLaw {
   Real k = 0;            // N/m
   Real c = 0;            // N s/m

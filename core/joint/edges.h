@@ -36,7 +36,7 @@ inline SpatialVector axis_wrench(const JointEdge& edge, int k, const Column& p) 
   return {.w = cross(edge.a_W - p, s), .v = s};
 }
 
-/// Of all bodies.
+/// The joints of all bodies to their parents, and how the bodies move by them.
 template <std::size_t N>
 struct JointEdges {
   std::array<JointEdge, N> edges;

@@ -33,7 +33,7 @@ struct SceneNets {
   int max_iterations = 0;  // in a stage, for all of them
 };
 
-/// Of a scene that was read without errors.
+/// The nets of a scene that was read without errors.
 SceneNets scene_nets(const SceneConfig& scene);
 
 /// For a composition with room for them.
