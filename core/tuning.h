@@ -43,7 +43,8 @@ inline constexpr Real max_moved_back = 0.2;
 /// acceleration. tests/articulated, stops.
 inline constexpr Real stiff_stop_share = 0.2;
 /// (21), (40), of a body's A in a stage: below the first geometric stiffness is not felt; where more than the second is
-/// left out of it, TR-BDF2 forgets its acceleration. tests/articulated/test_contradicted.cc, test_heavy_ends.cc.
+/// left out of it, TR-BDF2 forgets its acceleration. tests/articulated/test_contradicted_targets.cc,
+/// test_heavy_ends.cc.
 inline constexpr Real felt_share = 0.01, stiff_joint_share = 0.1;
 
 // What may touch (core/contact/find).
@@ -82,14 +83,14 @@ inline constexpr Real sunk_depth = 0.5;
 /// into each other do not move with it, and solves that stop early may not give all of it back. test_few_blocks.cc,
 /// test_touching_stability.cc: without a bound, cases gain energy.
 inline constexpr Real max_relaxation = 30;
-/// Stages: between bodies it is ahead of their depth by no more than in so many; nothing winds up. The world lets out
-/// whatever presses on it. test_touching_overlap.cc.
+/// Stages: between bodies the rest penetration falls below their depth by no more than it is relaxed in so many; nothing
+/// winds up. Against the world it falls on. test_touching_overlap.cc.
 inline constexpr Real max_pushed_steps = 3;
 
-// Newton's method over the modes of contacts (29). With eight iterations 9 of 16 000 cases of test_touching_stability.cc
-// gain energy, with sixteen none; on joints with sixteen one of 8000 of test_touching_joint_stability.cc, with twice as
-// many none: what joints take back (18) presses stiff contacts together.
+// Newton's method over the modes of contacts (29).
 
+/// With fewer some piles gain energy. Bodies on joints need twice as many: what joints take back (18) presses stiff
+/// contacts together. test_touching_stability.cc, test_touching_joint_stability.cc; docs/decisions/022 and 023.
 inline constexpr int max_newton_iterations = 16, max_newton_iterations_on_joints = 32;
 /// Share of the slope at the beginning that a line search (29) may leave; the same of the search for the multiple of V.
 /// test_touching_stability.cc.

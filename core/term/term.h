@@ -1,4 +1,4 @@
-// Terms: what acts between bodies, nodes and the world as an impedance and an impulse in the block system (26) do.
+// Terms: what acts between bodies, nodes and the world as an effective mass and an impulse in the block system (26) do.
 //
 // A kind of term is a file of its own and a word in the list of the scene:
 //
