@@ -14,8 +14,8 @@ namespace godobject {
 inline constexpr Real gain_allowed = 0.01;
 /// J, which no hand feels: less is no gain.
 inline constexpr Real gain_floor = 1e-12;
-/// Of what the springs of nets hold: less is no gain. Their iteration ends at a tolerance, and so do their contacts' forces: a
-/// net that is held pressed moves by it, back and forth.
+/// Share of what the springs of nets hold: less is no gain. Their iteration ends at a tolerance, and so do their contacts'
+/// forces: a net that is held pressed moves by it, back and forth.
 inline constexpr Real net_gain_floor = 1e-3;
 /// Steps: what a scene has lost or gained for fewer is no loss and no gain. A step that a blow, or a snap of joints, is too fast
 /// for errs by its order, to either side, and the next ones take it back.

@@ -209,7 +209,7 @@ using NodeState = NodeStateOf<Slot<typename S::Integrator::NodeMemory, 0>>;
 template <class S>
 using NodeStates = std::conditional_t<uses<NodesOf<S>>, std::array<NodeState<S>, max_nodes<S>>, Absent<18>>;
 
-/// Of nets: their nodes, and what contacts of these carry over.
+/// The state of nets: their nodes, and what contacts of these carry over.
 template <class S, class Net>
 struct NetStateOf {
   std::array<NodeState<S>, Net::max_nodes> nodes;

@@ -33,7 +33,7 @@ constexpr std::size_t num_groups(const Params<S>& par) noexcept {
   return (num_bodies(par) + lanes<S> - 1) / lanes<S>;
 }
 
-/// Of a group's state, what a step computes before it is known to be good.
+/// The next state of a group, as a step computes it before it is known to be good.
 template <class S>
 struct Next {
   using T = Lanes<S>;

@@ -36,29 +36,32 @@ inline constexpr int max_calm_iterations = 1;
 inline constexpr Real max_apart = 1e-4;
 /// rad: the turn that a joint takes back in one stage. tests/articulated, joints pulled apart.
 inline constexpr Real max_turned_back = 0.15;
-/// Of the distance from the centre of mass to the anchor: how far a joint moves back in one stage. The same tests.
+/// Share of the distance from the centre of mass to the anchor by which a joint moves back in one stage at most. The same
+/// tests.
 inline constexpr Real max_moved_back = 0.2;
-/// Of a coordinate's pivot: a stop stiffer than that turns it round within the stage, and TR-BDF2 forgets its
+/// Share of a coordinate's pivot: a stop stiffer than that turns it round within the stage, and TR-BDF2 forgets its
 /// acceleration. tests/articulated, stops.
 inline constexpr Real stiff_stop_share = 0.2;
 /// (21), (40), of a body's A in a stage: below the first geometric stiffness is not felt; where more than the second is
-/// left out of it, TR-BDF2 forgets its acceleration. tests/articulated/test_contradicted.cc, test_heavy_ends.cc.
+/// left out of it, TR-BDF2 forgets its acceleration. tests/articulated/test_contradicted_targets.cc,
+/// test_heavy_ends.cc.
 inline constexpr Real felt_share = 0.01, stiff_joint_share = 0.1;
 
 // What may touch (core/contact/find).
 
-/// Of a sphere's radius: nearer than that it may come to bear a force in the stage. tests/contacts/test_pressed_rest.cc.
+/// Share of a sphere's radius: nearer than that it may come to bear a force in the stage.
+/// tests/contacts/test_pressed_rest.cc.
 inline constexpr Real contact_reach = 0.25;
 /// The cosine between normals below which the contact is another one: the normal has turned round a corner.
 /// tests/contacts/test_sample_gaps.cc, test_touching_ridges.cc.
 inline constexpr Real same_contact = 0.5;
-/// Of the thinnest half extent: edges nearer than that may come to bear a force. This and the next five:
+/// Share of the thinnest half extent: edges nearer than that may come to bear a force. This and the next five:
 /// tests/contacts/test_touching_edges.cc, test_touching_overlap.cc.
 inline constexpr Real edge_reach = 0.02;
-/// Of the half length of an edge: edges that cross nearer to an end are left to the sphere there.
+/// Share of the half length of an edge: edges that cross nearer to an end are left to the sphere there.
 inline constexpr Real edge_end = 0.01;
-/// Of the faces' depth and of the reach: by so much edges may be deeper than the faces. Where boxes lie on each other both
-/// axes are nearly one.
+/// Shares of the faces' depth and of the reach by which edges may be deeper than the faces. Where boxes lie on each other
+/// both axes are nearly one.
 inline constexpr Real deeper_than_faces = 0.1, deeper_than_reach = 0.1;
 /// The cosine between normals from which on they are one: boxes that lie on each other touch at all corners of the area
 /// that they have in common, however they are tilted.
@@ -70,26 +73,26 @@ inline constexpr Real min_edge_sine = 0.01;
 /// reach of edges. tests/contacts/test_tunnelling.cc.
 inline constexpr int max_advances = 32;
 inline constexpr Real sweep_tolerance = 0.01, edge_touch = 0.2;
-/// Of the thinnest half extent: boxes that are deeper in each other are sunk, and part along one axis.
+/// Share of the thinnest half extent: boxes that are deeper in each other are sunk, and part along one axis.
 /// test_touching_overlap.cc, sunk pairs.
 inline constexpr Real sunk_depth = 0.5;
 
 // Rest penetration (35).
 
-/// Of the largest stored penetration: by so much a body's is relaxed in a stage at most. Bodies that are locked into each
-/// other do not move with it, and solves that stop early may not give all of it back. test_few_blocks.cc,
+/// Multiple of the largest stored penetration by which a body's is relaxed in a stage at most. Bodies that are locked
+/// into each other do not move with it, and solves that stop early may not give all of it back. test_few_blocks.cc,
 /// test_touching_stability.cc: without a bound, cases gain energy.
 inline constexpr Real max_relaxation = 30;
-/// Stages: between bodies it is ahead of their depth by no more than in so many; nothing winds up. The world lets out
-/// whatever presses on it. test_touching_overlap.cc.
+/// Stages: between bodies the rest penetration falls below their depth by no more than it is relaxed in so many; nothing
+/// winds up. Against the world it falls on. test_touching_overlap.cc.
 inline constexpr Real max_pushed_steps = 3;
 
-// Newton's method over the modes of contacts (29). With eight iterations 9 of 16 000 cases of test_touching_stability.cc
-// gain energy, with sixteen none; on joints with sixteen one of 8000 of test_touching_joint_stability.cc, with twice as
-// many none: what joints take back (18) presses stiff contacts together.
+// Newton's method over the modes of contacts (29).
 
+/// With fewer some piles gain energy. Bodies on joints need twice as many: what joints take back (18) presses stiff
+/// contacts together. test_touching_stability.cc, test_touching_joint_stability.cc; docs/decisions/022 and 023.
 inline constexpr int max_newton_iterations = 16, max_newton_iterations_on_joints = 32;
-/// Of the slope at the beginning: what a line search (29) may leave; the same of the search for the multiple of V.
+/// Share of the slope at the beginning that a line search (29) may leave; the same of the search for the multiple of V.
 /// test_touching_stability.cc.
 inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;
 /// Steps of either search: each halves the interval at worst.
@@ -148,7 +151,7 @@ inline constexpr Real max_given_back = 0.05;
 
 /// m/s: the iterations end when all velocities are known to this.
 inline constexpr Real velocity_tolerance = 1e-3;
-/// Of conjugate gradients in a Newton iteration: few while friction is still sought.
+/// Iterations of conjugate gradients in a Newton iteration: few while friction is still sought.
 inline constexpr int max_iterations_seeking = 3, max_iterations = 8;
 
 }  // namespace godobject

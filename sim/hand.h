@@ -13,7 +13,7 @@ class Hand {
   /// It moves the device's joints; otherwise the target that the rig's first handle follows.
   virtual bool moves_joints() const noexcept = 0;
   virtual JointTarget joints(double t) const noexcept = 0;
-  /// Of what the hand moves this is one: a handle of the rig, a tool of a tracker.
+  /// Where it moves one of the things that it holds: a handle of the rig, a tool of a tracker.
   virtual Target target(std::size_t index, double t) const noexcept = 0;
   /// The button that opens and closes the clutch of this target, and the one that takes hold.
   virtual bool presses_clutch(std::size_t index, double t) const noexcept = 0;

@@ -1,8 +1,8 @@
 // Contacts of bodies with the world and among each other.
 //
 // A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite (core/system): the
-// bodies' own blocks, and an impedance for each pair that touches. It is solved by its factor (31), (33), a tower in one
-// go, however high and stiff; where that has no room, by conjugate gradients (27), (28). The modes of the contacts
+// bodies' own blocks, and an effective mass for each pair that touches. It is solved by its factor (31), (33), a tower in
+// one go, however high and stiff; where that has no room, by conjugate gradients (27), (28). The modes of the contacts
 // (open, stick, slip) are found by Newton iterations over that (29), island by island. What they leave is the residual.
 #pragma once
 
@@ -20,7 +20,7 @@ constexpr Pass pass_of(int iteration) noexcept {
   return iteration < Seeking::by_tangent + Seeking::by_secant ? Pass::by_secant : Pass::as_it_was;
 }
 
-/// Impedance and impulse at rest of the packs [first, end). False: none bears a force.
+/// Effective mass and impulse at rest of the packs [first, end). False: none bears a force.
 template <bool tangents, std::size_t max_packs>
 bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
             SymmetricSpatialMatrix& A, SpatialVector& F) noexcept {
@@ -36,7 +36,7 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
   return touches;
 }
 
-/// The contacts of an island for the cases they are in. all: every one, not those alone whose case has changed. True:
+/// Adds up the contacts of an island in the modes they are in. all: every one, not those alone whose mode has changed. True:
 /// some pair touches that is not coupled in the system.
 template <class Contacts, std::size_t N>
 bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -112,8 +112,8 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
   }
 }
 
-/// Forces of the contacts of an island at the velocities of their points, and their cases in the next pass. True: the
-/// forces obey the law.
+/// Forces of the contacts of an island at the velocities of their points, and their modes in the next iteration. True:
+/// the forces obey the law.
 template <class Seeking, class Contacts, std::size_t N>
 bool settle_contacts(int iteration, const Island& island, BodyContactScratch<Contacts, N>& w,
                      ContactResidual& most) noexcept {

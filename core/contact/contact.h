@@ -1,17 +1,13 @@
-// Penalty contacts of spheres: their law, and what a scene says about them.
+// Penalty contacts of spheres: their law, and what a scene says about them. d: depth; v: velocity of the contact point
+// against the surface, n off the surface; xi: its drag since it stuck; e: the rest penetration, offset of the contact
+// spring, with which bodies begin that are put into each other (e = d), and which is relaxed at the depenetration velocity.
 //
 //   (22)  F_n = max(k (d - e) - c v_n, 0) where d > 0
 //   (23)  F_t = -(k_t xi + c_t v_t) while |F_t| <= mu F_n; beyond, the contact point slips and |F_t| = mu F_n
 //
-// d: depth of the sphere in the surface; v: velocity of the contact point against the surface, n off the surface;
-// xi: how far the contact point has been dragged since it stuck; e: the rest penetration, the offset of the contact
-// spring. Bodies put into each other, by whoever made the scene or let go of one, begin with e = d, which is relaxed
-// at the depenetration velocity.
-//
-// The room: memory.h is what a contact carries over, candidates.h those near enough to matter, stage.h contacts of a
-// stage in groups of four, bodies.h a step's contacts with the world and among bodies, pairs.h, islands.h and
-// jointed_bodies.h who touches whom, line_search.h, unbalanced.h; find/ is the search for contacts: broad phase, edges,
-// directions out. What they couple is solved in core/system.
+// The room: memory.h is what a contact carries over, find/ the search, candidates.h what it lists, stage.h four contacts in
+// a stage, pairs.h, islands.h and jointed_bodies.h who touches whom, line_search.h and unbalanced.h Newton's method,
+// bodies.h all of a step. What contacts couple is solved in core/system.
 #pragma once
 
 #include <array>
@@ -23,7 +19,7 @@
 
 namespace godobject {
 
-/// Of a pair of materials: what one sphere's contact does. Spheres that share a load add up their stiffness.
+/// The law of a pair of materials: what one sphere's contact does. Spheres that share a load add up their stiffness.
 struct ContactLaw {
   Real k = 0;            // N/m
   Real c = 0;            // N s/m

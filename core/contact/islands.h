@@ -9,8 +9,8 @@
 
 namespace godobject {
 
-/// Bodies that touch, and what their contacts are together: an impedance and an impulse at rest for the twist of the
-/// child against the parent, where the child's centre of mass is.
+/// Bodies that touch, and what their contacts are together: an effective mass and an impulse at rest for the twist of
+/// the child against the parent, where the child's centre of mass is.
 struct TouchingPair {
   std::uint32_t child = 0, parent = 0;
   std::uint32_t first_pack = 0, end_pack = 0;
@@ -25,7 +25,7 @@ struct TouchingPair {
 /// A body among those that touch. Scratch: undefined between steps.
 struct TouchingBody {
   std::uint32_t first_pack = 0, end_pack = 0;  // contacts with the world
-  SymmetricSpatialMatrix A;                    // impedance of these
+  SymmetricSpatialMatrix A;                    // effective mass of these
   SpatialVector F;                             // impulse of these at rest
 };
 

@@ -69,7 +69,7 @@ void set_stops(const std::array<StopParams, 2>& stops, const JointMotion<turns, 
 }
 
 /// The joints of an island's bodies, which are unknowns of its system already, and the stops of these as terms: the
-/// impedance D e e^T of the child against the parent, e the wrench on a coordinate.
+/// effective mass D e e^T of the child against the parent, e the wrench on a coordinate.
 template <class Contacts, std::size_t N>
 void hang_bodies(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& all = w.graph.joints;

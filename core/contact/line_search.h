@@ -1,11 +1,12 @@
-// How far a pass goes. With the friction of each contact as it was solved for, an island's stage is the least value of
+// How far a Newton iteration goes. With the friction of each contact as it was solved for, an island's stage is the least
+// value of
 //
 //   (29)  E(V) = V^T A V / 2 - V^T b + h sum max(F_0 - eta_n v_n, 0)^2 / (2 eta_n)
 //
-// A and b without the normal forces: convex, and a pass is a step of Newton's method. Where it changes the cases of
-// contacts it is taken only as far as E falls, so iterations cannot go round in a circle; and then to the multiple of
-// V where E is least: there V^T dE/dV = 0, the balance of energy with the forces of the law itself, whatever cases
-// were assumed.
+// A and b without the normal forces: E is convex, and an iteration is a step of Newton's method. Where it changes the
+// modes of contacts (open, stick, slip) it is taken only as far as E falls, so iterations cannot go round in a circle;
+// and then to the multiple of V where E is least: there V^T dE/dV = 0, the balance of energy with the forces of the law
+// itself, whatever modes were assumed.
 #pragma once
 
 #include "core/contact/unbalanced.h"
@@ -41,7 +42,7 @@ void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) no
       for (std::size_t p = 0; p < w.net.num_packs; ++p) f(w.net.packs[p]);
 }
 
-/// The slope of E along a line in velocities, at t: slope + t curvature with the cases that were solved for, and what
+/// The slope of E along a line in velocities, at t: slope + t curvature with the modes that were solved for, and what
 /// the law says of the contacts that leave theirs.
 struct LineSlope {
   Real slope = 0, curvature = 0;
@@ -59,7 +60,7 @@ LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_pa
           .curvature = line.curvature + h * total(curvature)};
 }
 
-/// The contacts of an island that leave their cases on the line from 0 to `most`, at the normal velocities
+/// The contacts of an island that leave their modes on the line from 0 to `most`, at the normal velocities
 /// from(pack) + t by(pack).
 template <class Contacts, std::size_t N, class From, class By>
 void find_leaving(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
@@ -73,7 +74,7 @@ void find_leaving(Real most, const Island& island, BodyContactScratch<Contacts, 
 }
 
 /// Where the slope, which never falls, comes to -enough, or nearer to zero, but not above: between 0, where it is below,
-/// and `most` >= 1. By Newton's method from 1, which ends where no contact changes its case any more, within what is
+/// and `most` >= 1. By Newton's method from 1, which ends where no contact changes its mode any more, within what is
 /// known to hold the zero.
 template <class Slope>
 Real where_flat(Real most, Real enough, Slope slope_at) noexcept {
@@ -92,13 +93,13 @@ Real where_flat(Real most, Real enough, Slope slope_at) noexcept {
   return lo;
 }
 
-/// Some contact is not in the case that was solved for.
+/// Some contact is not in the mode that was solved for.
 inline bool has_left_its_case(const ContactPack& c) noexcept {
   return differ(case_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
 }
 
 /// The velocities of the contact points at V; those normal to the surfaces at V_0 in v_n_0. True: some have left their
-/// cases.
+/// modes.
 template <class Contacts, std::size_t N>
 bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool differs = false;
@@ -110,7 +111,7 @@ bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noe
   return differs;
 }
 
-/// V on the way from V_0 to V where (29) is least. A V_0 = AV_0 and A V = b - r, with the cases that were solved for;
+/// V on the way from V_0 to V where (29) is least. A V_0 = AV_0 and A V = b - r, with the modes that were solved for;
 /// so it is after.
 template <class System, class Contacts, std::size_t N>
 void search_line(Real h, const Island& island, const System& system,

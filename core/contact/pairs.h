@@ -140,7 +140,7 @@ struct BodyContactScratch {
   std::size_t num_groups = 0;
   std::array<BegunContact, max_contacts> begun;         // of the near ones
   std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
-  LinePacks<max_packs + max_net_packs<Contacts>> line;  // those that leave their cases on it
+  LinePacks<max_packs + max_net_packs<Contacts>> line;  // those that leave their modes on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename TermStagesType<Contacts>::type terms;
   System system;  // of the island at hand

@@ -1,13 +1,13 @@
 // Contacts as their bodies see them during a stage, four at a time.
 //
-// At the end of a stage (22) and (23) are linear in the velocity v of the contact point, but for their cases: with the
-// geometry where the stage is predicted to end, and d_0 the depth where it starts,
+// At the end of a stage (22) and (23) are linear in the velocity v of the contact point within a mode (open, stick,
+// slip): with the geometry where the stage is predicted to end, and d_0 the depth where it starts,
 //
-//   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;   apart, F_0 = eta_n d_0 / h
+//   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;   open, F_0 = eta_n d_0 / h
 //         F_t = -eta_t s,  s = v_t + k_t xi / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
 //
-// So a contact is an impedance h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and goes into its body's A and b as a
-// mass would. Which mode holds, touching or not and eta_t, is found by Newton iterations on the active set, each with
+// So a contact is an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and goes into its body's A and b as
+// a mass would. Which mode holds, touching or not and eta_t, is found by Newton iterations on the active set, each with
 // the modes that the one before ended in. Against the world the first iterations take a slipping contact by its tangent,
 //
 //   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
@@ -28,19 +28,19 @@ enum class Pass { by_tangent, by_secant, as_it_was };
 
 /// Four contacts of a body with the world, or with one other body.
 struct ContactPack {
-  bool changed = true;  // the case of one of them, in the last update
+  bool changed = true;  // the mode of one of them, in the last update
   Vector3<Pack> r, n;   // from where the body's twist is taken to the contact point; off the surface
   Pack d_0, F_0, eta_n;
   Vector3<Pack> v_xi;
   Pack max_eta_t, mu;
-  // case
+  // mode
   Pack touching;  // 1 or 0
   Pack eta_t;
   Vector3<Pack> u;  // direction of the slip, if taken by its tangent; otherwise zero
   Pack f_slip;      // and its friction
   // solution
   Vector3<Pack> v, F;
-  Pack v_n_0;  // of the pass before
+  Pack v_n_0;  // of the iteration before
 };
 
 /// No contact in lane j.
@@ -79,7 +79,7 @@ inline void set_contact(const StageLaw& law, Real e, Real d_0, const Vec3& r, co
 inline Pack case_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
 inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) || any(b < a); }
 
-/// How far the forces of a pass are from the law, and the largest normal force.
+/// How far the forces of an iteration are from the law, and the largest normal force.
 struct ContactResidual {
   Pack normal_miss = 0, friction_miss_sq = 0, normal_force = 0;
 
@@ -119,8 +119,8 @@ inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& spe
   c.f_slip = slips * c.mu * F_n;
 }
 
-/// The forces of a pass, and the cases of the next, at the velocities of the contact points. tangents: as in add();
-/// otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
+/// The forces of an iteration, and the modes of the next, at the velocities of the contact points. tangents: as in
+/// add(); otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
 template <bool tangents>
 void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most) noexcept {
   const Pack v_n = c.n.dot(c.v);
@@ -154,7 +154,7 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most) noex
   }
 }
 
-/// The cases of the first pass: at the normal forces that c.F foresees and the velocities of the contact points.
+/// The modes of the first iteration: at the normal forces that c.F foresees and the velocities of the contact points.
 template <bool tangents, class Velocity>
 void foresee(ContactPack& c, const Velocity& V) noexcept {
   move(c, V);

@@ -32,7 +32,7 @@ struct LimitedFeedback {
   using Params = FeedbackParams;
   struct State {
     Wrench F_D;  // shown in the last step
-    // Of what was shown when the samples came back after a gap, N and N m:
+    // How much was shown when the samples came back after a gap, N and N m:
     Real force_then = 0;
     Real torque_then = 0;
   };

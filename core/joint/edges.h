@@ -15,7 +15,7 @@ struct JointEdge {
   Column a_W;  // anchor, on the body
   int num_turns = 0, num_axes = 0;
   std::array<Column, 3> s;                 // axes, unit: turns, then slides
-  std::array<Real, 2> stop_D{}, stop_b{};  // on the coordinates: impedance, and impulse at rest
+  std::array<Real, 2> stop_D{}, stop_b{};  // on the coordinates: effective mass, and impulse at rest
   std::uint32_t stop_entry = 0;            // in the system of its island
 
   bool on_world() const noexcept { return kind != JointKind::free && parent == world; }
@@ -36,7 +36,7 @@ inline SpatialVector axis_wrench(const JointEdge& edge, int k, const Column& p) 
   return {.w = cross(edge.a_W - p, s), .v = s};
 }
 
-/// Of all bodies.
+/// The joints of all bodies to their parents, and how the bodies move by them.
 template <std::size_t N>
 struct JointEdges {
   std::array<JointEdge, N> edges;

@@ -50,7 +50,7 @@ inline Block pull_stiffness(const Column& d, const Vec3& F) noexcept {
   return Block::identity() * dot(sd, d) - outer(sd, d);
 }
 
-/// Of a block of an A, the mean of its diagonal.
+/// The mean of the diagonal of a block of an A.
 inline Real mean_of(const Block& A) noexcept { return (A.col[0].x() + A.col[1].y() + A.col[2].z()) / 3; }
 
 inline Block block_of(const Mat3& A) noexcept {

@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-/// Of numbers below n. What goes through all of them is told below which number they are: little, of a large set.
+/// Its numbers are below n. What goes through all of them is told below which number they are: little, of a large set.
 template <std::size_t n>
 struct BitSet {
   std::array<std::uint64_t, (n + 63) / 64> words;

@@ -129,7 +129,7 @@ inline void add_to_parent(const SymmetricSpatialMatrix& A, const Column& d,
   parent.wv += A.wv + cross(d, A.vv);
   parent.vv += A.vv;
 }
-/// -X^T A: what couples a body to its parent, d away, by an impedance A for the twist of the one against the other.
+/// -X^T A: what couples a body to its parent, d away, by an effective mass A for the twist of the one against the other.
 inline SpatialMatrix coupling(const SymmetricSpatialMatrix& A, const Column& d) noexcept {
   const Block A_vw = transposed(A.wv);
   return {.ww = (A.ww + cross(d, A_vw)) * Real(-1),

@@ -114,7 +114,7 @@ void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept
   }
 }
 
-/// The contacts of nets for the modes they are in, as impedances and impulses.
+/// The contacts of nets in the modes they are in, as effective masses and impulses.
 template <class Net, std::size_t N>
 void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
   w.num_contacts = 0;

@@ -20,7 +20,7 @@
 
 namespace godobject {
 
-/// Of bodies and nodes.
+/// A vector of the coupled system: twists or impulses of bodies, velocities or impulses of nodes.
 template <class OfBodies, std::size_t max_nodes>
 struct CoupledVector {
   OfBodies bodies;

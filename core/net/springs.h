@@ -1,4 +1,4 @@
-// Anchors and springs of nets in a stage: impedances and impulses, linear from where the stage is predicted to end.
+// Anchors and springs of nets in a stage: effective masses and impulses, linear from where the stage is predicted to end.
 //
 //   (41)  spring:  impulse J - K x' on j,  K = a 1 + q q^T,  a = h^2 k max(1 - l_0 / l, 0),  q q^T = (h^2 k + h g - a) u u^T
 //   (47)  or from where the stage starts, at rest:  a = h^2 k

@@ -94,7 +94,8 @@ struct HeightFieldShape {
   }
 
  private:
-  /// Of the cell nearest to p in x and y, and all others within reach. Of triangles equally near, the first.
+  /// The nearest point of the triangles in the cell nearest to p in x and y, and in all others within reach. Where triangles
+  /// are equally near it is on the first.
   static SurfacePoint nearest_triangle(const HeightField& field, const Vec3& p, Real reach, Real side,
                                        std::uint32_t& visited) noexcept {
     const std::uint32_t columns = field.columns - 1, rows = field.rows - 1;

@@ -109,7 +109,7 @@ struct MeshShape {
     std::uint32_t triangle = none;
   };
 
-  /// Of triangles equally near, the one with the lowest index: it does not depend on the grid.
+  /// Where triangles are equally near `best` is the one with the lowest index: it does not depend on the grid.
   static void look_at(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& p,
                       Nearest& best) noexcept {
     const Corners t = mesh.corners(triangle);

@@ -1,15 +1,12 @@
-// One symmetric system of everything that a stage of an integrator couples: bodies, nodes, joints, contacts, springs.
-//
-//   (26)  A V = b
-//
-// Unknowns are twists of bodies, about their centres of mass, and velocities of nodes. What acts between them is a term,
-// and add() is the way in for all of them: an impedance A (times h) and an impulse b. A term says first between whom it
-// acts, couple(), then, as often as it changes, what it is. Joints are no terms but take unknowns out, hang() (33).
+// One symmetric system of everything that a stage of an integrator couples: (26)  A V = b. Unknowns are twists of bodies,
+// about their centres of mass, and velocities of nodes. What acts between them is a term, and add() is the way in for all:
+// an effective mass A (h times an impedance) and an impulse b. A term says first between whom it acts, couple(), then, as
+// often as it changes, what it is. Joints are no terms: `joints` take unknowns out (33).
 //
 // The room: block_order.h numbers the unknowns, block_factor.h is L D L^T of the system (31), with joints by
 // block_joint.h (33), pivot.h of a diagonal block; conjugate_gradients.h iterates where the factor has no room for all
-// of its blocks. Like the rest of this solver (line_search.h, the modes of contacts by Newton's method) it is the
-// approach of Drake's irrotational contact fields (Castro, Han, Masterjohn 2024), with the differences in docs/step.md.
+// of its blocks. Like line_search.h it is the approach of Drake's irrotational contact fields (Castro, Han, Masterjohn
+// 2024), with the differences in docs/step.md.
 #pragma once
 
 #include <cstdint>
@@ -136,7 +133,7 @@ struct BlockSystem {
     const BlockEntry& e = entries[entry];
     if (e.slot != no_slot) Z[e.slot] += number_of[e.i] > number_of[e.j] ? A_ij : transposed(A_ij);
   }
-  /// An impedance for the twist of body c against body p, d away, taken at c. entry: of (p, c).
+  /// An effective mass for the twist of body c against body p, d away, taken at c. entry: of (p, c).
   void add_between(std::uint32_t entry, const SymmetricSpatialMatrix& A_c, const Column& d) noexcept {
     const SpatialMatrix A_pc = coupling(A_c, d);
     A_kk[number_of[entries[entry].j]] += A_c;

@@ -1,12 +1,11 @@
-// Terms: what acts between bodies, nodes and the world as an impedance and an impulse in the block system (26) do.
-//
-// A kind of term is a file of its own and a word in the list of the scene:
+// Terms: what acts between bodies, nodes and the world as an effective mass and an impulse in the block system (26) do.
 //
 //   using Terms = TermList<DampedSprings<4>>;
 //
-// It says how many there may be (max), what one of them is (Param), and in a stage (Stage). ends() are those between
-// whom it acts, begin() is what it is where the stage is predicted to end, linear in the velocities from there; load()
-// is its way into the system, each_impulse() what it does at the velocities of the end.
+// The room: this file is the list of a scene's terms; each kind of term is a file of its own and a word in that list, so
+// far damped_spring.h. A kind says how many there may be (max), what one of them is (Param), and in a stage (Stage).
+// ends() are those between whom it acts, begin() is what it is where the stage is predicted to end, linear in the
+// velocities from there; load() is its way into the system, each_impulse() what it does at the velocities of the end.
 #pragma once
 
 #include <tuple>

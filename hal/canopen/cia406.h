@@ -69,13 +69,14 @@ struct BitText {
   std::string_view meaning;
 };
 
-/// Of 6503h: the position cannot be trusted. Bits 2..11 are reserved, 12..15 the maker's.
+/// Bits of 6503h: the position cannot be trusted. Bits 2..11 are reserved, 12..15 the maker's.
 inline constexpr std::array alarm_texts{
     BitText{1u << 0, "position error"},
     BitText{1u << 1, "commissioning diagnostics failed"},
 };
 
-/// Of 6505h: still right, to be looked after. Bits 6..11 are reserved, 12..15 the maker's.
+/// Bits of 6505h: the position is still right, the encoder wants looking after. Bits 6..11 are reserved, 12..15 the
+/// maker's.
 inline constexpr std::array warning_texts{
     BitText{1u << 0, "turns faster than it can count"},
     BitText{1u << 1, "light reserve at its limit"},

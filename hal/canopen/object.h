@@ -39,7 +39,7 @@ constexpr std::size_t size_of(ObjectType type) noexcept {
   return 0;
 }
 
-/// Of a type that is a number.
+/// The largest value of a type that is a number.
 constexpr std::int64_t highest(ObjectType type) noexcept {
   const std::size_t bits = 8 * size_of(type) - (is_signed(type) ? 1 : 0);
   return (std::int64_t{1} << bits) - 1;
@@ -58,7 +58,7 @@ constexpr void encode_number(std::int64_t value, std::span<std::uint8_t> bytes) 
   }
 }
 
-/// Of at most eight bytes; further ones are not read. No bytes give 0.
+/// The number in at most eight bytes; further ones are not read. No bytes give 0.
 constexpr std::int64_t decode_number(std::span<const std::uint8_t> bytes, bool negative_possible) noexcept {
   const std::size_t size = bytes.size() < 8 ? bytes.size() : 8;
   std::uint64_t raw = 0;

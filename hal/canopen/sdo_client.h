@@ -49,7 +49,7 @@ class Client {
   /// What a read that is done has read.
   std::span<const std::uint8_t> data() const noexcept { return std::span(data_).first(size_); }
   std::uint8_t node() const noexcept { return node_; }
-  /// Of the transfer's first request.
+  /// How often the transfer's first request has been repeated.
   int repeats() const noexcept { return repeats_; }
   /// What went wrong and what to check; empty unless it did. Allocates.
   std::string failure_text() const;

@@ -116,13 +116,13 @@ struct BusProtocol {
   CanFrame (*idle_command)(std::uint8_t node) noexcept = nullptr;
   /// Null: as the node's profile sets it up.
   const ProtocolWatchdog* watchdog = nullptr;
-  /// Of any frame; allocates. Null: the messages are those of CANopen.
+  /// Says any frame in words; allocates. Null: the messages are those of CANopen.
   DriveText (*describe)(const CanFrame&) = nullptr;
 };
 
 BusProtocol bus_protocol(DriveProtocol protocol) noexcept;
 
-/// Of a bus: that of its drives; CANopen where it has none. All drives of a bus speak the same (validate).
+/// The protocol of a bus is that of its drives; CANopen where it has none. All drives of a bus speak the same (validate).
 DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept;
 
 /// Allocates: for set-up.

@@ -75,7 +75,7 @@ class SubframeReader {
 class SubframeWriter {
  public:
   void read(ValueType type, Register first, std::uint8_t count) noexcept;
-  /// Of one byte each, in their quanta.
+  /// Writes values of one byte each, in the quanta of their registers.
   void write(std::span<const std::uint8_t> values, Register first) noexcept;
   void write(float value, Register reg) noexcept;
   /// Values of registers whose quantum is this one's, saturated; NaN as the type has it.
@@ -100,7 +100,7 @@ constexpr std::uint32_t command_id(std::uint8_t node) noexcept { return node; }
 /// Controller to host.
 constexpr std::uint32_t reply_id(std::uint8_t node) noexcept { return std::uint32_t{node} << 8; }
 
-/// Of a frame to the host: node 1..127; 0: none.
+/// The node, 1..127, that sent a frame to the host; 0: it is no such frame.
 constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   const bool to_host = frame.fd && (frame.id & ~0x7F00u) == 0;
   return to_host ? static_cast<std::uint8_t>(frame.id >> 8) : std::uint8_t{0};

@@ -32,7 +32,7 @@ std::string text_of_error(std::uint32_t error) {
                 (error & error_estop) != 0 ? " emergency stop" : "");
 }
 
-/// Of a message with one number of 32 bits.
+/// The number of a message that has one of 32 bits.
 template <class Number>
 std::optional<Number> number_of(const CanFrame& frame) {
   Number number{};

@@ -17,7 +17,7 @@ std::optional<std::int64_t> written(const NodeProfile& profile, canopen::ObjectA
   return value;
 }
 
-/// Of RPDO1, s; none where it has none.
+/// The deadline of RPDO1, s; none where it has none.
 std::optional<double> command_deadline(const NodeProfile& profile) {
   for (const PdoProfile& pdo : profile.pdos)
     if (pdo.direction == PdoDirection::receive && pdo.number == 1 && pdo.timer_ms && pdo.timer_ms->value > 0)

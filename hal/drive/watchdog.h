@@ -15,7 +15,7 @@ struct TimeToZero {
   std::string mechanism{};    // what does it; where nothing does: what to add
 };
 
-/// Of the drive of this index, whose profile is among `profiles`; a rig without any has none.
+/// How soon the torque of the drive of this index is zero; its profile is among `profiles`, a rig without any has none.
 TimeToZero time_to_zero(const RigParams& rig, std::size_t drive, const RigProfiles& profiles);
 
 /// One line for each drive that would keep its torque, and does not say that it may.

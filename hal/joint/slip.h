@@ -7,10 +7,10 @@
 
 namespace godobject {
 
-// Of belts, cables and gears, where the scene does not say.
+// The slack of belts, cables and gears where the scene does not say.
 inline constexpr double hinge_slack_rad = 0.05;
 inline constexpr double slider_slack_m = 0.005;
-/// Of each sensor: it rounds, and so does what it is compared with.
+/// Counts of each sensor that a slip may be: it rounds, and so does what it is compared with.
 inline constexpr double slip_counts = 2;
 
 /// rad or m; 0: the two are not compared, or the joint has no encoder. max_slip, else the slack of the joint's kind and

@@ -76,7 +76,7 @@ struct RigFaultRecord {
 /// The sticky bits, and every place at which they came up since they were cleared last. Of fixed size.
 class RigFaultLog {
  public:
-  /// Of a device with two buses of 32 nodes each no place is left out where all of it fails in two ways.
+  /// No place is left out where all of a device with two buses of 32 nodes each fails in two ways.
   static constexpr std::size_t capacity = 128;
 
   /// Sets the bit and notes the place. False where that was known already.
@@ -87,7 +87,7 @@ class RigFaultLog {
   RigFault faults() const noexcept { return faults_; }
   /// In the order in which they came up: the cause before what follows from it.
   std::span<const RigFaultRecord> records() const noexcept { return std::span(records_).first(num_records_); }
-  /// Of a single bit: the first place at which it came up; an empty one where it is not set.
+  /// The first place at which a single bit came up; an empty one where it is not set.
   RigFaultRecord first(RigFault fault) const noexcept;
   /// Places for which there was no room.
   std::uint64_t left_out() const noexcept { return left_out_; }

@@ -28,7 +28,7 @@ class RigLink {
   virtual Nanoseconds wait(Nanoseconds until) noexcept = 0;
   /// The cycle's commands have been handed to the buses.
   virtual void end_cycle() noexcept {}
-  /// Of the frames of all buses from now on, own ones included. Not while a cycle runs.
+  /// It is told the frames of all buses from now on, own ones included. Not while a cycle runs.
   virtual void set_observer(const BusObserver& observer) noexcept = 0;
 };
 

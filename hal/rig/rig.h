@@ -1,11 +1,8 @@
-// A device on its buses: boots the nodes, reads the handles' poses from the joint sensors, sends joint
-// torques to the drives. One object per device; the caller owns the buses and the clock.
-//
-// Every cycle, in this order: sync(now); receive(now) until complete() or the caller's deadline;
-// read(now); command(F, now). Nothing here waits, allocates after construction, throws or reads a clock.
-//
-// A bus speaks one protocol, that of its drives (hal/drive/link.h). CANopen buses, also those without a drive,
-// have SYNC, NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
+// A device on its buses: boots the nodes, reads the handles' poses from the joint sensors, sends joint torques to the
+// drives. Every cycle, in this order: sync(now); receive(now) until complete() or the caller's deadline; read(now);
+// command(F, now). Nothing here waits, allocates after construction, throws or reads a clock; the caller owns the buses.
+// A bus speaks one protocol, that of its drives (hal/drive/link.h). CANopen buses, also those without a drive, have SYNC,
+// NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
 //
 // The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what
 // brings its buses, bus_load.h what they carry; receive.cc and supervise.cc are halves of Rig; swing_watch.h watches

@@ -8,9 +8,9 @@
 namespace godobject::ndi {
 namespace {
 
-/// Of a vector in a reply, m: no tracker sees farther, and a missing value is -3.7e28.
+/// No coordinate in a reply is larger, m: no tracker sees farther, and a missing value is -3.7e28.
 constexpr double max_distance_m = 100;
-/// Of the squared length of a quaternion: four digits are sent as text.
+/// The squared length of a quaternion is one within this: four digits are sent as text.
 constexpr double unit_tolerance = 5e-3;
 
 bool is_plausible(const HandlePose& pose) noexcept {

@@ -22,7 +22,7 @@ inline constexpr std::uint16_t also_out_of_volume = 0x0800;
 inline constexpr std::uint16_t stray_passive_markers = 0x1000;
 }  // namespace option
 
-/// Of a handle, as BX has it on the wire.
+/// The status of a handle, as BX has it on the wire.
 enum class HandleStatus : std::uint8_t {
   valid = 0x01,
   missing = 0x02,   // not seen: hidden, or out of sight

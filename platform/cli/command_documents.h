@@ -11,7 +11,7 @@ namespace godobject {
 /// In roff, section 1.
 std::string man_page(const CLI::App& app, const std::string& version);
 
-/// Of verbs, options and the values of options; file names elsewhere.
+/// It completes verbs, options and the values of options; file names elsewhere.
 std::string bash_completion(const CLI::App& app);
 
 }  // namespace godobject

@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-/// Of the cycles; a limit that is met more often shapes what is felt.
+/// Percent of the cycles; a limit that is met more often shapes what is felt.
 inline constexpr double rarely_percent = 5;
 
 /// In the order of limit_names. Empty: not warned of, since it is met on purpose.
@@ -31,7 +31,7 @@ inline constexpr std::array<std::string_view, limit_names.size()> limit_remedies
     "compare the drive's own limits with torque_max_Nm",
     "lower the bus load: godobject check prints it"};
 
-/// Of the cycles of the run, percent.
+/// Percent of the cycles of the run in which the limit was met.
 inline double limit_percent(const RunStatistics& statistics, std::size_t limit) noexcept {
   const double cycles = static_cast<double>(std::max<std::uint64_t>(1, statistics.cycles));
   return 100 * static_cast<double>(statistics.limit_cycles[limit]) / cycles;

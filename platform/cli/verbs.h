@@ -1,4 +1,9 @@
 // The program's verbs. A new one is a file cmd_<verb>.cc and a line in each of the two lists below.
+//
+// The room: main.cc takes the command line apart; cmd_*.cc is one verb each; bus/ is what verbs do on one bus, run/ the
+// verb `run`, simulate/ the verb `simulate`. check_text.h, fault_texts.h, limit_texts.h and time_to_zero.h say things in
+// words; option_*.h and named_address.h read what options give; command_documents.h makes the manual page and the
+// completion.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@ struct AnyDevice {
   };
   using State = HoldingState;
   using Pull = HoldingPull;
-  /// Of each kind's input the fields; those that `kind` does not read do not matter.
+  /// The input of every kind; those that `kind` does not read do not matter.
   struct Input {
     PoseDevice::Input pose;  // of a device that takes hold, too
     RelativeDevice::Input relative;

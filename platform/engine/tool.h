@@ -19,11 +19,11 @@ struct Tool {
 
 using AllJoints = TreeJoints<JointStops, ImposedJoints>;
 
-/// Of a tool with the world.
+/// Contacts of a tool with the world.
 using ToolContacts = FixedContacts<64, 256, 128>;
-/// Of many bodies with each other and the world.
+/// Contacts of many bodies with each other and the world.
 using PileContacts = BodyContacts<1024, 128, 1024>;
-/// Of the bodies of scenes with nets; their nodes have room of their own.
+/// Contacts of the bodies of scenes with nets; their nodes have room of their own.
 using NetContacts = BodyContacts<128, 256, 256>;
 
 }  // namespace godobject

@@ -17,7 +17,7 @@ bool enable_receive_stamps(int socket) noexcept;
 /// - Controller: StampClock, against the time of arrival found as above.
 class ReceiveStamp {
  public:
-  /// Of the message that recvmsg has just filled in; never before that of the message before it. A message without
+  /// When the message that recvmsg has just filled in arrived; never before the message before it. A message without
   /// a stamp gets the time of the read.
   Nanoseconds of(const msghdr& message) noexcept;
 

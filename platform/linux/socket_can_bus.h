@@ -78,7 +78,7 @@ class SocketCanBus final : public LinuxBus {
   std::uint32_t dropped_in_all_ = 0;  // by this socket, as the kernel counts (SO_RXQ_OVFL)
   ReceiveStamp stamp_;
   FrameObserver observer_;
-  // Of the last open() that failed.
+  // Why the last open() that failed did so.
   const char* failed_call_ = nullptr;
   int failed_errno_ = 0;
   LinkFit fit_ = LinkFit::fits;

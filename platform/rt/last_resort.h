@@ -9,7 +9,8 @@
 
 namespace godobject {
 
-/// Of one bus: where to write, and what, in this order. One write each: a frame is one message on a CAN socket.
+/// The last frames on one bus: where to write, and what, in this order. One write each: a frame is one message on a CAN
+/// socket.
 struct LastWords {
   int descriptor = -1;  // non-blocking; -1: the bus is closed, nothing is written
   std::vector<std::string> writes;

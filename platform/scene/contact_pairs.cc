@@ -46,7 +46,7 @@ std::vector<MaterialUse> obstacle_uses(const SceneConfig& scene) {
   return uses;
 }
 
-/// Of the net's nodes; nothing where they touch nothing.
+/// The material of the net's nodes; nothing where they touch nothing.
 std::vector<MaterialUse> node_uses(const NetConfig& net) {
   if (net.thickness.value_or(0) == 0) return {};
   return {{net.material, "net '" + net.name + "'"}};

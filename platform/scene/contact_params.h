@@ -29,7 +29,7 @@ struct SceneContacts {
   std::deque<HeightField> height_fields;
 };
 
-/// Of a scene that was read without errors: at most max_materials, meshes that are solids.
+/// The contacts of a scene that was read without errors: it has at most max_materials, and its meshes are solids.
 SceneContacts scene_contacts(const SceneConfig& scene);
 
 /// Surfaces that an obstacle makes: one, or as many as it has centres.

@@ -16,7 +16,7 @@ struct JointGap {
   double rad = 0;
 };
 
-/// Of the bodies as the scene places them. Both bodies exist; they may stand in any order.
+/// The gap between the bodies as the scene places them. Both bodies exist; they may stand in any order.
 JointGap gap_at_start(std::span<const BodyConfig> bodies, const JointConfig& joint);
 /// Coordinates of the joint there; zero for a kind without.
 JointCoordinates coordinates_at_start(std::span<const BodyConfig> bodies, const JointConfig& joint);

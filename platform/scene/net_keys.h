@@ -26,7 +26,7 @@ void visit_net_carrier(V& v, const std::vector<std::string>& bodies, NetConfig& 
              "the net's frame in the axes of its body about the centre of mass, or in the world", n.X_BF);
 }
 
-/// Of a surface that is generated.
+/// Whether a surface that is generated has the numbers that it is generated from.
 inline bool has_dimensions(const NetConfig& n) {
   const bool sheet = n.kind == NetKind::sheet, sphere = n.kind == NetKind::sphere;
   return n.spacing && (sheet ? n.length && n.width : n.radius && (sphere || n.half_length));

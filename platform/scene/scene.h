@@ -141,7 +141,7 @@ struct MotionConfig {
   // Admittance devices, which take the hand's wrench instead of a pose, world axes about the body's origin:
   // f(t) = F sin(2 pi f t + phase), tau(t) = T sin(2 pi f t + phase) per axis (x, y, z).
   Vec3 force_amplitude = Vec3::Zero(), torque_amplitude = Vec3::Zero();  // N, N m
-  // Of the device's joints, instead of the target's pose: each handle moves its body. Others rest at zero.
+  // The motion is of the device's joints instead of the target's pose: each handle moves its body. Others rest at zero.
   std::vector<CoordinateMotion> joints;
   std::vector<HoldConfig> holds{};  // in the order of time
 };

@@ -28,7 +28,7 @@
 
 namespace godobject {
 
-/// Of one sphere and what it may pass, or of two boxes. Infinite where nothing limits it.
+/// The speeds up to which one sphere and what it may pass, or two boxes, are held. Infinite where nothing limits them.
 struct SpeedBound {
   std::string what;   // "sphere of body 'tool' and obstacle 'wall'", "boxes of bodies 'a' and 'b'"
   double travel = 0;  // m/s

@@ -27,7 +27,7 @@ class HandedMotion final : public HandDevice {
     if (motion_.has_joints()) joints_.lead(motion_.joints(t), true, samples);
   }
 
-  /// Of the target of this index: see Motion.
+  /// The sample of the target of this index: see Motion.
   BodySample sample(std::size_t index, double t) const noexcept {
     const Target target = motion_.target(index, t);
     const MotionSwitches switches = motion_.switches(index, t);

@@ -26,7 +26,7 @@ Matrix exponential(Matrix A) {
   return Matrix::Identity(A.rows(), A.cols()) + E;
 }
 
-/// Of one handle: what its wrench makes of the joints' motion, J^T G J.
+/// What the wrench of one handle makes of the joints' motion, J^T G J.
 Matrix at_joints(const HandleJacobian& J, double rotational, double translational) {
   Eigen::Vector<double, 6> gains;
   gains << Vec3::Constant(rotational), Vec3::Constant(translational);

@@ -50,7 +50,9 @@ struct Passivity {
   bool passive() const noexcept { return worst_direction <= 1; }
 };
 
-/// Of the gains that the scene's handles show, at these joint coordinates. The rig must be valid.
+/// The margins of the gains that the scene's handles show, at these joint coordinates. The rig must be valid.
+/// Where the motion begins; coordinates of zero where a pose cannot be inverted. Of a scene with a rig.
+/// Where the motion begins; coordinates of zero where a pose cannot be inverted. The scene has a rig.
 Passivity passivity(const SceneConfig& scene, const JointVector& q);
 
 /// Where the motion begins; coordinates of zero where a pose cannot be inverted. Of a scene with a rig.

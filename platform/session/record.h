@@ -39,7 +39,7 @@ struct CycleRecord {
   // on a real bus, where nobody knows, what the core was told: sensing is then zero.
   PoseError following;  // body against handle (relative devices, and what is held: against its target)
   PoseError sensing;    // sample the core got against handle
-  // Of an engine beside it that is told the handle exactly; zero without a simulated bus.
+  // The same of an engine beside it that is told the handle exactly; zero without a simulated bus.
   PoseError exact_following;  // its body against the handle
   PoseError encoders;         // body against its body
   EnergyReport energy;

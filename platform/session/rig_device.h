@@ -44,7 +44,7 @@ class RigDevice final : public HandDevice {
   RigLink& link() noexcept { return *link_; }
   const RigLink& link() const noexcept { return *link_; }
   std::span<CanBus* const> buses() const noexcept { return link_->buses(); }
-  /// Of all rigs so far: see restart().
+  /// Sums over all rigs so far: see restart().
   RigCounters counters() const noexcept;
   /// The body of each handle.
   std::span<const std::size_t> bodies() const noexcept { return bodies_; }

@@ -103,7 +103,7 @@ class Session {
   const Engine& engine() const noexcept { return *engine_; }
   /// Whether there is a body that follows a pose, and so a following error.
   bool follows() const noexcept;
-  /// Of a body to the target that pulls it as soon as the run begins. None: nothing pulls it then, or on real buses
+  /// How far a body is from the target that pulls it as soon as the run begins. None: nothing pulls it then, or on real buses
   /// nobody knows yet.
   std::optional<PoseError> offset_at_start(std::size_t body) const noexcept;
   /// Where the motion is one of the device's joints.
@@ -116,7 +116,7 @@ class Session {
   const Rig* rig() const noexcept { return rig_ ? &rig_->rig() : nullptr; }
   /// Null without trackers.
   const TrackedPoses* trackers() const noexcept { return trackers_ ? &trackers_->poses() : nullptr; }
-  /// Of all rigs so far: see restart().
+  /// Sums over all rigs so far: see restart().
   RigCounters rig_counters() const noexcept { return rig_ ? rig_->counters() : RigCounters{}; }
   /// The host's ends; none without a bus.
   std::span<CanBus* const> host_buses() const noexcept {

@@ -27,14 +27,14 @@ struct TraceBody {
   Wrench contact;  // of all its contacts, about its origin
 };
 
-/// Of a driven body, in the order of driven_bodies().
+/// What a row says of a driven body, in the order of driven_bodies().
 struct TraceDriven {
   Wrench coupling;  // on the body, about its origin
   Wrench feedback;  // on the hand, about the target's origin
   Pose X_WD;        // the target
 };
 
-/// Of the scene as a whole.
+/// What a row says of the scene as a whole.
 struct TraceScene {
   ContactReport contacts{};
   NetReport nets{};

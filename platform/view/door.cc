@@ -73,7 +73,7 @@ bool is_token(std::string_view text) {
   return text.size() == token_digits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
-/// Of a file that nobody else can read; empty where it cannot be had.
+/// The token in a file that nobody else can read, made if there is none; empty where it cannot be had.
 std::string token_in_file(const std::string& path) {
   constexpr mode_t mine_alone = 0600;
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, mine_alone);

@@ -124,7 +124,7 @@ struct FoxgloveClient::Scene {
   std::vector<std::size_t> driven;
   Json about;
 
-  /// Of this name in this frame, with nothing in it.
+  /// An entity of this name in this frame, with nothing in it.
   static Json empty_entity(const Json& time, const Json& frame, const std::string& id) {
     Json entity{{"timestamp", time},
                 {"frame_id", frame},

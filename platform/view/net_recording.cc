@@ -9,7 +9,7 @@
 namespace godobject {
 namespace {
 
-/// Of a longer file every other row is left out, as often as it takes.
+/// Every other row of a longer file is left out, as often as it takes.
 constexpr std::size_t max_bytes = std::size_t{256} << 20;
 
 /// The columns are those of this scene's nets; empty, or why not.

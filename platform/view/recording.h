@@ -27,7 +27,7 @@ std::vector<Vec3> nodes_of(const Recording& recording, const SceneNets& nets, co
 /// A page plays so many instants a second, or fewer, and gets so many at most; what lies between them is left out.
 inline constexpr double recorded_rate_hz = 100;
 inline constexpr std::size_t max_recorded = 20000;
-/// Of nodes a page gets so many bytes at most; what lies between the instants is left out likewise.
+/// A page gets so many bytes of nodes at most; what lies between the instants is left out likewise.
 inline constexpr std::size_t max_recorded_net_bytes = std::size_t{256} << 20;
 
 /// The scene as it begins.

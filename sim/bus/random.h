@@ -5,7 +5,7 @@
 
 namespace godobject {
 
-/// Of Steele, Lea and Flood (2014). Any seed is good.
+/// The generator of Steele, Lea and Flood (2014). Any seed is good.
 class SplitMix64 {
  public:
   explicit constexpr SplitMix64(std::uint64_t seed) noexcept : state_(seed) {}

@@ -66,7 +66,7 @@ std::string find_node(const RigParams& rig, SimFault& fault) {
   return "";
 }
 
-/// Of two encoders that exchange their ids; empty, or what is wrong.
+/// Checks the two encoders that exchange their ids: empty, or what is wrong.
 std::string check_swap(const RigParams& rig, const SimFault& fault) {
   const bool are_two = fault.value != fault.node_id && has_encoder(rig, fault.first_bus, fault.node_id) &&
                        has_encoder(rig, fault.first_bus, fault.value);

@@ -15,12 +15,12 @@ constexpr std::uint16_t emcy_heartbeat_lost = 0x8130;
 
 std::uint16_t to_ms(Nanoseconds t_ns) noexcept { return static_cast<std::uint16_t>(t_ns / 1'000'000); }
 
-// Of a homing and of a quick stop: more than a period of the usual SYNC, so that a status in between shows them.
+// A homing and a quick stop take this long: more than a period of the usual SYNC, so that a status in between shows them.
 constexpr Nanoseconds manoeuvre_duration_ns = 1'500'000;
 
 constexpr std::uint32_t supported_modes = 0x200 | 0x100 | 0x80 | 0x20;  // CST, CSV, CSP, homing
 
-// Of the servo in CSP and CSV, in shares of torque_max_Nm: a simulated device has little inertia.
+// Gains of the servo in CSP and CSV, in shares of torque_max_Nm: a simulated device has little inertia.
 constexpr double servo_stiffness_per_rad = 1;
 constexpr double servo_damping_s_per_rad = 0.01;
 

@@ -44,7 +44,7 @@ class SimPdo {
   /// Into the mapped objects; the frame has size() bytes.
   void unpack(const CanFrame& frame) noexcept;
 
-  /// Of a write to an object of this PDO's records; none for others.
+  /// The abort code of a write to an object of this PDO's records; none where it is allowed, and for other objects.
   sdo::AbortCode may_write(canopen::ObjectAddress address, std::int64_t value) const noexcept;
   /// True when the object belongs to this PDO's records.
   bool on_written(canopen::ObjectAddress address) noexcept;

@@ -8,7 +8,7 @@ namespace godobject {
 const char* name_of(cia402::DriveState state);
 const char* name_of(cia402::OperationMode mode);
 
-/// Of an emergency or of 603Fh (CiA 301 and 402, tables of error codes): the code itself, else its class.
+/// What the code of an emergency or of 603Fh means (CiA 301 and 402, tables of error codes): itself, else its class.
 const char* emergency_text(unsigned code);
 
 }  // namespace godobject

@@ -26,7 +26,7 @@ class MoveRamp {
     if (from_end < ramp_) return 1 - from_end * from_end / (2 * ramp_) / area();
     return (t - ramp_ / 2) / area();
   }
-  /// Of way, 1/s.
+  /// The largest rate of change of way(), 1/s.
   constexpr double peak_rate() const noexcept { return 1 / area(); }
 
  private:

@@ -44,9 +44,9 @@ class NodeDialogue {
   bool write(const TypedObject& object, std::int64_t value);
   /// The request to write it, for LastResort. The bus is open.
   LastWords last_words(const TypedObject& object, std::int64_t value) const;
-  /// Of the last transfer: the node does not have the object.
+  /// The last transfer failed because the node does not have the object.
   bool was_absent() const;
-  /// Of the last transfer: object, what happened, what to check; empty: it went well.
+  /// Why the last transfer failed: object, what happened, what to check; empty: it went well.
   const std::string& failure() const { return failure_; }
   /// Prints failure() to stderr.
   ExitCode report() const;

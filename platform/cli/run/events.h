@@ -83,7 +83,7 @@ class RunEvents {
   Ring<RunEventMark>& ring() noexcept { return ring_; }
   /// Tells what has come out of the ring.
   void drain();
-  /// Of the run itself. t_s: of the motion; cause: what happened; remedy: what to do or what comes next.
+  /// Tells an event of the run itself. t_s: of the motion; cause: what happened; remedy: what to do or what comes next.
   void tell(RunEventKind kind, double t_s, std::string cause, std::string remedy);
 
   const std::vector<RunEvent>& list() const noexcept { return list_; }

@@ -18,7 +18,7 @@
 namespace godobject {
 namespace {
 
-// Of bus time; the rig's own boot_timeout_s is shorter and says which node.
+// Bus time that booting may take; the rig's own boot_timeout_s is shorter and says which node.
 constexpr double boot_limit_s = 10;
 // About three seconds at 1 kHz: so long may the disk stall. Of long chains less.
 constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;

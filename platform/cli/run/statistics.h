@@ -67,7 +67,7 @@ struct NetStatistics {
 struct RunStatistics {
   std::uint64_t cycles = 0;
   Histogram step_ns;  // the engine's step alone
-  // Of engaged cycles after the ramp: until then the body is on its way to the target, or let go.
+  // Over engaged cycles after the ramp: until then the body is on its way to the target, or let go.
   PoseErrorStatistics following, sensing, exact_following, encoders;
   std::array<std::uint64_t, limit_names.size()> limit_cycles{};       // cycles with that limit
   std::array<std::uint64_t, core_fault_texts.size()> fault_cycles{};  // in the order of core_fault_texts

@@ -23,7 +23,7 @@ std::vector<SurfaceEdge> edges_of(const MeshData& surface);
 
 double area_of(const MeshData& surface);       // m^2
 double mean_edge_of(const MeshData& surface);  // m
-/// Of each vertex: a third of its triangles.
+/// The area of each vertex, a third of its triangles', m^2.
 std::vector<double> vertex_areas(const MeshData& surface);
 /// For each vertex whether it is on the edge of the surface.
 std::vector<bool> rim_of(const MeshData& surface);

@@ -1,11 +1,11 @@
-// A scene's nets in the core's terms: nodes and springs; and the surfaces that show them. Nodes start on their anchors.
+// A scene's nets in the core's terms (decision 049): nodes and springs; and the surfaces that show them. Nodes start on
+// their anchors. A_i: a third of the area of the vertex' triangles; A_1, A_2: of the triangles at the edge.
 //
-//   m_i = sigma A_i                          A_i: a third of the area of the vertex' triangles
-//   k_ij = E t (A_1 + A_2) / l_ij^2          A_1, A_2: of the triangles at the edge; sqrt(3)/2 E t where all are equilateral
-//   g_ij = tau k_ij
-//   k_i = kappa A_i,  g_i = 8 sigma A_i / T  anchors; T: settling time
+//   m_i = sigma A_i,  k_ij = E t (A_1 + A_2) / l_ij^2 (sqrt(3)/2 E t where all are equilateral),  g_ij = tau k_ij
+//   k_i = kappa A_i,  g_i = 8 sigma A_i / T  of anchors; T: settling time
 //
-// Docs: decision 049.
+// The room: surface.h makes surfaces of even edges, make.h that of a scene file, edges.h says what its edges and areas are;
+// physics.h what a net's physical numbers imply; report.h tells of a net in `check`.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct SceneNets {
   int max_iterations = 0;  // in a stage, for all of them
 };
 
-/// Of a scene that was read without errors.
+/// The nets of a scene that was read without errors.
 SceneNets scene_nets(const SceneConfig& scene);
 
 /// For a composition with room for them.

@@ -26,7 +26,7 @@ inline double anchor_stiffness_for(double surface_density, double settling_time)
   return d * d / surface_density;
 }
 
-/// Of each held vertex: ten springs of the lattice, so that what holds gives a tenth of what is held. N/m.
+/// Stiffness that holds a vertex: ten springs of the lattice, so that what holds gives a tenth of what is held. N/m.
 inline double held_stiffness_for(double membrane_stiffness) {
   return 10 * lattice_stiffness(membrane_stiffness);
 }

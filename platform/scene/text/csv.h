@@ -16,7 +16,7 @@ class CsvTable {
   std::size_t num_rows() const { return columns_.empty() ? 0 : values_.size() / columns_.size(); }
   std::optional<std::size_t> find(std::string_view column) const;
   double at(std::size_t row, std::size_t column) const { return values_[row * columns_.size() + column]; }
-  /// Of the column of words.
+  /// The word of this row in the column of words.
   const std::string& word(std::size_t row) const { return words_[row]; }
   /// Where that number stands in the file.
   TextPosition place(std::size_t row, std::size_t column) const {

@@ -75,7 +75,7 @@ class TomlReader {
   bool has(std::string_view name) const { return table_.contains(name); }
   /// The key is there, and nothing is wrong with it so far: its member has its value.
   bool understood(std::string_view name) const;
-  /// Of the key's value, or of the table where there is none.
+  /// The line of the key's value, or of the table where there is none.
   unsigned line_of(std::string_view name) const { return static_cast<unsigned>(place_of(name).line); }
   /// A rule that spans keys: `what` completes a sentence about the key, or stands alone for name "".
   void check(bool ok, std::string_view name, const std::string& what);

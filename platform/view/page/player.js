@@ -27,7 +27,7 @@ export class Player {
     this.seek(this.frames[Math.min(Math.max(this.index(this.t) + frames, 0), this.frames.length - 1)].t);
   }
 
-  // Of the last frame that is not after t.
+  // The index of the last frame that is not after t.
   index(t) {
     let low = 0, high = this.frames.length - 1;
     while (low < high) {

@@ -80,7 +80,7 @@ class Canvas {
     triangle(a1, a2, b1, colour);
     triangle(b1, a2, b2, colour);
   }
-  /// Of what is drawn from here on.
+  /// The opacity of what is drawn from here on.
   void set_opacity(double opacity) { opacity_ = opacity; }
   /// What is drawn from here on is in front of all.
   void clear_depth() { std::ranges::fill(depth_, 0.0); }

@@ -76,7 +76,7 @@ class PictureBuilder {
   }
 
  private:
-  /// Of a device that takes hold of bodies: the one that it holds.
+  /// A device is drawn at each driven body; one that takes hold of bodies, at the one that it holds.
   bool is_shown(std::size_t body) const {
     return takes_hold(scene_) ? record_.held == body : std::ranges::find(driven_, body) != driven_.end();
   }

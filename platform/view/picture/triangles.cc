@@ -75,7 +75,7 @@ void place(MeshData& mesh, const Vec3& a, const Vec3& b) {
   for (Vec3& p : mesh.vertices) p = a + q * p;
 }
 
-/// Of triangles whose normals differ by more than some degrees, or that have no neighbour.
+/// Edges between triangles whose normals differ by more than some degrees, or on one triangle alone.
 std::vector<std::array<Vec3, 2>> sharp_edges(const MeshData& mesh) {
   constexpr double same_face = 0.97;  // cosine
   const auto key = [&](std::uint32_t i) {
