@@ -1,4 +1,4 @@
-# Energy of the scene, from a trace: of motion, gravity and the springs of couplings and contacts.
+# Energy of the scene, from a trace: of motion, gravity and all springs.
 # usage: gnuplot -e "dir='out'" sim/plots/energy.gp   ->  out/energy.png
 set terminal pngcairo size 1200,500 font ",11"
 set output dir."/energy.png"
@@ -6,7 +6,7 @@ set datafile separator ","
 set grid
 set lmargin 14
 set rmargin 6
-set title "energy: motion, gravity, springs of couplings and contacts"
+set title "energy: motion, gravity, all springs"
 set ylabel "energy (J)"
 set xlabel "t (s)"
 set format x "%g"
