@@ -16,7 +16,7 @@
 
 namespace godobject {
 
-/// Of a stop (19): the energy in its spring.
+/// Energy in the spring of a stop (19), J.
 inline Real stop_energy(const StopParams& par, Real q) noexcept {
   const Real d = std::max(par.lower - q, Real(0)) + std::max(q - par.upper, Real(0));
   const Real s = std::min(d, par.width);
@@ -24,7 +24,7 @@ inline Real stop_energy(const StopParams& par, Real q) noexcept {
   return par.k * (s * s * s / (6 * par.width) + (d - s) * d / 2);
 }
 
-/// Of a scene. Not a part of it: the step knows nothing of it.
+/// The balance of a scene. Not a part of it: the step knows nothing of it.
 template <Scene S>
 class EnergyBalance {
  public:
@@ -125,14 +125,14 @@ class EnergyBalance {
     return T;
   }
 
-  /// Of nets.
+  /// Energy in the springs of nets, J.
   static Real net_springs([[maybe_unused]] const Params<S>& par,
                           [[maybe_unused]] const State<S>& x) noexcept {
     if constexpr (uses<NetOf<S>>) return net_spring_energy(par, x);
     return 0;
   }
 
-  /// Of stops and terms.
+  /// Energy of stops and terms, J.
   static Real other_springs(const Params<S>& par, const State<S>& x) noexcept {
     Real U = 0;
     if constexpr (uses<typename S::Joints>) {
@@ -151,7 +151,7 @@ class EnergyBalance {
     return -par.gravity_W.dot(mp_W);
   }
 
-  /// Of the coupling's target, and of the ramp.
+  /// Work of the coupling's target, and of the ramp, J.
   Real coupling_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w, std::size_t i,
                      const Coupled& now) const noexcept {
     if constexpr (uses<typename S::Coupling>) {
@@ -212,7 +212,7 @@ class EnergyBalance {
     return false;
   }
 
-  /// Of a joint that the device leads: its power at the end, by which implicit Euler moves, or the mean over the step.
+  /// Work of a joint that the device leads, J: its power at the end, by which implicit Euler moves, or the mean over the step.
   Real joint_work(const Params<S>& par, const State<S>& x, const Output<S>& out, std::size_t i) noexcept {
     const auto& joint = par.bodies[i].joint;
     if (joint.kind == JointKind::free || !joint.lead.imposed) return 0;
@@ -237,7 +237,7 @@ class EnergyBalance {
     return E;
   }
 
-  /// Of contacts, J.
+  /// What contact springs hold, J.
   struct Springs {
     Real energy = 0;
     Real may_find = 0;  // (35)  by as much as they may be found deeper in a stage

@@ -12,7 +12,7 @@ struct NodeParams {
   Real m = 0;  // kg, > 0
 };
 
-/// Of a node that has not moved yet: zero, or nothing.
+/// What the integrator keeps of a node that has not moved yet: zero, or nothing.
 template <class Memory>
 Memory no_memory() noexcept {
   if constexpr (std::is_same_v<Memory, Vec3>) return Vec3::Zero();
@@ -49,7 +49,7 @@ struct NodeMotion {
   Vec3 p_W = Vec3::Zero(), v_W = Vec3::Zero();
 };
 
-/// Of all nodes of a scene. Scratch: undefined between steps.
+/// The nodes of a scene in a step. Scratch: undefined between steps.
 template <std::size_t max, class State>
 struct NodeScratch {
   std::array<NodeMotion, max> bases;  // where the stage starts

@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// Of one contact. The spheres of a scene are numbered, and so is what they touch.
+/// What one contact carries over. The spheres of a scene are numbered, and so is what they touch.
 struct ContactMemory {
   std::uint64_t key = 0;
   Vec3 xi_W = Vec3::Zero();      // how far the contact point has been dragged since it stuck, m
@@ -111,7 +111,7 @@ inline Real found_energy(const ContactLaw& law, Real before, Real now) noexcept 
   return law.k > 0 ? Real(0.5) * law.k * (now * now - before * before) : 0;
 }
 
-/// Of a contact of normal n, from the memories of the step and of the stage before. Where the normal has turned round a
+/// What a stage begins a contact of normal n with, from the memories of the step and of the stage before. Where the normal has turned round a
 /// corner the contact is another one.
 inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, const ContactMemory* of_step,
                              const ContactMemory* of_stage, const Vec3& n_W,

@@ -12,7 +12,7 @@
 
 namespace godobject {
 
-/// K of a spring.
+/// Effective mass K of a spring.
 inline Block impedance(const Pack& q_a) noexcept {
   const Column q(q_a);
   Block K = outer(q, q);
@@ -30,7 +30,7 @@ inline void add_eliminated(const Pack& q_a, const Block& E, Block& D) noexcept {
   D -= outer(e * a, q) + outer(q * a, e);
 }
 
-/// Of a contact.
+/// Effective mass of a contact.
 inline Block impedance(const NetContactImpedance& contact) noexcept {
   return Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
 }

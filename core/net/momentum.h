@@ -34,7 +34,7 @@ struct Flight {
   }
 };
 
-/// Of the carrier of a run with its nodes.
+/// What the carrier of a run and its nodes are as one.
 template <Scene S, class Nodes>
 Flight flight_of(const Params<S>& par, const NetRun& run, const RigidBodyState& body,
                  const Nodes& nodes) noexcept {

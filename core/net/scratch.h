@@ -31,7 +31,7 @@ struct NetPair {
   std::uint32_t carrier = 0, touched = 0, entry = 0;  // entry: of the system of their island
 };
 
-/// Of a stage. N: bodies.
+/// The nets of a scene in a stage. N: bodies. Scratch: undefined between steps.
 template <class Net, std::size_t N>
 struct NetStage {
   static constexpr std::size_t max_nodes = Net::max_nodes, max_packs = (Net::max_contacts + 3) / 4;

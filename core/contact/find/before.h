@@ -6,7 +6,7 @@
 
 namespace godobject {
 
-/// Of a contact between bodies, or of a body and the world: the pair, what is touched, and the sphere that touches it.
+/// Key of a contact between bodies, or of a body and the world: the pair, what is touched, and the sphere that touches it.
 /// Those of a pair are in a row.
 inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
   return std::uint64_t(a) << 48 | std::uint64_t(b) << 32;
@@ -21,12 +21,12 @@ inline std::uint32_t touched_of(std::uint64_t key) noexcept {
   return static_cast<std::uint32_t>(key >> 15) & 0x7fff;
 }
 
-/// Of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
+/// Key of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
 inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::uint32_t edges) noexcept {
   return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
 }
 inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
-/// Of bodies that are sunk in each other: along which axis they part.
+/// Key of bodies that are sunk in each other: along which axis they part.
 inline std::uint64_t sinking_key(std::uint32_t axis) noexcept { return std::uint64_t(1) << 30 | axis; }
 inline bool is_of_sinking(std::uint64_t key) noexcept { return (key >> 30 & 3) == 1; }
 

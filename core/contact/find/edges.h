@@ -77,7 +77,7 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
                          : Vec3(component(w.R[0], k), component(w.R[1], k), component(w.R[2], k))};
 }
 
-/// Of edges of a box along one of its axes, those on the side to which n leads more; two of the four. Lane j: of the edges
+/// Edges of a box along one of its axes, on the side to which n leads more; two of the four. Lane j: of the edges
 /// that cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
 struct EdgesToSide {
   PackMask first;  // on either side of the next axis, along which n leads less out; or of the one after it

@@ -141,7 +141,7 @@ std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t
   return o;
 }
 
-/// Of points up to so far from the centre of mass, m/s.
+/// No point up to so far from the centre of mass is faster, m/s.
 inline Real speed_bound(const Twist& V, Real farthest) noexcept {
   return V.v.cwiseAbs().sum() + V.w.cwiseAbs().sum() * farthest;
 }
