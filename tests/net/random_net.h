@@ -33,6 +33,13 @@ struct Drawn {
   Vec3 way = Vec3::Zero();     // its direction
   Real rest_after = 0;         // s
 
+  /// 400, or so many that the hand has come to rest a third before the end, however short they are.
+  int steps() const {
+    const bool is_moved = ordeal == Ordeal::led || ordeal == Ordeal::pinched || ordeal == Ordeal::jaws ||
+                          ordeal == Ordeal::hole;
+    return is_moved ? std::max(400, static_cast<int>(std::ceil(1.5 * rest_after / h))) : 400;
+  }
+
   std::string text() const {
     std::ostringstream os;
     os.precision(3);
@@ -72,14 +79,15 @@ struct RandomNet : Running<NetScene<I>> {
     of.k = random.log_uniform(1, 1e8);
     of.m = random.log_uniform(1e-6, 1);
     of.zeta = random.integer(0, 2) == 0 ? 0 : random.log_uniform(0.01, 2);
-    of.anchors = random.integer(0, 3) == 0 ? 0 : random.log_uniform(1e-3, 10);
+    const bool is_drawn_in = ordeal == Ordeal::pinched || ordeal == Ordeal::hole;
+    of.anchors = !is_drawn_in && random.integer(0, 3) == 0 ? 0 : random.log_uniform(1e-3, 10);
     of.h = random.log_uniform(1e-4, 5e-3);
     of.gravity = random.integer(0, 1) * 9.81;
     of.on_carrier = ordeal == Ordeal::pinched || ordeal == Ordeal::led || ordeal == Ordeal::hole ||
                     ordeal == Ordeal::free || random.integer(0, 3) > 0;
     of.carrier_m = random.log_uniform(1e-2, 1);
     of.coupling_k = random.log_uniform(100, 1e4);
-    of.contact_k = of.k * random.log_uniform(0.1, 10);
+    of.contact_k = random.log_uniform(1, 1e8);  // whatever k is: either may be larger by many decades
     of.contact_zeta = random.uniform(0, 1);
     of.mu = random.integer(0, 1) * random.uniform(0, 1);
     const int caps[] = {12, 12, 12, 1, 2, 4};
@@ -95,6 +103,10 @@ struct RandomNet : Running<NetScene<I>> {
     par.h = of.h;
     par.gravity_W = Vec3(0, 0, -of.gravity);
     par.num_bodies = of.ordeal == Ordeal::jaws ? 3 : 1;
+    // what is drawn through something follows the hand within its motion, net and carrier: else it would not come there
+    constexpr Real following = 50;  // rad/s
+    const bool is_drawn_in = of.ordeal == Ordeal::pinched || of.ordeal == Ordeal::hole;
+    if (is_drawn_in) of.anchors = std::max(of.anchors, following * following * of.m / of.k);
     Stuff stuff{.m = of.m,
                 .k = of.k,
                 .g = 2 * of.zeta * std::sqrt(of.k * of.m),
@@ -109,6 +121,10 @@ struct RandomNet : Running<NetScene<I>> {
     for (std::size_t n = 0; n < par.net.num_nodes; ++n)
       of.size = std::max(of.size, par.net.nodes[n].p_B.norm());
     par.net.max_iterations = of.cap;
+    if (is_drawn_in) {
+      const Real mass = of.carrier_m + static_cast<Real>(par.net.num_nodes) * of.m;
+      of.coupling_k = std::max(of.coupling_k, following * following * mass);
+    }
     const Real side = 2 * of.size;
     for (std::size_t i = 0; i < par.num_bodies; ++i) {
       par.bodies[i].body =
@@ -229,6 +245,16 @@ struct RandomNet : Running<NetScene<I>> {
         in.devices[i].V_WD.v = -sign * of.size * 1.4 * ds * axis_0;
       }
     }
+  }
+
+  /// How far nodes and bodies are from the origin, about which the scene lies, at most, m.
+  Real reach() const {
+    Real most_sq = 0;
+    for (std::size_t i = 0; i < this->par.num_bodies; ++i)
+      most_sq = std::max(most_sq, this->x.bodies[i].x.X_WB.p.squaredNorm());
+    for (std::size_t n = 0; n < this->par.net.num_nodes; ++n)
+      most_sq = std::max(most_sq, this->x.net.nodes[n].p_W.squaredNorm());
+    return std::sqrt(most_sq);
   }
 
   bool step_and_watch() {

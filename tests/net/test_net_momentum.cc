@@ -177,7 +177,10 @@ Real error_of(Real residual, const Running<S>& run) {
                    levers * levers / principal_moments(body.I_B).x());
 }
 
+/// Of implicit Euler: TR-BDF2 reports the residual of its last stage, and what its first has left goes on in the velocities that
+/// this one starts with.
 TEST(NetMomentum, TheResidualBoundsTheError) {
+  constexpr Real most_loose = 30;  // a residual that is far larger than what it tells of is of no use; 16 now
   Real loosest = 0, most = 0;
   for (unsigned seed = 0; seed < 30; ++seed) {
     for (const int cap : {1, 2, 3, 5, 8, 12}) {
@@ -207,6 +210,7 @@ TEST(NetMomentum, TheResidualBoundsTheError) {
   std::printf("residual up to %.1e N; what it bounds is at most %.1e times as large as the error\n", most,
               loosest);
   EXPECT_GT(most, 1e-3);
+  EXPECT_LE(loosest, most_loose);
 }
 
 }  // namespace

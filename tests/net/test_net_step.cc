@@ -94,6 +94,32 @@ TEST(NetStep, SaysWhenContactsHaveNoRoom) {
   EXPECT_LE(large->out.net.num_near, 8u);
 }
 
+using Large = NetScene<TrBdf2, 1, 1024, 4096, 512>;
+
+/// 1024 nodes on a plane, of which 512 touch: as many contacts as there is room for; then all of them: more.
+TEST(NetStep, NeitherAllocatesWhenContactsAreFull) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
+  for (const bool too_many : {false, true}) {
+    const auto run = sheet_on_a_plane<Large>(32, 32);
+    for (std::size_t n = 0; n < Large::Net::max_contacts && !too_many; ++n) run->par.net.nodes[n].radius = 0;
+    ASSERT_EQ(validate(run->par), Invalid::nothing);
+    Fault faults = Fault::none;
+    std::size_t most_near = 0, most_contacts = 0;
+    AllocationGuard guard;
+    for (int n = 0; n < 100; ++n) {
+      run->step();
+      faults |= run->out.fault;
+      most_near = std::max(most_near, run->out.net.num_near);
+      most_contacts = std::max(most_contacts, run->out.net.num_contacts);
+    }
+    guard.disarm();
+    EXPECT_EQ(guard.calls(), 0) << guard.report();
+    EXPECT_EQ(most_near, Large::Net::max_contacts);
+    EXPECT_GT(most_contacts, Large::Net::max_contacts / 2);
+    EXPECT_EQ(faults, too_many ? Fault::contacts_full : Fault::none);
+  }
+}
+
 /// The step was taken, and what it found is shown.
 TEST(NetStep, ShowsTheForceWhenContactsHaveNoRoom) {
   auto run = std::make_unique<Running<JointedNetScene<ImplicitEuler>>>();
