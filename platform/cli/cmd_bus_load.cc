@@ -14,11 +14,12 @@ struct BusLoadOptions {
   std::string scene;
   bool json = false;
   bool allow_overload = false;
+  FaultChecks faults{};  // of what the program simulates
 };
 
 /// None: the scene is wrong, and it has been said why.
-std::optional<RigParams> load_rig(const std::string& path) {
-  const LoadResult loaded = load_scene(path);
+std::optional<RigParams> load_rig(const std::string& path, const FaultChecks& checks) {
+  const LoadResult loaded = load_scene(path, checks);
   for (const std::string& warning : loaded.warnings) std::fprintf(stderr, "%s\n", warning.c_str());
   for (const std::string& error : loaded.errors) std::fprintf(stderr, "%s\n", error.c_str());
   if (!loaded.scene) return std::nullopt;
@@ -33,7 +34,7 @@ std::optional<RigParams> load_rig(const std::string& path) {
 }
 
 ExitCode show_bus_load(const BusLoadOptions& options) {
-  const std::optional<RigParams> rig = load_rig(options.scene);
+  const std::optional<RigParams> rig = load_rig(options.scene, options.faults);
   if (!rig) return ExitCode::usage;
   const std::vector<BusLoad> loads = bus_load(*rig, usual_load(*rig));
   if (options.json) {
@@ -57,10 +58,11 @@ ExitCode show_bus_load(const BusLoadOptions& options) {
 
 }  // namespace
 
-void add_bus_load(CLI::App& app, ExitCode& code) {
+void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "bus-load", "Load of a scene's buses, nominal and at worst, message by message; refuses above 70 %.");
   const auto options = std::make_shared<BusLoadOptions>();
+  options->faults = checks;
   verb->add_option("SCENE", options->scene, "scene file (TOML), see docs/scenes.md")->required();
   verb->add_flag("--json", options->json, "print JSON");
   verb->add_flag("--allow-overload", options->allow_overload,

@@ -128,12 +128,13 @@ ExitCode check(RunOptions options, bool full) {
 
 }  // namespace
 
-void add_check(CLI::App& app, ExitCode& code) {
+void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "check",
       "Say what `run` with the same options would do, and what is wrong with it; nothing moves, nothing is "
       "opened or written.");
   const auto options = std::make_shared<RunOptions>();
+  options->simulated = simulated;
   add_run_options(*verb, *options);
   const auto full = std::make_shared<bool>(false);
   verb->add_flag(

@@ -28,6 +28,7 @@ struct MonitorOptions {
   double bit_rate = 0;  // 0: the scene's, else 1 Mbit/s
   std::optional<double> duration;
   bool plain = false;
+  FaultChecks faults{};  // of what the program simulates
 };
 
 /// The buses in the order of the options, with what the table says of each.
@@ -38,9 +39,9 @@ struct Monitor {
   std::optional<MessageTable> table;
 };
 
-bool load_rig(const std::string& path, std::optional<RigParams>& rig) {
+bool load_rig(const std::string& path, const FaultChecks& checks, std::optional<RigParams>& rig) {
   if (path.empty()) return true;
-  LoadResult loaded = load_scene(path);
+  LoadResult loaded = load_scene(path, checks);
   for (const std::string& error : loaded.errors) std::fprintf(stderr, "%s\n", error.c_str());
   if (!loaded.scene) return false;
   if (loaded.scene->device && loaded.scene->device->rig) {
@@ -205,7 +206,7 @@ void watch(Monitor& monitor, const MonitorOptions& options) {
 
 ExitCode run_monitor(const MonitorOptions& options) {
   Monitor monitor;
-  if (!load_rig(options.scene, monitor.rig)) return ExitCode::usage;
+  if (!load_rig(options.scene, options.faults, monitor.rig)) return ExitCode::usage;
   std::vector<MonitoredBus> shown;
   for (const std::string& bus : options.buses)
     if (!add_bus(options, bus, monitor, shown)) return ExitCode::usage;
@@ -219,10 +220,11 @@ ExitCode run_monitor(const MonitorOptions& options) {
 
 }  // namespace
 
-void add_monitor(CLI::App& app, ExitCode& code) {
+void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "monitor", "What goes over buses or is in logs: a table of the messages, decoded, with their periods.");
   const auto options = std::make_shared<MonitorOptions>();
+  options->faults = checks;
   verb->add_option("--bus", options->buses,
                    "socketcan:IFACE, slcan:PATH, board:PATH, pty: or replay:FILE[,IFACE]; several in the "
                    "order of the scene's "

@@ -220,9 +220,10 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_flag("--quiet", options.quiet, "print only warnings and faults; the exit code says the rest");
 }
 
-void add_run(CLI::App& app, ExitCode& code) {
+void add_run(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code) {
   CLI::App* verb = app.add_subcommand("run", "Run a scene.");
   const auto options = std::make_shared<RunOptions>();
+  options->simulated = simulated;
   add_run_options(*verb, *options);
   verb->callback([options, &code] { code = run(*options); });
 }

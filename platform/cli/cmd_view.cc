@@ -35,6 +35,7 @@ struct ViewOptions {
   std::optional<double> duration;  // s, of an animation
   std::uint16_t port = 0;
   std::string address = "127.0.0.1";
+  FaultChecks faults{};  // of what the program simulates
   std::vector<std::uint32_t> size{960, 600};
 };
 
@@ -104,7 +105,7 @@ std::optional<Recording> load(const ViewOptions& options) {
                              "beside it as report.json"});
     return std::nullopt;
   }
-  const LoadResult loaded = load_scene(path);
+  const LoadResult loaded = load_scene(path, options.faults);
   complain(loaded.errors);
   if (!loaded.scene) return std::nullopt;
   RecordingResult result;
@@ -176,10 +177,11 @@ ExitCode view(const ViewOptions& options) {
 
 }  // namespace
 
-void add_view(CLI::App& app, ExitCode& code) {
+void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "view", "Look at a trace, a recording of buses or a scene, in a browser or as a picture.");
   const auto options = std::make_shared<ViewOptions>();
+  options->faults = checks;
   verb->add_option("FILE", options->file,
                    "a trace (.csv) of `run --trace`; a log of its buses, of `run --record`; or a scene "
                    "(.toml) as it begins")

@@ -1,4 +1,4 @@
-// What of a [[fault]] table only a build with simulated devices knows: see platform/session/make_session.h.
+// What a simulated device says of a [[fault]] table. Who reads scenes hands it in; platform/simulated/fault_checks.h has it.
 #pragma once
 
 #include <string>
@@ -8,10 +8,12 @@
 
 namespace godobject {
 
-/// What a simulated rig can play; none in a build without, which takes any name.
-std::vector<std::string> fault_verb_names();
-
-/// Why the device, simulated, cannot play this; empty: it can.
-std::string why_not_playable(const FaultConfig& fault, const DeviceConfig& device);
+/// Without either, nobody here simulates: any verb goes.
+struct FaultChecks {
+  /// What can be played at all.
+  std::vector<std::string> (*verbs)() = nullptr;
+  /// Why the device, simulated, cannot play this; empty: it can.
+  std::string (*why_not_playable)(const FaultConfig& fault, const DeviceConfig& device) = nullptr;
+};
 
 }  // namespace godobject

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "platform/scene/scene.h"
+#include "platform/scene/fault_checks.h"
 
 namespace godobject {
 
@@ -15,8 +15,9 @@ struct FaultsResult {
 };
 
 /// Faults for this scene's rig.
-FaultsResult load_faults(const std::string& path, const SceneConfig& scene);
+FaultsResult load_faults(const std::string& path, const SceneConfig& scene, const FaultChecks& checks = {});
 /// As load_faults for a text; file is what messages call it.
-FaultsResult parse_faults(std::string_view toml, const std::string& file, const SceneConfig& scene);
+FaultsResult parse_faults(std::string_view toml, const std::string& file, const SceneConfig& scene,
+                          const FaultChecks& checks = {});
 
 }  // namespace godobject

@@ -10,11 +10,11 @@
 namespace godobject {
 
 template <class V>
-void visit_fault(V& v, const DeviceConfig* device, FaultConfig& f) {
+void visit_fault(V& v, const DeviceConfig* device, const FaultChecks& checks, FaultConfig& f) {
   if (f.verb.empty()) f.verb = "drop";
   const Key verb{.name = "verb", .unit = "", .meaning = "what happens, see docs/faults.md", .required = true};
-  if (const std::vector<std::string> names = fault_verb_names(); names.empty()) v.value(verb, f.verb);
-  else choose(v, verb, names, f.verb);
+  if (checks.verbs == nullptr) v.value(verb, f.verb);
+  else choose(v, verb, checks.verbs(), f.verb);
   v.value(Key{"bus", "", "name of a bus; empty: that of the node, without a node all of them"}, f.bus);
   std::uint8_t node_id = f.node_id.value_or(0);
   v.value(Key{"node_id", "", "of a node; 0: the host's end of the bus", {0, 127}}, node_id);
@@ -29,8 +29,8 @@ void visit_fault(V& v, const DeviceConfig* device, FaultConfig& f) {
   v.value(Key{"value", "see docs/faults.md", "0: the verb's own default"}, f.value);
   const bool has_place = device && (device->rig || !f.tracker.empty());
   v.check(has_place, "verb", "needs a [device] with buses, or a tracker");
-  if (!has_place) return;
-  const std::string error = why_not_playable(f, *device);
+  if (!has_place || checks.why_not_playable == nullptr) return;
+  const std::string error = checks.why_not_playable(f, *device);
   v.check(error.empty(), "verb", "'" + f.verb + "' cannot be played: " + error);
 }
 

@@ -15,10 +15,10 @@
 #include "core/joint/list.h"
 #include "core/net/net.h"
 #include "hal/rig/params.h"
+#include "hal/rig/simulation.h"
 #include "hal/tracker/params.h"
 #include "platform/scene/contact_config.h"
 #include "platform/scene/net_config.h"
-#include "sim/config.h"
 
 namespace godobject {
 

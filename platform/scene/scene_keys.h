@@ -270,7 +270,7 @@ void check_scene(V& v, const SceneConfig& s) {
 }
 
 template <class V>
-void visit_scene(V& v, SceneConfig& s) {
+void visit_scene(V& v, SceneConfig& s, const FaultChecks& checks) {
   plain_table(v, TableKey{"scene", "The scene as a whole.", true}, [&](auto& t) { visit_header(t, s); });
   std::set<std::string> names;
   v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true, max_tables_of_bodies}, s.bodies,
@@ -305,7 +305,7 @@ void visit_scene(V& v, SceneConfig& s) {
       TableKey{"fault",
                "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md.",
                false, 10'000},
-      s.faults, [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, f); });
+      s.faults, [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, checks, f); });
   check_scene(v, s);
 }
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "platform/scene/scene.h"
+#include "platform/scene/fault_checks.h"
 
 namespace godobject {
 
@@ -16,9 +16,10 @@ struct LoadResult {
   std::vector<std::string> warnings;  // the same form
 };
 
-LoadResult load_scene(const std::string& path);
+/// checks: of what simulates the scene's device; by default nothing does, and its [[fault]] tables are only read.
+LoadResult load_scene(const std::string& path, const FaultChecks& checks = {});
 /// As load_scene for a text; file is what messages call it.
-LoadResult parse_scene(std::string_view toml, const std::string& file);
+LoadResult parse_scene(std::string_view toml, const std::string& file, const FaultChecks& checks = {});
 
 /// Every value that is in effect, defaults included; loads back as the same configuration.
 std::string effective_config_toml(const SceneConfig& scene);

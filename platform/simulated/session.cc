@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "platform/simulated/fault_checks.h"
 #include "platform/simulated/truth.h"
 #include "sim/rig/link.h"
 #include "sim/tracker/link.h"
@@ -79,7 +80,42 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const SceneConfig& scene
   return links;
 }
 
+/// Scenes that load_scene() was to check have none of these.
+std::vector<std::string> unplayable_faults(const SceneConfig& scene) {
+  std::vector<std::string> errors;
+  for (const FaultConfig& fault : scene.faults) {
+    if (!scene.device || (fault.tracker.empty() && !scene.device->rig)) continue;
+    const std::string why_not = why_not_playable(fault, *scene.device);
+    if (!why_not.empty()) errors.push_back("fault '" + fault.verb + "' cannot be played: " + why_not);
+  }
+  return errors;
+}
+
+std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params,
+                                                  std::vector<std::string>& errors) {
+  return make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, errors);
+}
+
+Session::Made make_simulated_session(const SceneConfig& scene, Motion motion, const RigProfiles& profiles) {
+  DeviceParts device;
+  std::vector<std::string> errors = unplayable_faults(scene);
+  const std::shared_ptr<const Hand> hand = hand_of(motion);
+  std::unique_ptr<SimLink> rig;
+  if (errors.empty() && scene.device && scene.device->rig) rig = make_rig(scene, hand, profiles, errors);
+  if (errors.empty() && scene.device) device.trackers = make_trackers(scene, hand, errors);
+  if (!errors.empty()) return {.session = nullptr, .errors = errors};
+  device.truth = std::make_unique<SimulatedTruth>(scene, hand, rig.get());
+  device.buses = std::move(rig);
+  return Session::make(scene, std::move(motion), std::move(device));
+}
+
 }  // namespace
+
+SimulatedDevices simulated_devices() {
+  return {.faults = simulated_faults(),
+          .make_session = make_simulated_session,
+          .make_resting_tracker = make_resting_tracker};
+}
 
 std::shared_ptr<const Hand> hand_of(Motion motion) { return std::make_shared<MotionHand>(std::move(motion)); }
 
@@ -107,21 +143,7 @@ Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bu
                            const RigProfiles& profiles) {
   if (bus == BusChoice::direct || driven_bodies(scene).empty())
     return Session::make(scene, std::move(motion));
-  DeviceParts device;
-  std::vector<std::string> errors;
-  const std::shared_ptr<const Hand> hand = hand_of(motion);
-  std::unique_ptr<SimLink> rig;
-  if (scene.device && scene.device->rig) rig = make_rig(scene, hand, profiles, errors);
-  if (errors.empty() && scene.device) device.trackers = make_trackers(scene, hand, errors);
-  if (!errors.empty()) return {.session = nullptr, .errors = errors};
-  device.truth = std::make_unique<SimulatedTruth>(scene, hand, rig.get());
-  device.buses = std::move(rig);
-  return Session::make(scene, std::move(motion), std::move(device));
-}
-
-std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params,
-                                                  std::vector<std::string>& errors) {
-  return make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, errors);
+  return make_simulated_session(scene, std::move(motion), profiles);
 }
 
 }  // namespace godobject

@@ -7,8 +7,8 @@
 
 #include "hal/can/frame.h"
 #include "hal/rig/params.h"
+#include "hal/rig/simulation.h"
 #include "hal/tracker/params.h"
-#include "sim/config.h"
 #include "sim/fault/verb.h"
 
 namespace godobject {

@@ -3,7 +3,7 @@
 
 #include "hal/can/frame.h"
 #include "hal/joint/kinematic_tree.h"
-#include "sim/config.h"
+#include "hal/rig/simulation.h"
 
 namespace godobject {
 

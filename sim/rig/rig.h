@@ -12,7 +12,7 @@
 #include "hal/joint/inverse_kinematics.h"
 #include "hal/rig/bus_load.h"
 #include "hal/rig/link.h"
-#include "sim/config.h"
+#include "hal/rig/simulation.h"
 #include "sim/fault/injector.h"
 #include "sim/hand.h"
 #include "sim/node/button.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/config.h"
+#include "hal/rig/simulation.h"
 #include "sim/fault/target.h"
 #include "sim/hand.h"
 #include "sim/tracker/tracker.h"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks who includes whom: core <- hal <- sim <- platform, and no product includes tests. Of platform only the rooms that
-simulate see sim; the others build without it, and see at most the values in sim/config.h that a scene has.
+simulate see sim and each other; the rest builds without them.
 
 usage: check_includes.py SOURCE_DIR
 """
@@ -26,7 +26,10 @@ def complaint(folder, header):
     layer = folder.parts[0]
     target = header.split("/")[0]
     if target in LAYERS and "/" in header:
-        simulates = folder.parts[:2] in SIMULATE or folder.parts[:3] in SIMULATE or header == "sim/config.h"
+        simulates = folder.parts[:2] in SIMULATE or folder.parts[:3] in SIMULATE
+        room = pathlib.PurePath(header).parts
+        if layer == "platform" and not simulates and (room[:2] in SIMULATE or room[:3] in SIMULATE):
+            return "what runs without simulation may not include what simulates"
         allowed = MAY_INCLUDE[layer] | ({"sim"} if layer == "platform" and simulates else set())
         return None if target in allowed else f"{layer} may include {', '.join(sorted(allowed))}"
     if layer == "core" and target != "Eigen" and header not in CORE_STD:
@@ -56,13 +59,14 @@ def check_rules():
     """The rules themselves: they must refuse."""
     path = pathlib.PurePath
     for folder, header in [("core", "vector"), ("core", "hal/can/bus.h"), ("hal", "platform/session/motion.h"),
-                           ("hal", "thread"), ("hal", "unistd.h"), ("hal", "sim/config.h"),
+                           ("hal", "thread"), ("hal", "unistd.h"), ("hal", "sim/hand.h"),
                            ("sim", "platform/rt/clock.h"), ("sim", "tests/oracle/case.h"),
                            ("platform", "tests/study/study.h"), ("platform/session", "sim/rig/rig.h"),
-                           ("platform/cli", "sim/rig/rig.h")]:
+                           ("platform/cli", "sim/rig/rig.h"), ("platform/session", "platform/simulated/session.h"),
+                           ("platform/cli", "platform/cli/simulate/options.h")]:
         assert complaint(path(folder), header), (folder, header)
     for folder, header in [("core", "core/math/so3.h"), ("core", "Eigen/Core"), ("hal", "core/math/types.h"),
-                           ("hal", "vector"), ("sim", "hal/can/bus.h"), ("platform/scene", "sim/config.h"),
+                           ("hal", "vector"), ("sim", "hal/can/bus.h"), ("platform/scene", "hal/rig/simulation.h"),
                            ("platform/simulated", "sim/rig/rig.h"), ("platform/cli/simulate", "sim/rig/rig.h"),
                            ("platform/cli", "platform/session/motion.h"), ("platform", "sys/mman.h")]:
         assert not complaint(path(folder), header), (folder, header)

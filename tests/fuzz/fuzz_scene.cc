@@ -3,11 +3,13 @@
 #include <cstdlib>
 
 #include "platform/scene/scene_toml.h"
+#include "platform/simulated/fault_checks.h"
 #include "tests/fuzz/decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace godobject;
-  const LoadResult result = parse_scene({reinterpret_cast<const char*>(data), size}, "fuzz.toml");
+  const LoadResult result =
+      parse_scene({reinterpret_cast<const char*>(data), size}, "fuzz.toml", simulated_faults());
   if (result.scene.has_value() == !result.errors.empty()) std::abort();
   if (!result.scene) return 0;
   const std::string text = effective_config_toml(*result.scene);

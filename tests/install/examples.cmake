@@ -1,14 +1,6 @@
 # Installs the build into a folder of its own, moves it elsewhere, and builds and runs the examples of docs/examples against
 # it: cmake -DBUILD=... -DSOURCE=... -DWORK=... -P examples.cmake
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT status EQUAL 0)
-    string(JOIN " " command ${ARGN})
-    message(FATAL_ERROR "${command}: ${status}\n${output}")
-  endif()
-  message("${output}")
-endfunction()
-
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/there)
 file(RENAME ${WORK}/there ${WORK}/here)  # wherever it is put
@@ -19,6 +11,8 @@ foreach(example peg rig)
   run(${CMAKE_COMMAND} --build ${WORK}/${example})
 endforeach()
 run(${WORK}/peg/peg)
+# Who links godobject::platform alone has no simulation.
+run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/links_no_simulation.py ${NM} ${prefix} ${WORK}/rig/peg_on_rig)
 run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/peg_on_rig.py ${prefix}/bin/godobject
     ${prefix}/share/godobject/scenes/rigid.toml ${WORK}/rig/peg_on_rig)
 # The program finds its profiles and scenes where it is.

@@ -1,29 +1,23 @@
 #!/usr/bin/env python3
 """Runs a scene with the program that has no simulated devices, on a rig that the full program simulates.
 
-usage: without_sim.py GODOBJECT WITHOUT_SIM SCENE NM LIBGODOBJECT_SIM
+usage: without_sim.py GODOBJECT LIBGODOBJECT_SIM WITHOUT_SIM SCENE NM
 """
 import subprocess
 import sys
 
 from simulated_rig import simulated_rig
+from symbols import functions_of, symbols
 
 RUN_S = 60
 
 
-def symbols(nm, path, kinds=None):
-    """Defined ones, of these kinds."""
-    listing = subprocess.run([nm, "--defined-only", "--extern-only", path], check=True, capture_output=True, text=True)
-    return {fields[2] for fields in map(str.split, listing.stdout.splitlines())
-            if len(fields) == 3 and (kinds is None or fields[1] in kinds)}
-
-
 def main():
-    full, without, scene, nm, library = sys.argv[1:]
-    of_sim = symbols(nm, library, "T")  # functions that no other library of the project defines as well
-    if not of_sim & symbols(nm, full):
+    full, library, without, scene, nm = sys.argv[1:]
+    of_sim = functions_of(nm, library)
+    if not of_sim & symbols(nm, full, "T", "--defined-only"):
         sys.exit("the full program has no symbol of the simulation: this says nothing")
-    left = of_sim & symbols(nm, without)
+    left = of_sim & symbols(nm, without, "TW", "--defined-only")
     if left:
         sys.exit(f"{len(left)} symbols of the simulation: {sorted(left)[:5]}")
     refused = subprocess.run([without, "run", scene, "--fast"], capture_output=True, text=True)

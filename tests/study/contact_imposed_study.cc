@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/session/session.h"
 #include "tests/study/csv_writer.h"
 
 namespace godobject::study {
@@ -88,7 +88,7 @@ godobject::Motion motion_of(const SceneConfig& scene, const std::string& file) {
 
 PileRun run_pile(SceneConfig scene, CouplingMode coupling, const std::string& motion, double duration) {
   scene.coupling = coupling;
-  Session::Made made = make_session(scene, motion_of(scene, motion), BusChoice::direct);
+  Session::Made made = Session::make(scene, motion_of(scene, motion));
   if (!made.session) refuse(made.errors);
   CycleRecord record = made.session->at_start();
   Pile pile(scene, record);

@@ -6,7 +6,7 @@
 
 #include "platform/cli/run/files.h"
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "tests/support/program.h"
 
 namespace godobject::test_recording {

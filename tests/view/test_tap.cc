@@ -10,7 +10,7 @@
 
 #include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "platform/view/live.h"
 #include "tests/support/allocation_guard.h"
 

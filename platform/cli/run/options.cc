@@ -19,7 +19,6 @@
 #include "platform/scene/profile_toml.h"
 #include "platform/scene/scene_toml.h"
 #include "platform/scene/text/key.h"
-#include "platform/session/make_session.h"
 
 namespace godobject {
 namespace {
@@ -182,7 +181,11 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
   }
   for (const TrackerParams& params : trackers) {
     static_cast<void>(read_tool_definitions(params, folder_of_scene(options), run.errors));
-    links.push_back(make_resting_tracker(params, run.errors));
+    if (options.simulated.make_resting_tracker != nullptr)
+      links.push_back(options.simulated.make_resting_tracker(params, run.errors));
+    else
+      run.errors.push_back("tracker '" + params.name +
+                           "': this build has no simulated trackers to check it with (GODOBJECT_SIM=OFF)");
   }
   if (!run.errors.empty()) links.clear();
   return links;
@@ -191,8 +194,16 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
 /// The session on the planned buses and trackers; the threads of those have then begun.
 Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
                            PreparedRun& run) {
-  if (run.buses.choice != BusChoice::real)
-    return make_session(scene, std::move(motion), run.buses.choice, run.profiles);
+  if (run.buses.choice == BusChoice::direct ||
+      (run.buses.choice == BusChoice::sim && driven_bodies(scene).empty()))
+    return Session::make(scene, std::move(motion));
+  if (run.buses.choice == BusChoice::sim) {
+    if (options.simulated.make_session != nullptr)
+      return options.simulated.make_session(scene, std::move(motion), run.profiles);
+    return {.session = nullptr,
+            .errors = {"this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus an address, or "
+                       "--bus direct"}};
+  }
   DeviceParts device{.buses = nullptr,
                      .trackers = {},
                      .clock = []() noexcept { return MonotonicClock{}.now(); },
@@ -253,7 +264,7 @@ std::string make_folders(const RunOptions& options) {
 
 PreparedRun prepare(const RunOptions& options) {
   PreparedRun run;
-  LoadResult loaded = load_scene(options.scene);
+  LoadResult loaded = load_scene(options.scene, options.simulated.faults);
   append(run.errors, loaded.errors);
   append(run.warnings, loaded.warnings);
   check_outputs(options, run.errors);

@@ -15,6 +15,7 @@
 #include "platform/cli/run/trackers.h"
 #include "platform/linux/spacemouse_thread.h"
 #include "platform/session/passivity.h"
+#include "platform/session/simulated_devices.h"
 #include "platform/view/pointer.h"
 
 namespace godobject {
@@ -36,9 +37,10 @@ struct RunOptions {
   std::optional<std::string> spacemouse;  // socket of its daemon; empty: the usual one
   std::optional<std::uint16_t> view;      // port of the view; 0: a default one
   std::string view_address = "127.0.0.1";
-  bool view_input = false;  // the page's pointer is the device
-  bool quiet = false;       // nothing but warnings, faults and the exit code
-  bool only_check = false;  // as `check`: nothing is opened, started or written
+  bool view_input = false;       // the page's pointer is the device
+  bool quiet = false;            // nothing but warnings, faults and the exit code
+  bool only_check = false;       // as `check`: nothing is opened, started or written
+  SimulatedDevices simulated{};  // those of the program
 };
 
 struct PreparedRun {

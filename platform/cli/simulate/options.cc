@@ -6,6 +6,7 @@
 #include "hal/rig/validate.h"
 #include "platform/scene/fault_file.h"
 #include "platform/scene/scene_toml.h"
+#include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"
 
 #include "platform/cli/named_address.h"
@@ -68,7 +69,7 @@ void open_all(const std::vector<OfferedBus>& offered, PreparedSimulation& out) {
 
 /// Scene and faults; none where they have errors.
 std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulation& out) {
-  LoadResult loaded = load_scene(options.scene);
+  LoadResult loaded = load_scene(options.scene, simulated_faults());
   append(out.errors, loaded.errors);
   append(out.notes, loaded.warnings);
   if (!loaded.scene) return std::nullopt;
@@ -80,7 +81,7 @@ std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulati
   }
   if (scene.device->rig) scene.device->rig->cycle_s = scene.step;
   if (!options.faults.empty()) {
-    FaultsResult faults = load_faults(options.faults, scene);
+    FaultsResult faults = load_faults(options.faults, scene, simulated_faults());
     append(out.errors, faults.errors);
     scene.faults.insert(scene.faults.end(), faults.faults.begin(), faults.faults.end());
   }

@@ -5,7 +5,8 @@
 #include <sstream>
 
 #include "platform/cli/command_documents.h"
-#include "platform/cli/verbs.h"
+#include "platform/cli/program.h"
+#include "platform/simulated/session.h"
 #include "tests/support/program.h"
 
 namespace godobject::test::test_cli_documents {
@@ -25,9 +26,7 @@ void for_each_verb(const CLI::App& app, const std::string& path,
 
 class CliDocuments : public ProgramTest {
  protected:
-  CliDocuments() {
-    for (const AddVerb add : verbs) add(app_, code_);
-  }
+  CliDocuments() { add_verbs(app_, {.devices = simulated_devices(), .add_verb = add_simulate}, code_); }
   std::string completed(const std::string& words) const {
     const std::string script =
         "source <('" GODOBJECT_PROGRAM "' completion bash); COMP_WORDS=(" + words +

@@ -3,7 +3,7 @@
 
 #include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 
 namespace godobject::test_missed_deadlines {
 namespace {

@@ -6,7 +6,7 @@
 #include "platform/cli/bus/candump_log.h"
 #include "platform/cli/run/cycle.h"
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_realtime_cycle {

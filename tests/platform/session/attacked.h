@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "tests/core/one_body.h"
 #include "tests/support/shared_data.h"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "platform/scene/joint_params.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_articulated_session {

@@ -7,7 +7,7 @@
 
 #include "platform/scene/scene_toml.h"
 #include "platform/scene/text/csv.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "tests/support/shared_data.h"
 
 namespace godobject::test_contact_scenes {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 
 namespace godobject::test_energy_gained {
 namespace {

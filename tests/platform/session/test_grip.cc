@@ -1,5 +1,5 @@
 // Scenes whose device takes hold of bodies and lets go of them: by script, by button, through a bus.
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

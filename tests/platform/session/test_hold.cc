@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 
 namespace godobject::test_hold {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 
 namespace godobject::test_net_scenes {
 namespace {

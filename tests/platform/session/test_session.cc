@@ -1,5 +1,5 @@
 // A running scene while the user lets go, takes hold again and works the clutch.
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A session whose device has several handles: each drives its own body and shows that body's feedback.
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 
 #include "core/math/rotation_error.h"
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_spacemouse {

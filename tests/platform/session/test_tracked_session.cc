@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_tracked_session {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 #include "platform/view/frame.h"
 #include "platform/view/nets.h"
 #include "platform/view/scene_json.h"

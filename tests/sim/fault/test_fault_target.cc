@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "platform/scene/fault_file.h"
+#include "platform/simulated/fault_checks.h"
+#include "platform/simulated/session.h"
 #include "tests/support/faulty_rig.h"
 
 namespace godobject::test_fault_target {
@@ -81,7 +83,7 @@ duration = 0.5
 verb = "delay"
 value = 1e-3
 )",
-                                           "faults.toml", test::two_joints());
+                                           "faults.toml", test::two_joints(), simulated_faults());
   EXPECT_THAT(result.errors, IsEmpty());
   ASSERT_EQ(result.faults.size(), 2u);
   EXPECT_EQ(result.faults[0].node_id, 2);
@@ -92,18 +94,27 @@ value = 1e-3
 
 TEST(FaultFile, NamesThePlaceOfAnError) {
   const FaultsResult result = parse_faults("[[fault]]\nverb = \"stuck\"\nbus = \"can0\"\nnode_id = 9\n",
-                                           "faults.toml", test::two_joints());
+                                           "faults.toml", test::two_joints(), simulated_faults());
   EXPECT_THAT(result.errors, ElementsAre(testing::AllOf(HasSubstr("faults.toml:2"), HasSubstr("no node 9"))));
 }
 
 TEST(FaultFile, SceneHasTheSameTables) {
   const std::string toml = std::string(test::two_joints_toml) + "[[fault]]\nverb = \"unplug\"\nat = 1.0\n";
-  const LoadResult loaded = parse_scene(toml, "scene");
+  const LoadResult loaded = parse_scene(toml, "scene", simulated_faults());
   ASSERT_THAT(loaded.errors, IsEmpty());
   ASSERT_EQ(loaded.scene->faults.size(), 1u);
-  const LoadResult again = parse_scene(effective_config_toml(*loaded.scene), "printed");
+  const LoadResult again = parse_scene(effective_config_toml(*loaded.scene), "printed", simulated_faults());
   ASSERT_THAT(again.errors, IsEmpty());
   EXPECT_EQ(effective_config_toml(*again.scene), effective_config_toml(*loaded.scene));
+}
+
+TEST(FaultFile, OfWhoDoesNotSimulateIsCheckedBySimulatedDevices) {
+  const std::string toml = std::string(test::two_joints_toml) + "[[fault]]\nverb = \"dorp\"\nat = 1.0\n";
+  EXPECT_THAT(parse_scene(toml, "scene", simulated_faults()).errors, ElementsAre(HasSubstr("scene:")));
+  const LoadResult loaded = parse_scene(toml, "scene");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  EXPECT_THAT(make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::sim).errors,
+              ElementsAre(HasSubstr("fault 'dorp' cannot be played: no verb 'dorp'")));
 }
 
 }  // namespace

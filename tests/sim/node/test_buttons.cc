@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "platform/scene/scene_toml.h"
-#include "platform/session/make_session.h"
+#include "platform/simulated/session.h"
 
 namespace godobject::test_buttons {
 namespace {

@@ -1,4 +1,5 @@
-// What a simulated device is made of besides the rig it stands in for: mechanics, wires, faults. Plain values, SI.
+// What a simulated device is made of besides the rig it stands in for: mechanics, wires, faults. Plain values, SI: scene files
+// have them, whether what reads the file simulates or not.
 #pragma once
 
 #include <cstdint>

@@ -1,0 +1,81 @@
+#include "platform/cli/program.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <new>
+
+#include "platform/cli/option_text.h"
+
+namespace godobject {
+namespace {
+
+/// All that was printed has arrived; a full disk behind `> FILE` shows only when the rest is written out.
+bool standard_output_is_complete() {
+  errno = 0;
+  std::cout.flush();
+  const bool complete = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
+  if (!complete) {
+    const char* const why = errno == 0 ? "is its disk full, or its reader gone?" : std::strerror(errno);
+    std::fprintf(stderr, "standard output could not be written: %s\n", why);
+  }
+  return complete;
+}
+
+/// Throws where something is defective or out of memory.
+ExitCode run(int argc, char** argv, const Simulation& simulation) {
+  ExitCode code = ExitCode::ok;
+  CLI::App app("A tool in a simulated scene, pulled to a tracked device by a damped spring.", "godobject");
+  app.set_version_flag("--version", GODOBJECT_VERSION);
+  app.require_subcommand(0, 1);
+  app.formatter(std::make_shared<HelpFormat>());
+  app.footer(
+      "Exit codes: 0 ok, 1 fault during the run, 2 usage or configuration, 3 not available on this machine.");
+  add_verbs(app, simulation, code);
+  try {
+    app.parse(argc, argv);
+    if (app.get_subcommands().empty()) {
+      std::fputs(app.help().c_str(), stderr);
+      code = ExitCode::usage;
+    }
+  } catch (const CLI::ParseError& error) {
+    code = app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+  }
+  return standard_output_is_complete() ? code : std::max(code, ExitCode::fault);
+}
+
+}  // namespace
+
+void add_verbs(CLI::App& app, const Simulation& simulation, ExitCode& code) {
+  const FaultChecks& checks = simulation.devices.faults;
+  add_run(app, simulation.devices, code);
+  add_check(app, simulation.devices, code);
+  if (simulation.add_verb != nullptr) simulation.add_verb(app, code);
+  add_view(app, checks, code);
+  add_bus_load(app, checks, code);
+  add_monitor(app, checks, code);
+  add_faults(app, code);
+  add_sdo(app, code);
+  add_lss(app, code);
+  add_drive(app, code);
+  add_encoder(app, code);
+  add_documents(app, code);
+}
+
+int run_program(int argc, char** argv, const Simulation& simulation) {
+  ExitCode code = ExitCode::not_available;
+  try {
+    code = run(argc, argv, simulation);
+  } catch (const std::bad_alloc&) {
+    std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "a defect of the program: %s\n", error.what());
+  }
+  return static_cast<int>(code);
+}
+
+}  // namespace godobject
