@@ -181,10 +181,6 @@ class EnergyBalance {
     return 0;
   }
 
-  static TreePlace place_of(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
-    return i == world ? TreePlace{} : place<Real>(par.bodies[i].joint.C.p, x.bodies[i].x);
-  }
-
   static Real stops_energy(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
     Real E = 0;
     if constexpr (uses<typename S::Joints::Stops>) {

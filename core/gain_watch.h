@@ -31,8 +31,8 @@ class GainWatch {
     *this = {};
     last_.fill(E);
   }
-  /// After each step; work: done in it, floor: no gain, J. Returns the gain, J, in `of` what it is a gain of.
-  Real observe(Real E_less_W, Real T, Real work, Real floor, Real h) noexcept {
+  /// After each step; work: done in it, floor: no gain, J.
+  void observe(Real E_less_W, Real T, Real work, Real floor, Real h) noexcept {
     age_ += h;
     last_[next_] = E_less_W;
     next_ = (next_ + 1) % gain_steps;
@@ -48,7 +48,6 @@ class GainWatch {
     gained_ = std::max(*kept - std::min(now_.least, before_.least), Real(0));
     of_ = std::max(now_.kinetic, before_.kinetic) + now_.work + before_.work;
     gains_ = gained_ > gain_allowed * of_ + floor;
-    return gained_;
   }
   bool gains() const noexcept { return gains_; }
   Real gained() const noexcept { return gained_; }  // J within the window

@@ -39,6 +39,8 @@ struct None {
   using Input = Empty;
   using Output = Empty;
   using BodyOutput = Empty;
+  static constexpr std::size_t max = 0;  // of nodes
+  static constexpr bool between_bodies = false;
 };
 
 /// Stands for an empty part in a struct: of another type in each slot, since two empty members of one type
@@ -55,62 +57,36 @@ using Slot = std::conditional_t<std::is_empty_v<T>, Absent<slot>, T>;
 template <class Part>
 inline constexpr bool uses = !std::is_same_v<Part, None>;
 
-/// The contacts of a scene that lists them: `using Contacts = FixedContacts<10, 1, 20>;`, or BodyContacts.
-template <class S>
-struct ContactsSlot {
+/// The part that a scene lists by this name; None if it lists no such part.
+template <class S, template <class> class Named>
+struct ListedPart {
   using type = None;
 };
-template <class S>
-requires requires { typename S::Contacts; }
-struct ContactsSlot<S> {
-  using type = typename S::Contacts;
+template <class S, template <class> class Named>
+requires requires { typename Named<S>; }
+struct ListedPart<S, Named> {
+  using type = Named<S>;
 };
-template <class S>
-using ContactsOf = typename ContactsSlot<S>::type;
-
-/// Likewise its nodes, `using Nodes = NodeList<25>;`, and its terms, `using Terms = TermList<DampedSprings<4>>;`.
-template <class S>
-struct NodesSlot {
-  using type = None;
-};
-template <class S>
-requires requires { typename S::Nodes; }
-struct NodesSlot<S> {
-  using type = typename S::Nodes;
-};
-template <class S>
-using NodesOf = typename NodesSlot<S>::type;
-template <class S>
-struct TermsSlot {
-  using type = None;
-};
-template <class S>
-requires requires { typename S::Terms; }
-struct TermsSlot<S> {
-  using type = typename S::Terms;
-};
-template <class S>
-using TermsOf = typename TermsSlot<S>::type;
 
 template <class S>
-struct NetSlot {
-  using type = None;
-};
+using NamedContacts = typename S::Contacts;
 template <class S>
-requires requires { typename S::Net; }
-struct NetSlot<S> {
-  using type = typename S::Net;
-};
+using ContactsOf = typename ListedPart<S, NamedContacts>::type;
 template <class S>
-using NetOf = typename NetSlot<S>::type;
+using NamedNodes = typename S::Nodes;
+template <class S>
+using NodesOf = typename ListedPart<S, NamedNodes>::type;
+template <class S>
+using NamedTerms = typename S::Terms;
+template <class S>
+using TermsOf = typename ListedPart<S, NamedTerms>::type;
+template <class S>
+using NamedNet = typename S::Net;
+template <class S>
+using NetOf = typename ListedPart<S, NamedNet>::type;
 
 template <class S>
-constexpr std::size_t count_nodes() noexcept {
-  if constexpr (uses<NodesOf<S>>) return NodesOf<S>::max;
-  return 0;
-}
-template <class S>
-inline constexpr std::size_t max_nodes = count_nodes<S>();
+inline constexpr std::size_t max_nodes = NodesOf<S>::max;
 /// Number of node j among all that contacts and terms act on: nodes come after the room for bodies.
 template <class S>
 constexpr std::uint32_t node_number(std::size_t j) noexcept {
@@ -134,12 +110,7 @@ concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || 
 template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
 template <class S>
 concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
-template <class S>
-constexpr bool contacts_are_between_bodies() noexcept {
-  if constexpr (uses<ContactsOf<S>>) return ContactsOf<S>::between_bodies;
-  return false;
-}
-template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || contacts_are_between_bodies<S>();
+template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<S>::between_bodies;
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
@@ -210,18 +181,10 @@ template <class S>
 using NodeStates = std::conditional_t<uses<NodesOf<S>>, std::array<NodeState<S>, max_nodes<S>>, Absent<18>>;
 
 /// The state of nets: their nodes, and what contacts of these carry over.
-template <class S, class Net>
-struct NetStateOf {
-  std::array<NodeState<S>, Net::max_nodes> nodes;
-  ContactMemories<Net::max_contacts> contacts;
-};
 template <class S>
-struct NetStateType {
-  using type = Absent<21>;
-};
-template <class S>
-requires(uses<NetOf<S>>) struct NetStateType<S> {
-  using type = NetStateOf<S, NetOf<S>>;
+struct NetState {
+  std::array<NodeState<S>, NetOf<S>::max_nodes> nodes;
+  ContactMemories<NetOf<S>::max_contacts> contacts;
 };
 
 template <class S>
@@ -230,7 +193,7 @@ struct State {
   std::uint64_t tick = 0;  // steps taken
   [[no_unique_address]] Slot<typename ContactsOf<S>::State, 10> contacts;
   [[no_unique_address]] NodeStates<S> nodes;
-  [[no_unique_address]] typename NetStateType<S>::type net;
+  [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetState<S>, Absent<21>> net;
 };
 
 /// A part for every body, or nothing for all.

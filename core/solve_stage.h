@@ -55,9 +55,6 @@ int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const Target
 template <Scene S>
 bool joints_start_shut(const Params<S>& par, const State<S>& x) noexcept {
   bool shut = true;
-  const auto at = [&](std::size_t i) noexcept {
-    return i == world ? TreePlace{} : place<Real>(par.bodies[i].joint.C.p, x.bodies[i].x);
-  };
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const auto& joint = par.bodies[i].joint;
     if (joint.kind == JointKind::free) continue;
@@ -65,7 +62,7 @@ bool joints_start_shut(const Params<S>& par, const State<S>& x) noexcept {
       if (joint.lead.imposed) continue;
     }
     with_joint(joint.kind, [&](auto kind) noexcept {
-      const auto m = kind.motion(joint_at(joint, at(joint.parent), at(i)).X);
+      const auto m = kind.motion(joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i)).X);
       const Real e_w_sq = decltype(m)::num_turns < 3 ? m.e_w.squaredNorm() : 0,
                  lever_sq = joint.C.p.squaredNorm();
       shut =

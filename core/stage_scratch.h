@@ -58,25 +58,15 @@ template <class S>
 using TouchingOf = typename TouchingType<S>::type;
 
 template <class S>
-struct ContactScratchType {
-  using type = Absent<10>;
-};
+using ContactScratchOf =
+    std::conditional_t<uses<ContactsOf<S>>, BodyContactScratch<TouchingOf<S>, S::max_bodies + max_nodes<S>>,
+                       Absent<10>>;
+/// Its joints, of bodies that may touch or that do not.
 template <class S>
-requires(uses<ContactsOf<S>>) struct ContactScratchType<S> {
-  using type = BodyContactScratch<TouchingOf<S>, S::max_bodies + max_nodes<S>>;
-};
-template <class S>
-using ContactScratchOf = typename ContactScratchType<S>::type;
-
-template <class S>
-struct JointScratchType {
-  using type = Absent<4>;
-};
-template <class S>
-requires(uses<typename S::Joints>) struct JointScratchType<S> {
-  using type = std::conditional_t<uses<ContactsOf<S>>, TouchingJoints<S::max_bodies, typename S::Joints>,
-                                  Tree<S::max_bodies, typename S::Joints>>;
-};
+using JointScratchOf = std::conditional_t<
+    !uses<typename S::Joints>, Absent<4>,
+    std::conditional_t<uses<ContactsOf<S>>, TouchingJoints<S::max_bodies, typename S::Joints>,
+                       Tree<S::max_bodies, typename S::Joints>>>;
 
 /// (34)  How fast the bodies are expected to turn at the end of a stage, rad/s, body axes: where nothing jumps.
 template <class S>
@@ -89,28 +79,18 @@ inline constexpr bool expects_turns = uses<ContactsOf<S>>&& S::Integrator::order
 
 /// (39)  Stages of bodies on joints are iterated.
 template <class S>
-constexpr bool takes_joints_again() noexcept {
-  if constexpr (uses<typename S::Joints>) return !S::Joints::Stabilisation::uses_base;
-  return false;
-}
-template <class S>
-inline constexpr bool iterates_joints = takes_joints_again<S>();
+inline constexpr bool iterates_joints = requires {
+  requires !S::Joints::Stabilisation::uses_base;
+};
 /// A step has more than one stage, and contacts that each carries over.
 template <class S>
 inline constexpr bool has_stages = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 template <class S>
-struct MemoriesOf {
-  using type = Absent<21>;
-};
-template <class S>
-requires(has_stages<S>) struct MemoriesOf<S> {
-  using type = typename ContactsOf<S>::State;
-};
-template <class S>
 struct Iteration {
-  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;        // bases of the stage
-  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;     // where the joints were taken
-  [[no_unique_address]] typename MemoriesOf<S>::type of_stage_before;  // contacts
+  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;     // bases of the stage
+  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;  // where the joints were taken
+  [[no_unique_address]] std::conditional_t<has_stages<S>, typename ContactsOf<S>::State, Absent<21>>
+      of_stage_before;  // contacts
 };
 
 /// The nodes of nets: where the stage starts, and where it ends.
@@ -119,16 +99,6 @@ struct NetMotions {
   std::array<NodeMotion, NetOf<S>::max_nodes> bases;
   std::array<NodeState<S>, NetOf<S>::max_nodes> next;  // committed if finite
 };
-template <class S>
-struct NetMotionsType {
-  using type = Absent<21>;
-};
-template <class S>
-requires(uses<NetOf<S>>) struct NetMotionsType<S> {
-  using type = NetMotions<S>;
-};
-template <class S>
-using NetMotionsOf = typename NetMotionsType<S>::type;
 
 /// Scratch: undefined between steps.
 template <class S>
@@ -139,7 +109,7 @@ struct Scratch {
   std::array<TargetOf<T>, max_groups<S>> inside;                               // targets inside the step
   std::array<RigidBodyStateOf<T>, max_groups<S>> bases;                        // where the stage starts
   std::array<StageVelocityOf<T>, max_groups<S>> velocities;                    // what the stage solves for
-  [[no_unique_address]] typename JointScratchType<S>::type tree;               // the bodies with their joints
+  [[no_unique_address]] JointScratchOf<S> tree;                                // the bodies with their joints
   [[no_unique_address]] std::conditional_t<uses<typename S::Joints> && uses<typename S::Feedback>,
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
       wanted;  // to be shown on the links of the device, before limits
@@ -149,7 +119,7 @@ struct Scratch {
   [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,
                                            Absent<18>>
       nodes;
-  [[no_unique_address]] NetMotionsOf<S> net;  // nodes of nets
+  [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetMotions<S>, Absent<21>> net;
   [[no_unique_address]] ContactScratchOf<S> contacts;
 };
 

@@ -32,17 +32,6 @@ Vector3<T> solve3(const Matrix3<T>& A, const Vector3<T>& b) noexcept {
   return Vector3<T>(c0.dot(b), c1.dot(b), c2.dot(b)) * T(1 / a0.dot(c0));
 }
 
-/// A^-1 by cofactors: A regular.
-template <class T>
-Matrix3<T> inverse3(const Matrix3<T>& A) noexcept {
-  const Vector3<T> a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
-  const Vector3<T> c0 = a1.cross(a2), c1 = a2.cross(a0), c2 = a0.cross(a1);
-  const T r = T(1) / a0.dot(c0);
-  Matrix3<T> inverse;
-  for (int j = 0; j < 3; ++j) inverse.col(j) = Vector3<T>(c0[j], c1[j], c2[j]) * r;
-  return inverse;
-}
-
 /// (10) as M v+ = b, world axes.
 template <class T>
 struct TranslationSystemOf {

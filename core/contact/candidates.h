@@ -29,12 +29,6 @@ template <std::size_t max_contacts>
 using NearContacts =
     BoundedList<NearContact, max_contacts, NearContact::is_deeper, NearContact::comes_before>;
 
-/// Number of a sphere among what touches.
-template <std::size_t max_spheres, std::size_t max_surfaces>
-constexpr std::uint32_t sphere_number(const ContactParams<max_spheres, max_surfaces>&,
-                                      std::uint32_t sphere) noexcept {
-  return static_cast<std::uint32_t>(max_surfaces) + sphere;
-}
 /// The law of a contact.
 template <std::size_t max_spheres, std::size_t max_surfaces>
 const ContactLaw& law_of(const ContactParams<max_spheres, max_surfaces>& par,

@@ -58,16 +58,7 @@ struct TouchingGraph {
     for (std::uint32_t k = island.first_body; k < island.end_body; ++k) f(order[k], bodies[order[k]]);
   }
   template <class F>
-  void each_body(const Island& island, F f) const noexcept {
-    for (std::uint32_t k = island.first_body; k < island.end_body; ++k) f(order[k], bodies[order[k]]);
-  }
-  template <class F>
   void each_pair(const Island& island, F f) noexcept {
-    if constexpr (max_pairs > 0)
-      for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
-  }
-  template <class F>
-  void each_pair(const Island& island, F f) const noexcept {
     if constexpr (max_pairs > 0)
       for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
   }

@@ -16,7 +16,11 @@ struct FixedContacts {
   static constexpr bool between_bodies = false;
   static constexpr bool jointed = false;                      // OnJoints
   static constexpr std::size_t max_nodes = 0, max_terms = 0;  // WithTerms
-  static constexpr bool has_net = false;                      // WithNet
+  using TermStages = Absent<19>;
+  static constexpr bool has_net = false;  // WithNet
+  static constexpr std::size_t max_net_packs = 0;
+  template <std::size_t>
+  static constexpr std::size_t max_net_pairs = 0;
   using Params = ContactParams<spheres_, surfaces_>;
   using State = ContactMemories<contacts_>;
   using Output = ContactReport;
@@ -36,6 +40,7 @@ template <class Contacts, class Terms_, std::size_t nodes>
 struct WithTerms : Contacts {
   using Terms = Terms_;
   static constexpr std::size_t max_nodes = nodes, max_terms = Terms::max_terms;
+  using TermStages = typename Terms::Stages;
 };
 
 /// The contacts of a scene that has a net.
@@ -43,6 +48,9 @@ template <class Contacts, class Net_>
 struct WithNet : Contacts {
   using Net = Net_;
   static constexpr bool has_net = true;
+  static constexpr std::size_t max_net_packs = NetStage<Net, 1>::max_packs;
+  template <std::size_t N>  // bodies and nodes
+  static constexpr std::size_t max_net_pairs = NetStage<Net, N>::max_pairs;
 };
 
 /// A body's stage, about its centre of mass, world axes. Its A has a skew part (11), which a solve by A = A^T cannot
@@ -80,30 +88,6 @@ struct LinePacks {
   std::size_t size = 0;
 };
 
-template <class Contacts, std::size_t N>
-constexpr std::size_t count_net_pairs() noexcept {
-  if constexpr (Contacts::has_net) return NetStage<typename Contacts::Net, N>::max_pairs;
-  return 0;
-}
-template <class Contacts, std::size_t N>
-inline constexpr std::size_t max_net_pairs = count_net_pairs<Contacts, N>();
-template <class Contacts>
-constexpr std::size_t count_net_packs() noexcept {
-  if constexpr (Contacts::has_net) return NetStage<typename Contacts::Net, 1>::max_packs;
-  return 0;
-}
-template <class Contacts>
-inline constexpr std::size_t max_net_packs = count_net_packs<Contacts>();
-
-template <class Contacts>
-struct TermStagesType {
-  using type = Absent<19>;
-};
-template <class Contacts>
-requires(Contacts::max_terms > 0) struct TermStagesType<Contacts> {
-  using type = typename Contacts::Terms::Stages;
-};
-
 /// What a scene with a net has more, and what its systems are solved as.
 template <class Contacts, std::size_t N, class System>
 struct NetStageType {
@@ -130,7 +114,7 @@ struct BodyContactScratch {
                                           ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
                                           : N;
   static constexpr std::size_t max_entries = std::max<std::size_t>(
-      max_pairs + max_terms + (Contacts::jointed ? N : 0) + max_net_pairs<Contacts, N>, 1);
+      max_pairs + max_terms + (Contacts::jointed ? N : 0) + Contacts::template max_net_pairs<N>, 1);
   using System = BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room,
                              Contacts::jointed, Contacts::has_net>;
   using OfNet = NetStageType<Contacts, N, System>;
@@ -140,9 +124,9 @@ struct BodyContactScratch {
   std::size_t num_groups = 0;
   std::array<BegunContact, max_contacts> begun;         // of the near ones
   std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
-  LinePacks<max_packs + max_net_packs<Contacts>> line;  // those that leave their modes on it
+  LinePacks<max_packs + Contacts::max_net_packs> line;  // those that leave their modes on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
-  [[no_unique_address]] typename TermStagesType<Contacts>::type terms;
+  [[no_unique_address]] typename Contacts::TermStages terms;
   System system;  // of the island at hand
   SystemVectors<typename OfNet::Coupled>
       x;  // V: velocities of all bodies; V_0: those predicted, then of the iteration before

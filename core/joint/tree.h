@@ -152,6 +152,12 @@ void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
   }
 }
 
+/// Body i of a scene, or the world.
+template <Scene S>
+TreePlace place_of(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+  return i == world ? TreePlace{} : place<Real>(par.bodies[i].joint.C.p, x.bodies[i].x);
+}
+
 /// The joint's frames, and how its child moves against its parent.
 inline JointAt joint_at(const JointParams& par, const TreePlace& P, const TreePlace& C) noexcept {
   const Vec3 V_P = P.V.v + P.V.w.cross(C.a_W - P.a_W);
