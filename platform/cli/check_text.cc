@@ -27,6 +27,13 @@ namespace {
   return out + text.data();
 }
 
+/// A number within a text.
+std::string with_number(const char* before, double x, const char* after) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", x);
+  return std::string(before) + text.data() + after;
+}
+
 /// "6 encoders", "1 drive".
 std::string number_of(std::size_t n, const std::string& what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
@@ -98,8 +105,8 @@ void add_contacts(const SceneConfig& scene, const Composition& c, std::vector<st
                          counts.spheres, c.max_spheres, counts.surfaces, c.max_surfaces, c.max_contacts));
   }
   if (const std::optional<SpeedBound> bound = top_speed(scene))
-    lines.push_back(line("top speed", "%.3g m/s: up to it nothing passes anything, %s", bound->top(),
-                         bound->what.c_str()));
+    lines.push_back(line("top speed", "%.3g m/s: up to it %s passes anything, %s", bound->top(),
+                         what_does_not_pass(scene), bound->what.c_str()));
 }
 
 void add_nets(const Session& session, std::vector<std::string>& lines) {
@@ -123,8 +130,11 @@ void add_nets(const Session& session, std::vector<std::string>& lines) {
            bytes, number_of(static_cast<std::size_t>(stages), "stage").c_str(), nets.max_iterations,
            nets.springs.size(), most * static_cast<double>(nets.springs.size()),
            1e-6 * most * flops_of_an_iteration(nets)));
-  lines.push_back(line("", "time constants: fastest %.3g s, %.2g steps; slowest %.3g s", times.fastest,
-                       times.fastest / session.scene().step, times.slowest));
+  const std::string slowest = times.slowest
+                                  ? with_number("slowest at most ", *times.slowest, " s, carriers held")
+                                  : "no bound of the slowest: nodes without springs of anchors";
+  lines.push_back(line("", "time constants: fastest %.3g s, %.2g steps; %s", times.fastest,
+                       times.fastest / session.scene().step, slowest.c_str()));
 }
 
 }  // namespace

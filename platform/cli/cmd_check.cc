@@ -53,8 +53,8 @@ void print_capacities(const SceneConfig& scene, const Engine& engine) {
 void print_top_speed(const SceneConfig& scene) {
   const std::optional<SpeedBound> bound = top_speed(scene);
   if (!bound) return;
-  std::printf("\n# top speed at which nothing passes anything: %.3g m/s, %s\n", bound->top(),
-              bound->what.c_str());
+  std::printf("\n# top speed at which %s passes anything: %.3g m/s, %s\n", what_does_not_pass(scene),
+              bound->top(), bound->what.c_str());
   std::printf(
       "#   travel in a step: %.3g m/s; energy of the tool: %.3g m/s; hand %.3g m beyond the surface\n",
       bound->travel, bound->energy, bound->hand);

@@ -169,6 +169,10 @@ double thinnest(const MeshData& mesh) {
   return shortest_way;
 }
 
+const char* what_does_not_pass(const SceneConfig& scene) {
+  return scene.nets.empty() ? "nothing" : "nothing but nodes of nets, of which it does not say,";
+}
+
 std::optional<SpeedBound> top_speed(const SceneConfig& scene) {
   if (contact_scope(scene) == ContactScope::none) return std::nullopt;
   return Search(scene).slowest();

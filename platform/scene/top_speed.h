@@ -19,6 +19,9 @@
 // goes on pushing is not in this: a hand that follows x_H deep is held as long as its coupling k_c balances the
 // contact at less than r + T, x_H < (r + T) (1 + k / k_c). A body placed at its target by coupling = "imposed" is
 // stopped by nothing: of it only the travel counts, and only against bodies that it can push.
+//
+// Nodes of nets are not in it. Obstacles stop them on their way, as fast as they may be, but the carrier and the other nodes go on
+// pulling by springs, and how hard depends on how far the whole net is deformed.
 #pragma once
 
 #include <optional>
@@ -39,6 +42,9 @@ struct SpeedBound {
 
 /// That of the pair with the lowest top speed; none in a scene without contacts.
 std::optional<SpeedBound> top_speed(const SceneConfig& scene);
+
+/// What that is true of: the subject of "... passes anything".
+const char* what_does_not_pass(const SceneConfig& scene);
 
 /// The shortest way through the solid along inward normals, sampled at up to 2000 of its triangles, m.
 double thinnest(const MeshData& mesh);

@@ -74,7 +74,8 @@ TEST_F(CliCheck, SaysWhatANetIsAndAsksOfAStep) {
   EXPECT_EQ(result.exit_code, 0) << result.output;
   for (const char* text :
        {"950 of 1536 nodes, 2844 of 9216 springs", "at most 768 contacts of nodes at a time",
-        "2 stages, each at most 12 iterations over 2844 springs", "time constants: fastest "})
+        "2 stages, each at most 12 iterations over 2844 springs", "time constants: fastest ",
+        "; slowest at most ", " s, carriers held"})
     EXPECT_THAT(result.output, HasSubstr(text));
   expect_both("sim/scenes/net-small.toml --duration 0.01", 0, "nets");
 }

@@ -65,6 +65,15 @@ TEST(TopSpeed, IsTheSmallerOfTravelAndEnergy) {
   EXPECT_NEAR(top_speed(scene)->hand, 2 * (r + wall / 2), 1e-12);
 }
 
+TEST(TopSpeed, SaysNothingOfNodesOfNets) {
+  SceneConfig scene = sphere_and_wall(2e4);
+  EXPECT_STREQ(what_does_not_pass(scene), "nothing");
+  const double top = top_speed(scene)->top();
+  scene.nets.emplace_back().thickness = 1e-4;  // thinner than all that is in the bound
+  EXPECT_THAT(what_does_not_pass(scene), HasSubstr("nodes of nets"));
+  EXPECT_EQ(top_speed(scene)->top(), top);
+}
+
 TEST(TopSpeed, IsThatOfTheThinnestPair) {
   SceneConfig scene = sphere_and_wall(2e4);
   scene.obstacles.push_back(obstacle_of("ground", ShapeKind::plane));
