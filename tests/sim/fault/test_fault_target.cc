@@ -114,7 +114,7 @@ TEST(FaultFile, OfWhoDoesNotSimulateIsCheckedBySimulatedDevices) {
   const LoadResult loaded = parse_scene(toml, "scene");
   ASSERT_THAT(loaded.errors, IsEmpty());
   EXPECT_THAT(make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::sim).errors,
-              ElementsAre(HasSubstr("fault 'dorp' cannot be played: no verb 'dorp'")));
+              ElementsAre(HasSubstr("fault 'dorp' cannot be played: there is no verb 'dorp'")));
 }
 
 }  // namespace
