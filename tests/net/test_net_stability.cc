@@ -13,8 +13,10 @@ constexpr unsigned seeds = 125;  // of each ordeal and integrator: 2000 in all
 #else
 constexpr unsigned seeds = 4;  // builds with assertions and sanitizers take a hundred times as long
 #endif
-/// Of the ordeals in which nets are pressed on something: in so many of their cases contacts must have borne a force, 87 to 92 % now.
+/// The least share of cases in which contacts have borne a force, where nets are pressed on something: it is 87 to 92 %. Four
+/// cases say nothing of it.
 constexpr double pressed_share = 0.85;
+constexpr bool is_whole_sweep = seeds >= 100;
 
 /// What a case came to.
 struct Outcome {
@@ -78,7 +80,8 @@ class NetStability : public ::testing::Test {
     }
     std::printf("%s, %s: %u of %u pressed, farthest %.2f of what may be\n", I::name,
                 ordeal_names[static_cast<int>(ordeal)], pressed, seeds, farthest);
-    if (ordeal == Ordeal::pinched || ordeal == Ordeal::jaws || ordeal == Ordeal::hole) {
+    const bool is_pressed = ordeal == Ordeal::pinched || ordeal == Ordeal::jaws || ordeal == Ordeal::hole;
+    if (is_whole_sweep && is_pressed) {
       EXPECT_GE(pressed, pressed_share * seeds);
     }
   }
