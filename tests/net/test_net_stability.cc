@@ -98,32 +98,59 @@ TYPED_TEST(NetStability, PinchedInTheWorld) { this->outlive_all(Ordeal::pinched)
 TYPED_TEST(NetStability, PinchedBetweenBodies) { this->outlive_all(Ordeal::jaws); }
 TYPED_TEST(NetStability, ThroughAHole) { this->outlive_all(Ordeal::hole); }
 
-/// Damped nets at rest 2 s after the hand: springs and anchors within reach of each other, half a second or less to settle.
+/// Damped nets, 2.3 s or more after the hand has come to rest: springs and anchors within reach of each other, half a second or
+/// less to settle.
 template <class I>
-void expect_rest() {
-  for (unsigned seed = 0; seed < seeds / 5 + 4; ++seed) {
-    for (const Ordeal ordeal : {Ordeal::held, Ordeal::led}) {
-      auto net = std::make_unique<RandomNet<I>>(seed, static_cast<int>(ordeal), [](Drawn& of) {
-        of.on_carrier = true;
-        of.anchors = std::max(of.anchors, Real(0.1));
-        of.k = std::max(of.k, 100 * of.m / of.anchors * 100);  // anchors at 100 rad/s or above
-        of.zeta = std::max(of.zeta, Real(0.2));
-        of.cap = 12;
-        of.gravity = 0;
-      });
-      for (int n = 0; n < static_cast<int>(2.5 / net->of.h); ++n)
-        ASSERT_TRUE(net->step_and_watch()) << net->of.text();
-      Real fastest = 0;
-      for (std::size_t n = 0; n < net->par.net.num_nodes; ++n)
-        fastest = std::max(fastest, net->x.net.nodes[n].v_W.norm());
-      EXPECT_LT(fastest, 1e-3) << I::name << " seed " << seed << ": " << net->of.text();
-    }
-  }
+bool comes_to_rest(Ordeal ordeal, unsigned seed) {
+  constexpr Real settled = 2.5, at_rest = 1e-3;  // s, m/s
+  auto net = std::make_unique<RandomNet<I>>(seed, static_cast<int>(ordeal), [ordeal](Drawn& of) {
+    of.on_carrier = true;
+    of.anchors = std::max(of.anchors, Real(0.1));
+    of.k = std::max(of.k, 100 * of.m / of.anchors * 100);  // anchors at 100 rad/s or above
+    of.zeta = std::max(of.zeta, Real(0.2));
+    of.cap = 12;
+    of.gravity = 0;
+    if (ordeal == Ordeal::held || ordeal == Ordeal::led) return;
+    // the coupling's damper is that of the carrier alone: nets weigh no more, and 30 rad/s are left with them
+    of.carrier_m = std::max(of.carrier_m, 64 * of.m);
+    of.coupling_k = std::max(of.coupling_k, 2 * 30 * 30 * of.carrier_m);
+  });
+  Real fastest = 0;
+  for (int n = 0; n < static_cast<int>(settled / net->of.h); ++n)
+    if (!net->step_and_watch()) fastest = std::numeric_limits<Real>::infinity();
+  for (std::size_t n = 0; n < net->par.net.num_nodes; ++n)
+    fastest = std::max(fastest, net->x.net.nodes[n].v_W.norm());
+  if (!(fastest < at_rest))
+    std::printf("%s, seed %u: %.2g m/s: %s\n", I::name, seed, fastest, net->of.text().c_str());
+  return fastest < at_rest;
 }
+template <class I>
+unsigned count_restless(Ordeal ordeal, unsigned cases) {
+  unsigned restless = 0;
+  for (unsigned seed = 0; seed < cases; ++seed) restless += comes_to_rest<I>(ordeal, seed) ? 0 : 1;
+  return restless;
+}
+constexpr unsigned led_cases = seeds / 5 + 4, other_cases = seeds / 10 + 2;
 
 TEST(NetRest, DampedNetsRestWhenTheHandDoes) {
-  expect_rest<ImplicitEuler>();
-  expect_rest<TrBdf2>();
+  for (const Ordeal ordeal : {Ordeal::held, Ordeal::led}) {
+    EXPECT_EQ(count_restless<ImplicitEuler>(ordeal, led_cases), 0u);
+    EXPECT_EQ(count_restless<TrBdf2>(ordeal, led_cases), 0u);
+  }
+}
+TEST(NetRest, DampedNetsRestThatWerePulledOut) {
+  EXPECT_EQ(count_restless<ImplicitEuler>(Ordeal::far_node, other_cases), 0u);
+  EXPECT_EQ(count_restless<TrBdf2>(Ordeal::far_node, other_cases), 0u);
+}
+TEST(NetRest, DampedNetsRestPressed) {
+  for (const Ordeal ordeal : {Ordeal::pinched, Ordeal::jaws, Ordeal::hole}) {
+    EXPECT_EQ(count_restless<ImplicitEuler>(ordeal, other_cases), 0u);
+    EXPECT_EQ(count_restless<TrBdf2>(ordeal, other_cases), 0u);
+  }
+}
+TEST(NetRest, DampedNetsRestThatBeginInsideOut) {
+  EXPECT_EQ(count_restless<ImplicitEuler>(Ordeal::inside_out, other_cases), 0u);
+  EXPECT_EQ(count_restless<TrBdf2>(Ordeal::inside_out, other_cases), 0u);
 }
 
 }  // namespace
