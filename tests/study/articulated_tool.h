@@ -18,11 +18,6 @@ struct Articulated {
   using Feedback = None;
 };
 
-template <Scene S>
-TreePlace place_of(const Params<S>& par, const State<S>& x, std::size_t i) {
-  return i == world ? TreePlace{} : place<Real>(par.bodies[i].joint.C.p, x.bodies[i].x);
-}
-
 /// The joint of body i where its bodies stand.
 template <Scene S>
 JointAt joint_of(const Params<S>& par, const State<S>& x, std::size_t i) {
