@@ -21,9 +21,9 @@ Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bu
 
 /// The motion as the hand that moves a simulated device.
 std::shared_ptr<const Hand> hand_of(Motion motion);
-/// Of the scene's device, which has a rig; handles of bodies that the scene has not stay where they are.
+/// What a simulated rig is made of for the scene's device, which has one; handles of bodies that the scene has not stay where they are.
 SimRigConfig sim_rig_config(const SceneConfig& scene);
-/// Of the scene's device, which has trackers.
+/// What simulated trackers are made of for the scene's device, which has some.
 SimTrackersConfig sim_trackers_config(const SceneConfig& scene);
 
 }  // namespace godobject
