@@ -171,8 +171,7 @@ struct PoseDevice {
   using Params = RampParams;
   using State = DeviceState;
   struct Input {
-    Pose X_WD;
-    Twist V_WD;
+    Target target;
     bool valid = true;    // false: no sample this step; the target rests at the last one
     bool engaged = true;  // false: the device drives nothing
   };
@@ -182,7 +181,8 @@ struct PoseDevice {
     Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
     d.from = x.last;
     d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
-    if (in.valid) d.to = {.X_WD = {.p = in.X_WD.p, .q = renormalized(in.X_WD.q)}, .V_WD = in.V_WD};
+    if (in.valid)
+      d.to = {.X_WD = {.p = in.target.X_WD.p, .q = renormalized(in.target.X_WD.q)}, .V_WD = in.target.V_WD};
     else if (d.gap.bridged) d.to = carried_on(x.last, h);
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);

@@ -52,12 +52,12 @@ struct HoldingDevice {
   static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
                    Limited& limited) noexcept {
     Pull d{begin_pull(par, x, in.engaged, in.valid, h, limited), {}};
-    const Pose X_WD{.p = in.X_WD.p, .q = renormalized(in.X_WD.q)};
+    const Pose X_WD{.p = in.target.X_WD.p, .q = renormalized(in.target.X_WD.q)};
     const bool takes = d.fresh && !(x.held > 0 && grip_lasted(x));
     if (d.ramp.engaged) d.X_DB = takes ? seen_from(X_WD, moved(body.X_WB, body.v_W, body.w_B, h)) : x.X_DB;
     d.from = x.last;
     d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
-    if (in.valid) d.to = held(X_WD, in.V_WD, d.X_DB);
+    if (in.valid) d.to = held(X_WD, in.target.V_WD, d.X_DB);
     else if (d.gap.bridged) d.to = carried_on(x.last, h);
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);

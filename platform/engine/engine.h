@@ -23,9 +23,8 @@ namespace godobject {
 
 /// What the devices say for one body; a composition reads the fields its device has.
 struct BodySample {
-  Pose X_WD;    // target pose (relative devices: of the device; its changes count)
-  Twist V_WD;   // target velocity
-  Wrench F_WB;  // force of the hand (admittance)
+  Target target;  // relative devices: where the device is; its changes count
+  Wrench F_WB;    // force of the hand (admittance)
   bool valid = true;
   bool engaged = true;
   bool clutch = true;       // relative devices

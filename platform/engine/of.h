@@ -11,8 +11,8 @@ namespace godobject {
 
 /// A relative device's change of pose.
 inline RelativeDevice::Input increment(const BodySample& sample, const Target& before) noexcept {
-  const RotationError turn = rotation_error(before.X_WD.q, sample.X_WD.q, Vec3::Zero());
-  return {.dp_W = sample.X_WD.p - before.X_WD.p,
+  const RotationError turn = rotation_error(before.X_WD.q, sample.target.X_WD.q, Vec3::Zero());
+  return {.dp_W = sample.target.X_WD.p - before.X_WD.p,
           .dphi_W = to_world(before.X_WD.q, turn.phi_B),
           .clutch = sample.clutch,
           .valid = sample.valid,
@@ -25,7 +25,7 @@ inline void set_input(AnyDevice::Kind kind, const BodySample& sample, const Targ
   switch (kind) {
     case AnyDevice::Kind::pose:
     case AnyDevice::Kind::holding:
-      in.pose = {.X_WD = sample.X_WD, .V_WD = sample.V_WD, .valid = sample.valid, .engaged = sample.engaged};
+      in.pose = {.target = sample.target, .valid = sample.valid, .engaged = sample.engaged};
       return;
     case AnyDevice::Kind::relative: in.relative = increment(sample, before); return;
     case AnyDevice::Kind::admittance:
@@ -134,8 +134,7 @@ class EngineOf final : public Engine {
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       place(x_, i, {.X_WB = scene.bodies[i].X_WB, .V_WB = scene.bodies[i].V_WB});
       const AnyDevice::Params& device = par_.bodies[i].device;
-      const Target sample{.X_WD = at_start[i].X_WD, .V_WD = at_start[i].V_WD};
-      before_[i] = sample;
+      const Target& sample = before_[i] = at_start[i].target;
       const bool absolute = device.kind == AnyDevice::Kind::pose;
       engage_at(x_, i, absolute ? sample : Target{.X_WD = scene.bodies[i].X_WB, .V_WD = {}});
       const bool captures = device.kind == AnyDevice::Kind::holding;  // in its first step
@@ -155,7 +154,7 @@ class EngineOf final : public Engine {
   StepReport step(std::span<const BodySample> samples) noexcept override {
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       set_input(par_.bodies[i].device.kind, samples[i], before_[i], in_.devices[i]);
-      if (samples[i].valid) before_[i] = {.X_WD = samples[i].X_WD, .V_WD = samples[i].V_WD};
+      if (samples[i].valid) before_[i] = samples[i].target;
       if constexpr (imposes<S>) in_.joints[i] = samples[i].joint;
     }
     godobject::step(par_, in_, x_, w_, out_);

@@ -42,8 +42,8 @@ std::optional<std::size_t> Grip::nearest(const Vec3& p_WD, const Engine& engine)
 Wrench Grip::feel(const BodySample& device, const Engine& engine, Limited& limited) noexcept {
   const Wrench F_W = body_ ? engine.feedback(*body_) : Wrench{};
   const Vec3 p_WT = body_ ? engine.view(*body_).target.X_WD.p : Vec3::Zero();
-  return HeldFeedback::show(limits_, body_ ? &F_W : nullptr, p_WT, device.X_WD.p, device.valid, step_, felt_,
-                            limited);
+  return HeldFeedback::show(limits_, body_ ? &F_W : nullptr, p_WT, device.target.X_WD.p, device.valid, step_,
+                            felt_, limited);
 }
 
 }  // namespace godobject

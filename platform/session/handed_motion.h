@@ -29,10 +29,8 @@ class HandedMotion final : public HandDevice {
 
   /// The sample of the target of this index: see Motion.
   BodySample sample(std::size_t index, double t) const noexcept {
-    const Target target = motion_.target(index, t);
     const MotionSwitches switches = motion_.switches(index, t);
-    return {.X_WD = target.X_WD,
-            .V_WD = target.V_WD,
+    return {.target = motion_.target(index, t),
             .F_WB = motion_.wrench(index, t),
             .engaged = switches.engaged,
             .clutch = switches.clutch,

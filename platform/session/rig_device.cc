@@ -62,8 +62,7 @@ void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
   const bool has_clutch = rig_->has_button(ButtonUse::clutch);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     BodySample& sample = samples[bodies_[k]];
-    sample.X_WD = device.handles[k].X_WD;
-    sample.V_WD = device.handles[k].V_WD;
+    sample.target = device.handles[k];
     sample.valid = valid;
     if (has_clutch) sample.clutch = buttons_.clutch;
   }

@@ -110,11 +110,11 @@ void Session::measure(CycleRecord& record) const noexcept {
   for (const std::size_t body : driven_) {
     if (grip_ && !grip_->holds(body)) continue;
     const BodyView& view = record.bodies[body];
-    const Pose& X_WH = truth_ ? truth_->handle(body) : samples_[body].X_WD;
+    const Pose& X_WH = truth_ ? truth_->handle(body) : samples_[body].target.X_WD;
     record.following = worst(record.following, difference(view.X_WB, offset ? view.target.X_WD : X_WH));
     if (!truth_) continue;
     const BodyView exact = truth_->exact(body);
-    record.sensing = worst(record.sensing, difference(samples_[body].X_WD, X_WH));
+    record.sensing = worst(record.sensing, difference(samples_[body].target.X_WD, X_WH));
     record.exact_following =
         worst(record.exact_following, difference(exact.X_WB, offset ? exact.target.X_WD : X_WH));
     record.encoders = worst(record.encoders, difference(view.X_WB, exact.X_WB));
@@ -127,9 +127,9 @@ void Session::take_hold() noexcept {
   const bool has_button = rig_ && rig_->rig().has_button(ButtonUse::hold);
   HoldWish wish = motion_.hold(period_.t);
   for (const HandDevice* const of : devices_) wish = of->hold().value_or(wish);
-  grip_->update(wish, !has_button && motion_.button(period_.t), device.X_WD.p, *engine_);
+  grip_->update(wish, !has_button && motion_.button(period_.t), device.target.X_WD.p, *engine_);
   for (const HandDevice* const of : devices_)
-    if (of->hold_pressed()) grip_->press(device.X_WD.p, *engine_);
+    if (of->hold_pressed()) grip_->press(device.target.X_WD.p, *engine_);
   for (const std::size_t body : driven_) {
     samples_[body] = device;
     samples_[body].engaged = grip_->holds(body);
@@ -168,7 +168,7 @@ std::optional<PoseError> Session::offset_at_start(std::size_t body) const noexce
   const std::size_t driven = static_cast<std::size_t>(std::ranges::find(driven_, body) - driven_.begin());
   const BodySample sample = handed_.sample(std::min(driven, motion_.num_bodies() - 1), 0);
   if (!sample.engaged) return std::nullopt;
-  return difference(scene_.bodies[body].X_WB, sample.X_WD);
+  return difference(scene_.bodies[body].X_WB, sample.target.X_WD);
 }
 
 std::optional<JointTarget> Session::joints_at_start() const noexcept {

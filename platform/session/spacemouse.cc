@@ -84,8 +84,7 @@ void SpaceMouse::read(Period& period, std::span<BodySample> samples) noexcept {
   period.begin_by(clock_);
   stream_.play(period.now, period.step);
   BodySample& sample = samples[body_];
-  sample.X_WD = stream_.target().X_WD;
-  sample.V_WD = stream_.target().V_WD;
+  sample.target = stream_.target();
   sample.valid = stream_.valid();
   sample.clutch = stream_.heard().clutch;
   hold_pressed_ = stream_.heard().presses != stream_.heard_before().presses;

@@ -28,8 +28,7 @@ void TrackerDevice::read(Period& period, std::span<BodySample> samples) noexcept
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const TrackedPose& pose = poses_.poses()[i];
     BodySample& sample = samples[bodies_[i]];
-    sample.X_WD = pose.target.X_WD;
-    sample.V_WD = pose.target.V_WD;
+    sample.target = pose.target;
     sample.valid = pose.valid;
     sample.engaged = sample.engaged && pose.seen;
   }

@@ -33,11 +33,8 @@ Target SimulatedTruth::target(std::size_t driven, double t) const noexcept {
 void SimulatedTruth::step(double t, std::span<const BodySample> samples) noexcept {
   std::ranges::copy(samples, samples_.begin());
   for (BodySample& sample : samples_) sample.valid = true;
-  for (std::size_t i = 0; i < driven_.size(); ++i) {
-    const Target X = target(i, t);
-    samples_[driven_[i]].X_WD = X.X_WD;
-    samples_[driven_[i]].V_WD = X.V_WD;
-  }
+  for (std::size_t i = 0; i < driven_.size(); ++i) samples_[driven_[i]].target = target(i, t);
+
   if (link_ != nullptr) joints_.lead(link_->rig().joints(), true, samples_);
   for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].engaged = samples[i].engaged;
   static_cast<void>(engine_->step(samples_));

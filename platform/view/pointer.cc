@@ -63,8 +63,7 @@ void PointerDevice::read(Period& period, std::span<BodySample> samples) noexcept
   period.begin_by(clock_);
   stream_.play(period.now, period.step);
   for (const std::size_t body : driven_) {
-    samples[body].X_WD = stream_.target().X_WD;
-    samples[body].V_WD = stream_.target().V_WD;
+    samples[body].target = stream_.target();
     samples[body].valid = stream_.valid();
   }
 }

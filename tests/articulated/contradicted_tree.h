@@ -44,7 +44,7 @@ PulledApart pulled_apart(
     X_WD.p += c.offset * size * random.direction();
     X_WD.q = X_WD.q * exp_so3(Vec3(c.offset * random.direction()));
     engage_at<S>(run->x, i, {.X_WD = X_WD, .V_WD = {}});
-    run->in.devices[i].X_WD = X_WD;
+    run->in.devices[i].target.X_WD = X_WD;
     run->in.devices[i].engaged = run->in.devices[i].valid = true;
   }
   const int steps = static_cast<int>(duration / par.h);

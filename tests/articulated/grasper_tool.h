@@ -134,8 +134,7 @@ class GrasperTool : public Running<Articulated<I, J>> {
   void feed(Real t) {
     const std::array<Target, 4> targets = motion.at(t);
     for (std::size_t i = 0; i < 4; ++i) {
-      this->in.devices[i].X_WD = targets[i].X_WD;
-      this->in.devices[i].V_WD = targets[i].V_WD;
+      this->in.devices[i].target = targets[i];
     }
   }
 

@@ -19,7 +19,7 @@ template <Scene S>
 Swung swing(Running<S>& run, int steps) {
   for (std::size_t i = 0; i < run.par.num_bodies; ++i) {
     engage_at<S>(run.x, i, {.X_WD = run.x.bodies[i].x.X_WB, .V_WD = {}});
-    run.in.devices[i].X_WD = run.x.bodies[i].x.X_WB;
+    run.in.devices[i].target.X_WD = run.x.bodies[i].x.X_WB;
   }
   const Real first = energy(run.par, run.x);
   Real moving = kinetic_energy(run.par, run.x);

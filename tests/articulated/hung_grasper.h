@@ -176,7 +176,7 @@ class HungGrasper {
     rates_ = rates;
     const TreeConfiguration at = device_.at(q);
     for (std::size_t i = 0; i < 4; ++i)
-      all_->in.devices[i] = {.X_WD = at.X_WH(i), .V_WD = at.twist(i, rates)};
+      all_->in.devices[i] = {.target = {.X_WD = at.X_WH(i), .V_WD = at.twist(i, rates)}};
   }
   void start() {
     all_->x = {};

@@ -36,8 +36,7 @@ class OracleTool {
     const double t = static_cast<double>(++tick_) * par_.h;
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       const Target to = target(i, t);
-      in_.devices[i].X_WD = to.X_WD;
-      in_.devices[i].V_WD = to.V_WD;
+      in_.devices[i].target = to;
     }
     godobject::step(par_, in_, x_, w_, out_);
   }

@@ -73,7 +73,7 @@ class ImposedBar : public Running<Articulated<I, Imposing>> {
     b.body = rigid_body(0.5, Vec3(1e-3, 2e-3, 3e-3).asDiagonal());
     b.device = ramp;
     place<S>(this->x, 0, {.X_WB = {.p = Vec3(0.1, 0, 0), .q = Quat::Identity()}, .V_WB = {}});
-    this->in.devices[0].X_WD = this->x.bodies[0].x.X_WB;
+    this->in.devices[0].target.X_WD = this->x.bodies[0].x.X_WB;
   }
   JointMotionSample& sample() { return this->in.joints[0]; }
   JointCoordinates q() const {
@@ -86,7 +86,7 @@ TYPED_TEST(Imposed, EveryKindFollowsItsCoordinates) {
   for (const JointKind kind : imposable) {
     ImposedBar<TypeParam> bar(kind, 1e-3);
     bar.par.gravity_W = Vec3(1, -2, -9.81);
-    engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].X_WD, .V_WD = {}});
+    engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
     Real worst_error = 0;
     for (int n = 1; n <= 2000; ++n) {
       const Real t = n * bar.par.h, w = 2 * pi;
@@ -168,7 +168,7 @@ TEST(ImposedJaws, AreSecondOrderWithTrBdf2) {
 TYPED_TEST(Imposed, ReactionHoldsTheLoad) {
   ImposedBar<TypeParam> bar(JointKind::hinge, 1e-3);
   bar.par.gravity_W = Vec3(0.3, -9.81, 0.7);
-  engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].X_WD, .V_WD = {}});
+  engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
   bar.step(2000);
   const Vec3 weight = 0.5 * bar.par.gravity_W;
   const Wrench& F_C = bar.out.bodies[0].joint.F_C;
@@ -197,7 +197,7 @@ TYPED_TEST(Imposed, RampStartsWithoutAJumpAndEndsAtTheDevice) {
 /// A device that turns on and on gives its angle within [-pi, pi]: nothing happens where it starts again.
 TYPED_TEST(Imposed, GoesOnThroughTheHalfTurn) {
   ImposedBar<TypeParam> bar(JointKind::hinge, 1e-3);
-  engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].X_WD, .V_WD = {}});
+  engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
   bar.body().w_B.z() = 2;
   bar.body().v_W = Vec3(0, 0.2, 0);
   bar.x.bodies[0].joint.last.q_dot[0] = 2;
@@ -213,7 +213,7 @@ TYPED_TEST(Imposed, GoesOnThroughTheHalfTurn) {
 template <class I>
 ImposedBar<I> bar_in_motion() {
   ImposedBar<I> bar(JointKind::hinge, 1e-3);
-  engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].X_WD, .V_WD = {}});
+  engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
   for (int n = 1; n <= 500; ++n) {
     bar.sample().q[0] = 1e-3 * n;
     bar.sample().q_dot[0] = 1;

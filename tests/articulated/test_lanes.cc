@@ -39,8 +39,9 @@ class Circling : public Running<S> {
     for (std::size_t i = 0; i < this->par.num_bodies; ++i) {
       const Vec3 axis_W(0.5, 1, -0.3);
       const Quat turn = exp_so3(Vec3(0.2 * std::sin(t) * axis_W));
-      this->in.devices[i].X_WD = {.p = start_[i].p + 0.02 * std::sin(t) * axis_W, .q = turn * start_[i].q};
-      this->in.devices[i].V_WD = {.w = 0.2 * std::cos(t) * axis_W, .v = 0.02 * std::cos(t) * axis_W};
+      this->in.devices[i].target.X_WD = {.p = start_[i].p + 0.02 * std::sin(t) * axis_W,
+                                         .q = turn * start_[i].q};
+      this->in.devices[i].target.V_WD = {.w = 0.2 * std::cos(t) * axis_W, .v = 0.02 * std::cos(t) * axis_W};
     }
     this->step();
   }

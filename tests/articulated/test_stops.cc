@@ -72,7 +72,7 @@ class Bar : public Running<Articulated<I, WithStops>> {
     this->par.bodies[0].body = rigid_body(0.5, Vec3(1e-3, 2e-3, 3e-3).asDiagonal());
     place<S>(this->x, 0, {.X_WB = {.p = Vec3(0.1, 0, 0), .q = Quat::Identity()}, .V_WB = {}});
     engage_at<S>(this->x, 0, {.X_WD = this->x.bodies[0].x.X_WB, .V_WD = {}});
-    this->in.devices[0].X_WD = this->x.bodies[0].x.X_WB;
+    this->in.devices[0].target.X_WD = this->x.bodies[0].x.X_WB;
   }
   auto& joint() { return this->par.bodies[0].joint; }
   StopParams& stop(std::size_t c) { return joint().stop.stops[c]; }
@@ -168,7 +168,7 @@ TYPED_TEST(Stops, JawPressedByTheCouplingRestsWhereTheSpringsBalance) {
   const Real k_r = 0.5, k = 7;
   bar.stop(0) = {.lower = -0.2, .upper = no_stop, .k = k, .g = 0.1, .width = 0.01};
   bar.par.bodies[0].coupling = {.k = 0, .g = 0, .k_r = k_r, .g_r = 0.05};
-  bar.in.devices[0].X_WD.q = exp_so3(Vec3(0, 0, -0.6));
+  bar.in.devices[0].target.X_WD.q = exp_so3(Vec3(0, 0, -0.6));
   bar.step(20000);
   const Real d = (k_r * 0.4 + k * 0.005) / (k + k_r);
   ASSERT_GT(d, 0.01);
@@ -186,7 +186,7 @@ TYPED_TEST(Stops, NeverPulls) {
     free.stop(0) = {};
     for (auto* b : {&bar, &free}) {
       b->par.bodies[0].coupling = {.k = 0, .g = 0, .k_r = 1e3, .g_r = 1};
-      b->in.devices[0].X_WD.q = exp_so3(Vec3(0, 0, -1));
+      b->in.devices[0].target.X_WD.q = exp_so3(Vec3(0, 0, -1));
     }
     for (int n = 0; n < 200; ++n) {
       bar.step();

@@ -22,7 +22,7 @@ void rest_targets(Running<S>& run, Real size, Real jump, Random& random) {
     target.X_WD.p += size * jump * random.direction();
     target.X_WD.q = exp_so3(Vec3(jump * random.direction())) * target.X_WD.q;
     engage_at<S>(run.x, i, target);
-    run.in.devices[i].X_WD = target.X_WD;
+    run.in.devices[i].target.X_WD = target.X_WD;
   }
 }
 
@@ -134,7 +134,7 @@ Running<Articulated<I, TreeJoints<>, 256>> heavy_chain(Real angle) {
     const Real depth = (static_cast<Real>(i) + 0.5) * length;
     place<S>(run.x, i, {.X_WB = {.p = depth * down, .q = q}, .V_WB = {}});
     engage_at<S>(run.x, i, {.X_WD = run.x.bodies[i].x.X_WB, .V_WD = {}});
-    run.in.devices[i].X_WD = run.x.bodies[i].x.X_WB;
+    run.in.devices[i].target.X_WD = run.x.bodies[i].x.X_WB;
   }
   return run;
 }

@@ -148,7 +148,7 @@ TYPED_TEST(ToolStability, JumpsOfTheDevice) {
       GrasperTool<TypeParam> tool({.h = h, .stiffness = std::pow(10, decade)});
       for (int jump = 0; jump < 100; ++jump) {
         tool.feed(random.uniform(0, GrasperMotion::period));
-        for (std::size_t i = 0; i < 4; ++i) tool.in.devices[i].V_WD = {};
+        for (std::size_t i = 0; i < 4; ++i) tool.in.devices[i].target.V_WD = {};
         tool.step(100);
         ASSERT_EQ(tool.x.tick, static_cast<std::uint64_t>(100 * (jump + 1)));  // no step was refused
         ASSERT_LT(tool.drift().m, 1e-6) << "h " << h << ", stiffness 1e" << decade;

@@ -120,7 +120,7 @@ class Pile : public Running<S> {
   void hold_at(std::size_t i, const Pose& X_WD, const SpringParams& coupling) {
     this->par.bodies[i].coupling = coupling;
     engage_at(this->x, i, Target{.X_WD = X_WD, .V_WD = {}});
-    this->in.devices[i].X_WD = X_WD;
+    this->in.devices[i].target.X_WD = X_WD;
     this->in.devices[i].engaged = true;
   }
   /// The device of body i goes on to p within a step.

@@ -72,8 +72,8 @@ Real total_energy(const Params<S>& par, const State<S>& x) {
 template <Scene S>
 void hold_at(Running<S>& run, const Pose& X_WD) {
   engage_at(run.x, 0, Target{.X_WD = X_WD, .V_WD = {}});
-  run.in.devices[0].X_WD = X_WD;
-  run.in.devices[0].V_WD = {};
+  run.in.devices[0].target.X_WD = X_WD;
+  run.in.devices[0].target.V_WD = {};
 }
 
 }  // namespace godobject

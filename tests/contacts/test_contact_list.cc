@@ -51,7 +51,7 @@ TYPED_TEST(ContactList, KeepsTheDeepestWhenFullAndSaysSo) {
   ASSERT_EQ(run->x.contacts.size, std::size_t{max_contacts});
   for (std::size_t i = 0; i < max_contacts; ++i)
     EXPECT_EQ(sphere_of(run->x.contacts.list[i].key), num_spheres - max_contacts + i);
-  run->device().X_WD.p.z() = 0.1;
+  run->device().target.X_WD.p.z() = 0.1;
   run->step(200);
   EXPECT_EQ(run->out.fault, Fault::none);
   EXPECT_EQ(run->x.tick, 201u);
@@ -61,7 +61,7 @@ TYPED_TEST(ContactList, KeepsTheDeepestWhenFullAndSaysSo) {
 /// Of equally deep ones the first are kept.
 TYPED_TEST(ContactList, IsInOrder) {
   const auto run = bar<TypeParam>(0);
-  run->device().X_WD.p.z() = -0.002;
+  run->device().target.X_WD.p.z() = -0.002;
   for (int n = 0; n < 100; ++n) {
     run->step();
     ASSERT_EQ(run->out.fault, Fault::contacts_full);
@@ -78,7 +78,7 @@ Pose wobble(std::uint64_t n) {
 }
 template <class Run>
 void follow(Run& run) {
-  run.device().X_WD = wobble(run.x.tick + 1);
+  run.device().target.X_WD = wobble(run.x.tick + 1);
   run.step();
 }
 
@@ -87,7 +87,7 @@ TYPED_TEST(ContactList, IsReplayed) {
   using S = Touching<TypeParam, 1, num_spheres, PoseDevice, 2, max_contacts>;
   const auto run = bar<TypeParam>(), again = bar<TypeParam>();
   const auto elsewhere = bar<TypeParam>();
-  elsewhere->device().X_WD.p.z() = -0.005;
+  elsewhere->device().target.X_WD.p.z() = -0.005;
   elsewhere->step(100);
   std::uint64_t touched = 0;
   for (int n = 0; n < 1000; ++n) {
@@ -112,8 +112,8 @@ TYPED_TEST(ContactList, OutlivesInputsThatAreNoNumbers) {
     follow(*untroubled);
     const std::uint64_t before = run->hash();
     for (const Real bad : {std::nan(""), 1e308, std::numeric_limits<Real>::infinity()}) {
-      run->device().X_WD = wobble(run->x.tick + 1);
-      run->device().X_WD.p.z() = bad;
+      run->device().target.X_WD = wobble(run->x.tick + 1);
+      run->device().target.X_WD.p.z() = bad;
       run->step();
       ASSERT_TRUE(has(run->out.fault, Fault::input_not_finite | Fault::state_not_finite)) << bad;
       ASSERT_EQ(run->hash(), before) << bad;
@@ -129,7 +129,7 @@ TYPED_TEST(ContactList, TakesLawsWithoutStiffness) {
        {ContactLaw{.push_out = 0}, ContactLaw{}, ContactLaw{.c = 1, .push_out = 0}}) {
     const auto run = bar<TypeParam>();
     set_law(run->par, soft);
-    run->device().X_WD.p.z() = -0.005;
+    run->device().target.X_WD.p.z() = -0.005;
     ASSERT_EQ(validate(run->par), Invalid::nothing);
     EnergyBalance<Touching<TypeParam, 1, num_spheres, PoseDevice, 2, max_contacts>> balance;
     balance.start(run->par, run->x);

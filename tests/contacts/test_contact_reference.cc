@@ -81,8 +81,7 @@ class CaseRun {
   void step() {
     if (case_.device != nullptr) {
       const Target to = target(static_cast<double>(run_.x.tick + 1) * run_.par.h);
-      run_.device().X_WD = to.X_WD;
-      run_.device().V_WD = to.V_WD;
+      run_.device().target = to;
     }
     run_.step();
     EXPECT_FALSE(any(run_.out.fault));

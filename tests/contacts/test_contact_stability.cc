@@ -55,8 +55,8 @@ Rod<I> rod(const SweepCase& c) {
 template <class I>
 void drag(Rod<I>& run) {
   const Real u = std::max(Real(0), static_cast<Real>(run.x.tick + 1) * run.par.h - 0.3);
-  run.device().X_WD.p = Vec3(0.05 * (1 - std::cos(10 * u)), 0.03 * (1 - std::cos(14 * u)), -0.01);
-  run.device().V_WD.v = Vec3(0.5 * std::sin(10 * u), 0.42 * std::sin(14 * u), 0);
+  run.device().target.X_WD.p = Vec3(0.05 * (1 - std::cos(10 * u)), 0.03 * (1 - std::cos(14 * u)), -0.01);
+  run.device().target.V_WD.v = Vec3(0.5 * std::sin(10 * u), 0.42 * std::sin(14 * u), 0);
 }
 
 /// By how much the energy of body, coupling and gravity (J) goes beyond the first and the work of the hand.
@@ -68,11 +68,11 @@ Real gain(const SweepCase& c, Real seconds) {
   const Real first = energy(run.par, run.x);
   Real work = 0, most = 0;
   for (int n = 0; n < seconds / c.h; ++n) {
-    const Vec3 target = run.device().X_WD.p;
+    const Vec3 target = run.device().target.X_WD.p;
     if (c.deed == Deed::dragged) drag(run);
     run.step();
     if (any(run.out.fault) || !is_finite(run.body())) return std::numeric_limits<Real>::infinity();
-    work += coupling_wrench(run.par, run.x, 0).f.dot(run.device().X_WD.p - target);
+    work += coupling_wrench(run.par, run.x, 0).f.dot(run.device().target.X_WD.p - target);
     most = std::max(most, energy(run.par, run.x) - first - work);
   }
   return most;

@@ -60,7 +60,7 @@ TYPED_TEST(ContactTools, RandomToolsOnObstaclesGainNothing) {
       Target target{.X_WD = run.x.bodies[i].x.X_WB, .V_WD = {}};
       target.X_WD.p += size * Vec3(0.3 * random.normal(), 0.3 * random.normal(), -0.5);
       engage_at(run.x, i, target);
-      run.in.devices[i].X_WD = target.X_WD;
+      run.in.devices[i].target.X_WD = target.X_WD;
     }
     ASSERT_EQ(validate(run.par), Invalid::nothing);
     const Real first = energy(run.par, run.x);

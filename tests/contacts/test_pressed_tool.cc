@@ -62,8 +62,7 @@ Steady press_and_drag(Real k) {
   int n = 0, counted = 0;
   for (; n < 10000; ++n) {
     const Target target = target_at((n + 1) * run.par.h);
-    run.device().X_WD = target.X_WD;
-    run.device().V_WD = target.V_WD;
+    run.device().target = target;
     run.step();
     EXPECT_FALSE(any(run.out.fault));
     const Real depth = radius - run.body().X_WB.p.z();

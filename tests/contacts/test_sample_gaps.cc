@@ -108,8 +108,7 @@ class Run {
       in.dp_W = sample.X_WD.p - last_.X_WD.p;
       in.dphi_W = to_world(last_.X_WD.q, rotation_error(last_.X_WD.q, sample.X_WD.q, Vec3::Zero()).phi_B);
     } else if (valid) {
-      in.X_WD = sample.X_WD;
-      in.V_WD = sample.V_WD;
+      in.target = sample;
     }
     last_ = sample;
   }

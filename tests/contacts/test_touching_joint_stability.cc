@@ -105,7 +105,7 @@ Real gain_of_gripper(const ContactLaw& law, Real h) {
   const Real first = energy(grip->par, grip->x);
   Real work = 0, gained = 0;
   for (int n = 1; n <= std::min(0.6 / h, 2000.0); ++n) {
-    const Vec3 before = grip->in.devices[Gripper::palm].X_WD.p;
+    const Vec3 before = grip->in.devices[Gripper::palm].target.X_WD.p;
     const Real t = n * h;
     const Vec3 after(0.03 * std::sin(20 * t), 0.01 * (1 - std::cos(35 * t)),
                      Gripper::height + 0.02 * (1 - std::cos(15 * t)));

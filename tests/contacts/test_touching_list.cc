@@ -118,7 +118,7 @@ TEST(TouchingList, OutlivesInputsThatAreNoNumbers) {
     const std::uint64_t before = pile->hash();
     const PoseDevice::Input good = pile->in.devices[7];
     for (const Real bad : {std::nan(""), 1e308, std::numeric_limits<Real>::infinity()}) {
-      pile->in.devices[7].X_WD.p.z() = bad;
+      pile->in.devices[7].target.X_WD.p.z() = bad;
       pile->step();
       ASSERT_TRUE(has(pile->out.fault, Fault::input_not_finite | Fault::state_not_finite)) << bad;
       ASSERT_EQ(pile->hash(), before) << bad;

@@ -52,9 +52,9 @@ std::vector<Vec3> swayed(Real h) {
   for (long n = 1; n <= std::lround(duration / h); ++n) {
     const Real t = static_cast<Real>(n) * h, dt = 1e-6;
     const Pose now = device_at(t, start), after = device_at(t + dt, start);
-    pile->in.devices[2].X_WD = now;
+    pile->in.devices[2].target.X_WD = now;
     const Eigen::AngleAxis<Real> turn(after.q * now.q.conjugate());
-    pile->in.devices[2].V_WD = {.w = turn.axis() * (turn.angle() / dt), .v = (after.p - now.p) / dt};
+    pile->in.devices[2].target.V_WD = {.w = turn.axis() * (turn.angle() / dt), .v = (after.p - now.p) / dt};
     pile->step();
     EXPECT_EQ(pile->out.fault, Fault::none);
   }

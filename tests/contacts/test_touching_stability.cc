@@ -60,12 +60,12 @@ Real gain(const SweepCase& c, Hand hand, Real seconds) {
   const Real first = energy(pile->par, pile->x);
   Real work = 0, most = 0;
   for (int n = 0; n < seconds / c.h; ++n) {
-    const Vec3 target = pile->in.devices[2].X_WD.p;
+    const Vec3 target = pile->in.devices[2].target.X_WD.p;
     if (hand != Hand::none) shove(*pile);
     pile->step();
     if (any(pile->out.fault)) return std::numeric_limits<Real>::infinity();
     if (hand != Hand::none)
-      work += coupling_wrench(pile->par, pile->x, 2).f.dot(pile->in.devices[2].X_WD.p - target);
+      work += coupling_wrench(pile->par, pile->x, 2).f.dot(pile->in.devices[2].target.X_WD.p - target);
     most = std::max(most, energy(pile->par, pile->x) - first - work);
     if (!(most < 1e3)) return std::numeric_limits<Real>::infinity();
   }

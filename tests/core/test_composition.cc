@@ -39,7 +39,7 @@ TEST(Composition, FeedbackDoesNotTouchTheMotion) {
   coupled.constants().coupling = haptic.constants().coupling = {.k = 2000, .g = 60, .k_r = 4, .g_r = 0.15};
   haptic.constants().feedback.gains = {.k = 1000, .g = 2, .k_r = 2, .g_r = 0.05};
   for (int n = 0; n < 1000; ++n) {
-    coupled.device().X_WD.p = haptic.device().X_WD.p = Vec3(1e-3 * n, 0, 0);
+    coupled.device().target.X_WD.p = haptic.device().target.X_WD.p = Vec3(1e-3 * n, 0, 0);
     coupled.step();
     haptic.step();
   }

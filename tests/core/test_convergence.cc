@@ -40,7 +40,7 @@ RigidBodyState follow(int steps) {
   engage_at(run.x, 0, first);
   for (int n = 1; n <= steps; ++n) {
     const Target sample = motion(duration * n / steps);
-    run.device() = {.X_WD = sample.X_WD, .V_WD = sample.V_WD};
+    run.device().target = sample;
     run.step();
   }
   EXPECT_FALSE(any(run.out.fault));

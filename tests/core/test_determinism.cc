@@ -35,7 +35,7 @@ class Determinism : public ::testing::Test {
   }
   static void move(Simulation& run, int n, Real p_x) {
     const Real a = 2e-3 * n;
-    run.device().X_WD = {.p = Vec3(p_x, std::sin(a), 0), .q = Quat(std::cos(a), 0, std::sin(a), 0)};
+    run.device().target.X_WD = {.p = Vec3(p_x, std::sin(a), 0), .q = Quat(std::cos(a), 0, std::sin(a), 0)};
     run.step();
   }
 };

@@ -49,8 +49,7 @@ struct Hand {
     if (random.integer(0, 400) == 0) jump = random.uniform(-0.02, 0.02);
     if (random.integer(0, 600) == 0) run.device().engaged = !run.device().engaged;
     run.device().valid = random.integer(0, 200) != 0;
-    run.device().X_WD = to.X_WD;
-    run.device().V_WD = to.V_WD;
+    run.device().target = to;
     run.step();
     balance.observe(run.par, run.x, run.w, run.out);
   }
@@ -92,7 +91,7 @@ TEST(EnergyBalance, ABrokenSolverIsFoundWithinASecond) {
     hand.run.par.gravity_W.setZero();
     hand.balance.start(hand.run.par, hand.run.x);
     for (int n = 0; n < 1000; ++n) {
-      hand.run.device().X_WD = hand.target(0).X_WD;
+      hand.run.device().target.X_WD = hand.target(0).X_WD;
       hand.run.step();
       hand.balance.observe(hand.run.par, hand.run.x, hand.run.w, hand.run.out);
     }
@@ -146,7 +145,7 @@ bool is_led_with_gain(unsigned seed) {
     const Real m = random.log_uniform(0.01, 1);
     par.bodies[i].body = rigid_body(m, random.inertia(1e-3 * m * Vec3(1, 2, 2.5)));
     place<S>(run->x, i, {.X_WB = {.p = static_cast<Real>(i) * Vec3(0.1, 0, 0)}, .V_WB = {}});
-    run->in.devices[i].X_WD = run->x.bodies[i].x.X_WB;
+    run->in.devices[i].target.X_WD = run->x.bodies[i].x.X_WB;
   }
   const Real k = random.log_uniform(100, 1e4), k_r = 1e-2 * k;
   par.bodies[0].coupling = {.k = k, .g = 1.4 * std::sqrt(k), .k_r = k_r, .g_r = 0.05 * std::sqrt(k_r)};

@@ -228,14 +228,14 @@ TEST(FaultOfQuaternion, OffUnitLengthIsRefused) {
     Running<OneBody<ImplicitEuler>> run;
     run.step();
     const std::uint64_t hash = run.hash();
-    run.device().X_WD.q.coeffs() = length * Quat(0.6, 0, 0.8, 0).coeffs();
+    run.device().target.X_WD.q.coeffs() = length * Quat(0.6, 0, 0.8, 0).coeffs();
     run.step();
     EXPECT_EQ(run.out.fault, Fault::input_not_unit) << length;
     EXPECT_EQ(run.hash(), hash);
   }
   for (const Real length : {1 - 0.9e-6, 1 + 0.9e-6}) {
     Running<OneBody<ImplicitEuler>> run;
-    run.device().X_WD.q.coeffs() = length * Quat(0.6, 0, 0.8, 0).coeffs();
+    run.device().target.X_WD.q.coeffs() = length * Quat(0.6, 0, 0.8, 0).coeffs();
     run.step();
     EXPECT_EQ(run.out.fault, Fault::none) << length;
     EXPECT_NEAR(run.x.bodies[0].device.last.X_WD.q.norm(), 1, 2e-12);  // one Newton step
@@ -245,7 +245,7 @@ TEST(FaultOfQuaternion, OffUnitLengthIsRefused) {
 TEST(Fault, InTheFirstStepLeavesThePoseWhereTheBodyWasPut) {
   Running<OneBody<TrBdf2>> run;
   place(run.x, 0, {.X_WB = {.p = Vec3(1, 2, 3), .q = Quat::Identity()}, .V_WB = {}});
-  run.device().X_WD.p.x() = std::numeric_limits<Real>::quiet_NaN();
+  run.device().target.X_WD.p.x() = std::numeric_limits<Real>::quiet_NaN();
   run.step();
   EXPECT_EQ(run.out.fault, Fault::input_not_finite);
   EXPECT_EQ(run.out.bodies[0].X_WB.p, Vec3(1, 2, 3));

@@ -29,7 +29,7 @@ struct Released {
     run.constants().coupling = coupling;
     place(run.x, 0, {});
     engage_at(run.x, 0, target);
-    run.device() = {.X_WD = target.X_WD, .V_WD = target.V_WD};
+    run.device() = {.target = target};
     std::vector<Pose> poses;
     for (int n = 0; n < duration; ++n) {
       for (int part = 0; part < parts; ++part) {

@@ -41,7 +41,7 @@ Running<OneBody<Integrator>> start(const Case& c) {
   EXPECT_EQ(validate(run.par), Invalid::nothing);
   place(run.x, 0, c.start);
   engage_at(run.x, 0, c.target);
-  run.device() = {.X_WD = c.target.X_WD, .V_WD = c.target.V_WD};
+  run.device() = {.target = c.target};
   return run;
 }
 
@@ -243,8 +243,8 @@ TYPED_TEST(Stability, SpinningAndCirclingTargetLeavesTheBodyBounded) {
     for (int n = 1; n <= 300; ++n) {
       const Eigen::AngleAxis<Real> turn(spin * n * c.h, axis_W);
       const Vec3 arm_W = turn * axis_W.unitOrthogonal();
-      run.device().X_WD = {.p = arm_W, .q = Quat(turn) * c.target.X_WD.q};
-      run.device().V_WD = {.w = spin * axis_W, .v = spin * axis_W.cross(arm_W)};
+      run.device().target.X_WD = {.p = arm_W, .q = Quat(turn) * c.target.X_WD.q};
+      run.device().target.V_WD = {.w = spin * axis_W, .v = spin * axis_W.cross(arm_W)};
       run.step();
       ASSERT_FALSE(any(run.out.fault)) << c;
       ASSERT_LT(run.body().w_B.norm(), 2 * anisotropy * (spin + pi / c.h)) << TypeParam::name << '\n' << c;
@@ -262,8 +262,8 @@ TYPED_TEST(Stability, ErraticTargetLeavesTheBodyBounded) {
     auto run = start<TypeParam>(c);
     run.constants().device.lost = 1e9;  // a gap that ends the engagement would let the body fly
     for (int n = 0; n < 300; ++n) {
-      run.device().X_WD = {.p = 2 * random.direction(), .q = random.rotation()};
-      run.device().V_WD = {};
+      run.device().target.X_WD = {.p = 2 * random.direction(), .q = random.rotation()};
+      run.device().target.V_WD = {};
       run.device().valid = random.integer(0, 3) > 0;
       run.step();
       ASSERT_FALSE(any(run.out.fault)) << c;

@@ -146,7 +146,7 @@ struct RandomNet : Running<NetScene<I>> {
     set_off(random);
     for (std::size_t i = 0; i < par.num_bodies; ++i)
       if (of.ordeal != Ordeal::free) {
-        engage_at(this->x, i, Target{.X_WD = this->in.devices[i].X_WD, .V_WD = {}});
+        engage_at(this->x, i, Target{.X_WD = this->in.devices[i].target.X_WD, .V_WD = {}});
       }
     if (validate(par) != Invalid::nothing) throw std::runtime_error("invalid");
     balance.start(par, this->x);
@@ -177,7 +177,7 @@ struct RandomNet : Running<NetScene<I>> {
       for (std::size_t i = 1; i < 3; ++i) {
         const Vec3 p = (i == 1 ? 1 : -1) * 2.5 * of.size * axis_0;
         place(this->x, i, {.X_WB = {.p = p, .q = q}, .V_WB = {}});
-        this->in.devices[i].X_WD = {.p = p, .q = q};
+        this->in.devices[i].target.X_WD = {.p = p, .q = q};
         box(i, Vec3::Zero(), Quat::Identity());
       }
     }
@@ -228,21 +228,21 @@ struct RandomNet : Running<NetScene<I>> {
     const Real moving = std::min(t, of.rest_after);
     if (of.ordeal == Ordeal::led) {
       const Real A = of.peak_v / of.omega;
-      in.devices[0].X_WD.p = A * (1 - std::cos(of.omega * moving)) * of.way;
-      in.devices[0].V_WD.v =
+      in.devices[0].target.X_WD.p = A * (1 - std::cos(of.omega * moving)) * of.way;
+      in.devices[0].target.V_WD.v =
           t < of.rest_after ? Vec3(of.peak_v * std::sin(of.omega * moving) * of.way) : Vec3(Vec3::Zero());
     }
     const Real s = 0.5 * (1 - std::cos(pi * moving / of.rest_after));
     const Real ds = t < of.rest_after ? 0.5 * pi / of.rest_after * std::sin(pi * moving / of.rest_after) : 0;
     if (of.ordeal == Ordeal::hole || of.ordeal == Ordeal::pinched) {
-      in.devices[0].X_WD.p = 5 * of.size * s * axis_0;
-      in.devices[0].V_WD.v = 5 * of.size * ds * axis_0;
+      in.devices[0].target.X_WD.p = 5 * of.size * s * axis_0;
+      in.devices[0].target.V_WD.v = 5 * of.size * ds * axis_0;
     }
     if (of.ordeal == Ordeal::jaws) {
       for (std::size_t i = 1; i < 3; ++i) {
         const Real sign = i == 1 ? 1 : -1;
-        in.devices[i].X_WD.p = sign * of.size * (2.5 - 1.4 * s) * axis_0;
-        in.devices[i].V_WD.v = -sign * of.size * 1.4 * ds * axis_0;
+        in.devices[i].target.X_WD.p = sign * of.size * (2.5 - 1.4 * s) * axis_0;
+        in.devices[i].target.V_WD.v = -sign * of.size * 1.4 * ds * axis_0;
       }
     }
   }

@@ -59,8 +59,7 @@ struct NetSmall : Running<NetScene<I>> {
     for (long n = 1; n <= std::lround(duration / this->par.h); ++n) {
       const Target to = target(static_cast<Real>(n) * this->par.h);
       this->in.devices[0] = {};
-      this->in.devices[0].X_WD = to.X_WD;
-      this->in.devices[0].V_WD = to.V_WD;
+      this->in.devices[0].target = to;
       this->in.devices[0].engaged = true;
       this->in.devices[0].valid = true;
       this->step();

@@ -27,13 +27,13 @@ void expect_one_force_for_all() {
   par.contacts.laws[0][0] = {.k = 100, .c = 0.05};
   place_net(par.net, run->x);
   engage_at(run->x, 0, {});
-  run->in.devices[0].X_WD = {.p = Vec3(0, 0, -0.02), .q = exp_so3(Vec3(0.1, 0.05, 0))};
+  run->in.devices[0].target.X_WD = {.p = Vec3(0, 0, -0.02), .q = exp_so3(Vec3(0.1, 0.05, 0))};
   ASSERT_EQ(validate(par), Invalid::nothing);
   run->step(6000);
   EXPECT_EQ(run->out.fault, Fault::none);
 
   const Pose& X_WB = run->body().X_WB;
-  const Vec3 coupling = k * (run->in.devices[0].X_WD.p - X_WB.p);
+  const Vec3 coupling = k * (run->in.devices[0].target.X_WD.p - X_WB.p);
   Vec3 anchors = Vec3::Zero(), contacts = Vec3::Zero();  // on the tool, on the net
   for (std::size_t n = 0; n < par.net.num_nodes; ++n) {
     const NetNode& node = par.net.nodes[n];

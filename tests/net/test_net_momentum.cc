@@ -118,7 +118,7 @@ void add_others(Running<S>& run) {
   place(run.x, 1, {.X_WB = {.p = Vec3(4.9, 0, 0)}, .V_WB = {.w = Vec3(0, 0, 3), .v = Vec3(0, -0.3, 0)}});
   par.bodies[2].coupling = {.k = 100, .g = 6};
   par.bodies[2].device.rise = 0;
-  run.in.devices[2].X_WD.p = Vec3(-5, 0, -100.001);
+  run.in.devices[2].target.X_WD.p = Vec3(-5, 0, -100.001);
   place(run.x, 2, {.X_WB = {.p = Vec3(-5, 0, -99.995)}, .V_WB = {}});
   par.contacts.spheres[par.contacts.num_spheres++] = {.body = 2, .radius = 0.005};
   par.contacts.surfaces[par.contacts.num_surfaces++] = {.shape = {.X_WS = {.p = Vec3(0, 0, -100)}}};

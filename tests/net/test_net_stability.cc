@@ -36,7 +36,7 @@ class Range {
       speed_ = std::max(speed_, net.x.net.nodes[n].v_W.norm());
   }
   Real at(const RandomNet<I>& net, Real t) {
-    hand_ = std::max(hand_, net.in.devices[0].X_WD.p.norm());
+    hand_ = std::max(hand_, net.in.devices[0].target.X_WD.p.norm());
     return 3 * (start_ + hand_ + speed_ * t + fall_ * t * t);
   }
 

@@ -140,14 +140,14 @@ TEST(NetStep, ShowsTheForceWhenContactsHaveNoRoom) {
   par.contacts.laws[0][0] = {.k = 100, .c = 0.05};
   place_net(par.net, run->x);
   engage_at(run->x, 0, {});
-  run->in.devices[0].X_WD.p.z() = -0.02;
+  run->in.devices[0].target.X_WD.p.z() = -0.02;
   ASSERT_EQ(validate(par), Invalid::nothing);
   run->step(300);
   EXPECT_EQ(run->out.fault, Fault::contacts_full);
   EXPECT_EQ(run->x.tick, 300u);
   EXPECT_GT(run->out.bodies[0].feedback.F_D.f.z(), 1);
   EXPECT_NEAR(run->out.bodies[0].feedback.F_D.f.z(),
-              1000 * (run->body().X_WB.p.z() - run->in.devices[0].X_WD.p.z()), 1e-6);
+              1000 * (run->body().X_WB.p.z() - run->in.devices[0].target.X_WD.p.z()), 1e-6);
 }
 
 /// A sheet that is thrown at an obstacle thinner than its way in a step does not come through.

@@ -28,11 +28,11 @@ double pressed_speed(double h, double k, double k_coupling, unsigned seed) {
   const auto infinity = std::numeric_limits<Real>::infinity();
   for (Real z = start.p.z(); z > press.target.z();) {
     z = std::max(z - h * speed, press.target.z());
-    run->in.devices[0].X_WD.p.z() = z;
-    run->in.devices[0].V_WD.v.z() = -speed;
+    run->in.devices[0].target.X_WD.p.z() = z;
+    run->in.devices[0].target.V_WD.v.z() = -speed;
     if (fastest(*run, 1, lever) == infinity) return infinity;
   }
-  run->in.devices[0].V_WD = {};
+  run->in.devices[0].target.V_WD = {};
   return fastest(*run, static_cast<int>(3 / h), lever) == infinity ? infinity : fastest(*run, 20, lever);
 }
 

@@ -28,7 +28,7 @@ struct NetRunning {
     lead(D);
   }
   void lead(const Target& D) {
-    in->devices[0] = {.X_WD = D.X_WD, .V_WD = D.V_WD};
+    in->devices[0] = {.target = D};
     in->devices[0].engaged = in->devices[0].valid = true;
   }
   void step() { godobject::step(*par, *in, *x, *w, *out); }

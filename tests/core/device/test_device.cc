@@ -29,7 +29,7 @@ TEST(DeviceRamp, EngagingWaitsForAValidSample) {
   run.device().valid = false;
   run.step(200);
   EXPECT_EQ(run.body().X_WB.p, Vec3(1, 2, 3));
-  run.device().X_WD.p = Vec3(1, 2, 3);
+  run.device().target.X_WD.p = Vec3(1, 2, 3);
   run.device().valid = true;
   run.step(200);
   EXPECT_LE((run.body().X_WB.p - Vec3(1, 2, 3)).norm(), 1e-12);
@@ -46,7 +46,7 @@ TEST(DeviceRamp, AGapThatIsTooLongToBeBridgedEndsTheEngagement) {
     run.step(gap);
     const Vec3 before = run.body().X_WB.p;
     run.device().valid = true;
-    run.device().X_WD.p = Vec3(0.1, 0, 0);
+    run.device().target.X_WD.p = Vec3(0.1, 0, 0);
     run.step();
     const bool anew = gap > bridged_steps;
     EXPECT_TRUE(has(run.out.limited, Limited::ramp)) << "of the feedback at least, " << gap;
@@ -89,7 +89,7 @@ TEST(DeviceRamp, KeepsTheDampingRatio) {
 TEST(PoseDeviceDrives, ABodyToItsPose) {
   auto run = stiff_follower<PoseDevice>();
   const Pose X_WD{.p = Vec3(0.1, -0.2, 0.3), .q = Quat(0.6, 0, 0.8, 0)};
-  run.device().X_WD = X_WD;
+  run.device().target.X_WD = X_WD;
   run.step(300);
   EXPECT_LE((run.out.bodies[0].X_WB.p - X_WD.p).norm(), 1e-9);
   EXPECT_LE(run.out.bodies[0].X_WB.q.angularDistance(X_WD.q), 1e-7);
@@ -99,9 +99,9 @@ TEST(PoseDeviceDrives, QuaternionsOfEitherSignAlike) {
   auto plus = stiff_follower<PoseDevice>(), minus = stiff_follower<PoseDevice>();
   for (int n = 0; n < 200; ++n) {
     const Real a = 0.02 * n;
-    plus.device().X_WD.q = Quat(std::cos(a), std::sin(a), 0, 0);
-    minus.device().X_WD.q = plus.device().X_WD.q;
-    if (n % 3 == 0) minus.device().X_WD.q.coeffs() *= -1;
+    plus.device().target.X_WD.q = Quat(std::cos(a), std::sin(a), 0, 0);
+    minus.device().target.X_WD.q = plus.device().target.X_WD.q;
+    if (n % 3 == 0) minus.device().target.X_WD.q.coeffs() *= -1;
     plus.step();
     minus.step();
     ASSERT_LE((plus.body().w_B - minus.body().w_B).norm(), 1e-9);
@@ -113,12 +113,12 @@ TEST(PoseDeviceDrives, QuaternionsOfEitherSignAlike) {
 TEST(PoseDeviceDrives, LostSamplesHoldTheTargetAtRest) {
   auto run = stiff_follower<PoseDevice>();
   for (int n = 1; n <= 100; ++n) {
-    run.device().X_WD.p = Vec3(1e-3 * n, 0, 0);
-    run.device().V_WD.v = Vec3(1, 0, 0);
+    run.device().target.X_WD.p = Vec3(1e-3 * n, 0, 0);
+    run.device().target.V_WD.v = Vec3(1, 0, 0);
     run.step();
   }
   run.device().valid = false;
-  run.device().X_WD.p = Vec3(99, 0, 0);
+  run.device().target.X_WD.p = Vec3(99, 0, 0);
   for (int n = 0; n < 300; ++n) {
     run.step();
     ASSERT_TRUE(has(run.out.limited, Limited::held));
@@ -190,7 +190,7 @@ TEST(DeviceGap, IsBridgedWithAnAttitudeHoweverFastItTurned) {
     Running<OneBody<TrBdf2>> run;
     run.constants().body = rigid_body(0.1, 1e-3 * Mat3::Identity());
     run.constants().coupling = {.k = 1000, .g = 14, .k_r = 1, .g_r = 0.03};
-    run.device().V_WD.w = Vec3(0, turn_rate, 0);
+    run.device().target.V_WD.w = Vec3(0, turn_rate, 0);
     run.step(3);
     run.device().valid = false;
     run.step(3);

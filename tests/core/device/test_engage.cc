@@ -133,7 +133,7 @@ TEST(EngageRamp, PullGrowsFromNothing) {
   Running<OneBody<ImplicitEuler>> run;
   run.constants().coupling = {.k = 1000, .g = 60, .k_r = 1, .g_r = 1};
   run.constants().device.rise = 0.1;
-  run.device().X_WD.p = Vec3(1, 0, 0);
+  run.device().target.X_WD.p = Vec3(1, 0, 0);
   Real fastest = 0, v_before = 0;
   for (int n = 0; n < 100; ++n) {
     run.step();

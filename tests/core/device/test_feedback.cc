@@ -76,7 +76,7 @@ TEST(Feedback, ApproachesAtItsRate) {
 TEST(Feedback, GainsOfZeroShowNothing) {
   Running<OneBody<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>> run;
   run.constants().coupling = {.k = 1000, .g = 60, .k_r = 1, .g_r = 1};
-  run.device().X_WD.p = Vec3(1, 0, 0);
+  run.device().target.X_WD.p = Vec3(1, 0, 0);
   run.step(1000);
   EXPECT_EQ(run.out.bodies[0].feedback.F_D.f, Vec3(Vec3::Zero()));
   EXPECT_EQ(run.out.limited, Limited::none);

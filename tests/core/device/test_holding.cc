@@ -68,8 +68,7 @@ struct Game {
   void step(bool valid = true) {
     const Target sample = hand.at(time() + par.h);
     for (auto& device : in.devices) {
-      device.X_WD = sample.X_WD;
-      device.V_WD = sample.V_WD;
+      device.target = sample;
       device.valid = valid;
     }
     godobject::step(par, in, x, w, out);
@@ -260,9 +259,9 @@ TYPED_TEST(Holding, ALostSampleIsThatOfAPoseDevice) {
     const bool valid = n % 97 > n % 3;  // up to 3 lost in a row, which are bridged
     game.step(valid);
     const Target sample = game.hand.at(game.time());
-    other.device().X_WD = composed(sample.X_WD, X_DB);
-    other.device().V_WD = {.w = sample.V_WD.w,
-                           .v = sample.V_WD.v + sample.V_WD.w.cross(to_world(sample.X_WD.q, X_DB.p))};
+    other.device().target.X_WD = composed(sample.X_WD, X_DB);
+    other.device().target.V_WD = {.w = sample.V_WD.w,
+                                  .v = sample.V_WD.v + sample.V_WD.w.cross(to_world(sample.X_WD.q, X_DB.p))};
     other.device().valid = valid;
     other.step();
     ASSERT_EQ(has(game.out.limited, Limited::held), !valid);

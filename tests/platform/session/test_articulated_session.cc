@@ -66,7 +66,7 @@ TEST(ArticulatedEngine, FollowsDevicesOfEveryKind) {
       for (int i = 0; i < count; ++i) EXPECT_EQ(engine->step(samples).fault, Fault::none);
     };
     steps(1000);  // engaged
-    samples[0].X_WD.p += way;
+    samples[0].target.X_WD.p += way;
     samples[0].F_WB.f =
         stiffness * way;  // of an admittance device: against the spring to where it was engaged
     steps(2000);
