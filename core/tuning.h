@@ -16,7 +16,7 @@ namespace godobject {
 /// along a straight line means nothing. tests/core/test_stability.cc; docs/decisions/045.
 inline constexpr Real max_extrapolated_turn = 0.25;
 
-/// rad: the same of a body in a scene with nets, whose nodes are extrapolated with it. tests/net/test_net_stability.cc.
+/// rad: the same of a body in a scene with nets, whose nodes are extrapolated with it. tests/core/net/test_stability.cc.
 inline constexpr Real max_carrier_turn = 0.1;
 
 // Joints where a stage is predicted to end (core/joint).
@@ -26,7 +26,7 @@ inline constexpr Real max_carrier_turn = 0.1;
 inline constexpr Real max_predicted_turn = 0.5;
 /// (39), of the distance from the joint: what turns may leave a joint violated by before a stage is iterated, how often it
 /// is, and in how many parts it is taken where that does not do: more by this factor each time. The farthest turn, rad, in
-/// an iteration. tests/articulated/test_heavy_ends.cc.
+/// an iteration. tests/core/joint/test_heavy_ends.cc.
 inline constexpr Real max_bend = 1e-5;
 inline constexpr int max_joint_iterations = 8, part_ratio = 4, max_parts = 16;
 inline constexpr Real max_iterated_turn = 3;
@@ -43,20 +43,20 @@ inline constexpr Real max_moved_back = 0.2;
 /// acceleration. tests/articulated, stops.
 inline constexpr Real stiff_stop_share = 0.2;
 /// (21), (40), of a body's A in a stage: below the first geometric stiffness is not felt; where more than the second is
-/// left out of it, TR-BDF2 forgets its acceleration. tests/articulated/test_contradicted_targets.cc,
+/// left out of it, TR-BDF2 forgets its acceleration. tests/core/joint/test_contradicted_targets.cc,
 /// test_heavy_ends.cc.
 inline constexpr Real felt_share = 0.01, stiff_joint_share = 0.1;
 
 // What may touch (core/contact/find).
 
 /// Share of a sphere's radius: nearer than that it may come to bear a force in the stage.
-/// tests/contacts/test_pressed_rest.cc.
+/// tests/core/contact/test_pressed_rest.cc.
 inline constexpr Real contact_reach = 0.25;
 /// The cosine between normals below which the contact is another one: the normal has turned round a corner.
-/// tests/contacts/test_sample_gaps.cc, test_touching_ridges.cc.
+/// tests/core/contact/test_sample_gaps.cc, test_touching_ridges.cc.
 inline constexpr Real same_contact = 0.5;
 /// Share of the thinnest half extent: edges nearer than that may come to bear a force. This and the next five:
-/// tests/contacts/test_touching_edges.cc, test_touching_overlap.cc.
+/// tests/core/contact/bodies/test_edges.cc, test_touching_overlap.cc.
 inline constexpr Real edge_reach = 0.02;
 /// Share of the half length of an edge: edges that cross nearer to an end are left to the sphere there.
 inline constexpr Real edge_end = 0.01;
@@ -70,7 +70,7 @@ inline constexpr Real same_normal = 0.995;
 inline constexpr Real min_edge_sine = 0.01;
 
 /// What moves farther in a stage than it is large is swept: steps of its way, and what is in touch, of the radius or of the
-/// reach of edges. tests/contacts/test_tunnelling.cc.
+/// reach of edges. tests/core/contact/test_tunnelling.cc.
 inline constexpr int max_advances = 32;
 inline constexpr Real sweep_tolerance = 0.01, edge_touch = 0.2;
 /// Share of the thinnest half extent: boxes that are deeper in each other are sunk, and part along one axis.
@@ -104,7 +104,7 @@ struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
   static constexpr Real friction_left_alone = 0;
-  // to its end: position errors of the reference `press` grow above this (tests/contacts/test_contact_reference.cc)
+  // to its end: position errors of the reference `press` grow above this (tests/core/contact/test_reference.cc)
   static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
   static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
 };
@@ -125,7 +125,7 @@ struct FrictionAmongBodies {
   }
 };
 
-/// Nodes of nets are many and light: what friction lacks of its cone moves none of them far. tests/net/test_net_stability.cc.
+/// Nodes of nets are many and light: what friction lacks of its cone moves none of them far. tests/core/net/test_stability.cc.
 struct FrictionOnNets {
   static constexpr bool tangents = FrictionAmongBodies::tangents;
   static constexpr int by_tangent = FrictionAmongBodies::by_tangent,
@@ -137,7 +137,7 @@ struct FrictionOnNets {
   }
 };
 
-// Springs of nets. tests/net/test_net_stability.cc.
+// Springs of nets. tests/core/net/test_stability.cc.
 
 /// (46), of the energy that springs exchange in a stage, what they may gain: nets that are pressed gain up to 0.03 of it, those
 /// that go on gaining 0.17 and more.

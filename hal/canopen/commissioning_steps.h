@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hal/canopen/node_profile.h"
-#include "hal/canopen/sdo_sequence.h"
+#include "hal/canopen/sdo/sequence.h"
 #include "hal/rig/params.h"
 
 namespace godobject {

@@ -1,5 +1,5 @@
 // How a CANopen node is set up before it works in a rig: what a device profile file says. The reader is
-// platform/scene/profile_toml.h; Commissioning turns it into SDO transfers.
+// platform/scene/profile.h; Commissioning turns it into SDO transfers.
 #pragma once
 
 #include <optional>

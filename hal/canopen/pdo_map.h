@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "hal/canopen/node_profile.h"
-#include "hal/canopen/sdo_sequence.h"
+#include "hal/canopen/sdo/sequence.h"
 
 namespace godobject {
 

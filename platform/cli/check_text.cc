@@ -8,7 +8,7 @@
 
 #include "core/setup.h"
 #include "platform/cli/time_to_zero.h"
-#include "platform/scene/contact_params.h"
+#include "platform/scene/contact/params.h"
 #include "platform/scene/net/report.h"
 #include "platform/scene/top_speed.h"
 

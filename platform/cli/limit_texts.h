@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "platform/cli/run/statistics.h"
+#include "platform/cli/report/statistics.h"
 
 namespace godobject {
 

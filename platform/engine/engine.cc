@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "platform/engine/row.h"
-#include "platform/scene/contact_params.h"
+#include "platform/scene/contact/params.h"
 
 namespace godobject {
 namespace {

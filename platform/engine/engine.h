@@ -15,7 +15,7 @@
 #include "core/gain_watch.h"
 #include "core/joint/imposed.h"
 #include "core/net/net.h"
-#include "platform/scene/contact_pairs.h"
+#include "platform/scene/contact/pairs.h"
 #include "platform/scene/net/params.h"
 #include "platform/scene/scene.h"
 

@@ -4,8 +4,8 @@
 #include "core/godobject.h"
 #include "platform/engine/any_device.h"
 #include "platform/engine/row.h"
-#include "platform/scene/contact_params.h"
-#include "platform/scene/joint_params.h"
+#include "platform/scene/contact/params.h"
+#include "platform/scene/joint/params.h"
 
 namespace godobject {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "platform/linux/bus.h"
+#include "platform/linux/bus/bus.h"
 
 namespace godobject {
 

@@ -9,7 +9,7 @@
 
 #include "hal/can/transmit_slots.h"
 #include "hal/rig/link.h"
-#include "platform/linux/watched_bus.h"
+#include "platform/linux/bus/watched.h"
 #include "platform/rt/histogram.h"
 
 namespace godobject {

@@ -10,8 +10,8 @@
 #include <string>
 #include <thread>
 
+#include "platform/device/spacemouse.h"
 #include "platform/rt/clock.h"
-#include "platform/session/spacemouse.h"
 
 namespace godobject {
 

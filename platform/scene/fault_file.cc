@@ -1,6 +1,6 @@
 #include "platform/scene/fault_file.h"
 
-#include "platform/scene/fault_keys.h"
+#include "platform/scene/keys/fault.h"
 #include "platform/scene/text/csv.h"
 #include "platform/scene/text/toml_reader.h"
 

@@ -1,4 +1,4 @@
-// A scene as its file describes it: plain values, SI, validated. platform/scene/scene_toml.cc fills it,
+// A scene as its file describes it: plain values, SI, validated. platform/scene/toml.cc fills it,
 // platform/engine/engine.cc turns it into a compiled composition of the core.
 //
 // The room: *_keys.h list the keys of each table once, for reader, writer and reference; scene_toml.h, profile_toml.h and
@@ -17,8 +17,8 @@
 #include "hal/rig/params.h"
 #include "hal/rig/simulation.h"
 #include "hal/tracker/params.h"
-#include "platform/scene/contact_config.h"
-#include "platform/scene/net_config.h"
+#include "platform/scene/contact/config.h"
+#include "platform/scene/net/config.h"
 
 namespace godobject {
 

@@ -5,15 +5,15 @@
 #include <limits>
 
 #include "core/contact/candidates.h"
-#include "platform/scene/contact_pairs.h"
-#include "platform/scene/contact_params.h"
+#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
 
 namespace godobject {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t max_rays = 2000;
-/// Share of the half thickness of the thinner box, see the header. tests/contacts/test_tunnelling.cc; decision 042.
+/// Share of the half thickness of the thinner box, see the header. tests/core/contact/test_tunnelling.cc; decision 042.
 constexpr double held_in_a_step = 0.3;
 
 /// Way along the unit vector d from p to the triangle, if it is hit (Moeller, Trumbore 1997); else infinite.

@@ -6,7 +6,7 @@
 
 #include "core/device/held_feedback.h"
 #include "platform/engine/engine.h"
-#include "platform/session/motion.h"
+#include "platform/motion/motion.h"
 
 namespace godobject {
 

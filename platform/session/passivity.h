@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "hal/joint/kinematic_tree.h"
+#include "platform/motion/motion.h"
 #include "platform/scene/scene.h"
-#include "platform/session/motion.h"
 
 namespace godobject {
 

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "platform/device/handed_motion.h"
+#include "platform/device/rig.h"
+#include "platform/device/trackers.h"
 #include "platform/engine/engine.h"
 #include "platform/session/force_swings.h"
 #include "platform/session/grip.h"
-#include "platform/session/handed_motion.h"
 #include "platform/session/record.h"
-#include "platform/session/rig_device.h"
-#include "platform/session/tracker_device.h"
 #include "platform/session/truth.h"
 
 namespace godobject {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "platform/session/led_joints.h"
+#include "platform/device/led_joints.h"
 #include "platform/session/truth.h"
 #include "sim/hand.h"
 #include "sim/rig/link.h"

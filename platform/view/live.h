@@ -8,7 +8,7 @@
 #include "platform/rt/clock.h"
 #include "platform/view/pointer.h"
 #include "platform/view/scene_json.h"
-#include "platform/view/server.h"
+#include "platform/view/server/server.h"
 #include "platform/view/tap.h"
 
 namespace godobject {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "platform/session/hand_device.h"
-#include "platform/session/streamed_target.h"
+#include "platform/device/hand_device.h"
+#include "platform/device/streamed_target.h"
 #include "platform/view/frame.h"
 
 namespace godobject {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "platform/scene/joint_kinds.h"
+#include "platform/scene/joint/kinds.h"
 #include "platform/view/frame.h"
 #include "platform/view/nets.h"
 #include "platform/view/solids.h"

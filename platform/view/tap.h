@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "platform/session/session.h"
-#include "platform/view/latest.h"
+#include "platform/view/server/latest.h"
 
 namespace godobject {
 

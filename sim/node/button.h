@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hal/canopen/cia401.h"
-#include "sim/node/canopen_node.h"
+#include "sim/node/canopen/node.h"
 
 namespace godobject {
 

@@ -3,7 +3,7 @@
 
 #include "hal/drive/cia402_homing.h"
 #include "hal/rig/params.h"
-#include "sim/node/canopen_node.h"
+#include "sim/node/canopen/node.h"
 #include "sim/node/drive_objects.h"
 
 namespace godobject {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "hal/rig/params.h"
-#include "sim/node/canopen_node.h"
+#include "sim/node/canopen/node.h"
 
 namespace godobject {
 

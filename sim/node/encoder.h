@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hal/rig/params.h"
-#include "sim/node/canopen_node.h"
+#include "sim/node/canopen/node.h"
 
 namespace godobject {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tests/bench/contact_quality.h"
-#include "tests/bench/peer.h"
+#include "tests/bench/peer/peer.h"
 #include "tests/study/case_errors.h"
 #include "tests/study/instruction_count.h"
 

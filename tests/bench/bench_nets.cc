@@ -4,7 +4,7 @@
 #include "core/setup.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/net_contest.h"
-#include "tests/study/net_tube.h"
+#include "tests/study/net/tube.h"
 
 namespace godobject::bench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_scene.h"
-#include "tests/bench/peer.h"
+#include "tests/bench/peer/peer.h"
 #include "tests/study/compositions.h"
 
 namespace godobject::bench {

@@ -2,9 +2,9 @@
 
 #include <map>
 
-#include "tests/study/articulated_scene.h"
 #include "tests/study/case_errors.h"
 #include "tests/study/compositions.h"
+#include "tests/study/joint/scene.h"
 #include "tests/study/reference_solution.h"
 #include "tests/study/short_steps.h"
 

@@ -5,7 +5,7 @@
 
 #include "tests/bench/bench.h"
 #include "tests/bench/contact_quality.h"
-#include "tests/bench/peer.h"
+#include "tests/bench/peer/peer.h"
 #include "tests/oracle/target.h"
 #include "tests/study/case_errors.h"
 

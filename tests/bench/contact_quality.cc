@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/bench/peer.h"
+#include "tests/bench/peer/peer.h"
 #include "tests/support/box_overlap.h"
 
 namespace godobject::bench {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "tests/study/contact_scene.h"
+#include "tests/study/contact/scene.h"
 
 namespace godobject::bench {
 

@@ -5,8 +5,8 @@
 
 #include "tests/bench/bench.h"
 #include "tests/bench/contact_quality.h"
-#include "tests/bench/peer.h"
-#include "tests/study/contact_run.h"
+#include "tests/bench/peer/peer.h"
+#include "tests/study/contact/run.h"
 
 namespace godobject::bench {
 

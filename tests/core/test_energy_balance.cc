@@ -6,7 +6,7 @@
 
 #include "tests/core/broken.h"
 #include "tests/core/one_body.h"
-#include "tests/study/articulated_tool.h"
+#include "tests/study/joint/tool.h"
 
 namespace godobject::test_energy_balance {
 namespace {

@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "tests/articulated/grasper_tool.h"
-#include "tests/contacts/bricks.h"
-#include "tests/contacts/contact_scene.h"
+#include "tests/core/contact/bodies/bricks.h"
+#include "tests/core/contact/contact_scene.h"
+#include "tests/core/joint/grasper_tool.h"
 #include "tests/core/one_body.h"
 #include "tests/support/allocation_guard.h"
 

@@ -1,6 +1,6 @@
 // The set-up of a drive by its profile against a node that answers anything: boot-ups, SDO answers, at any time.
 #include "hal/canopen/commissioning.h"
-#include "hal/canopen/sdo.h"
+#include "hal/canopen/sdo/sdo.h"
 #include "tests/fuzz/taking_bus.h"
 
 namespace {

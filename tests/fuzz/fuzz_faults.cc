@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "platform/scene/fault_file.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/fault_checks.h"
 #include "tests/fuzz/decode.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "platform/scene/scene_toml.h"
-#include "platform/session/motion.h"
+#include "platform/motion/motion.h"
+#include "platform/scene/toml.h"
 #include "tests/fuzz/decode.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // The clients of SDO and LSS against servers that answer anything, at any time.
 #include "hal/canopen/lss.h"
-#include "hal/canopen/sdo_client.h"
+#include "hal/canopen/sdo/client.h"
 #include "tests/fuzz/decode.h"
 #include "tests/fuzz/taking_bus.h"
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-#include "platform/view/door.h"
 #include "platform/view/frame.h"
+#include "platform/view/server/door.h"
 #include "tests/fuzz/decode.h"
 
 using namespace godobject;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tests/oracle/case.h"
+#include "tests/oracle/case/case.h"
 #include "tests/oracle/precision.h"
 
 namespace godobject::oracle {

@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "tests/oracle/joint_system.h"
+#include "tests/oracle/joint/system.h"
 #include "tests/oracle/target.h"
 
 namespace godobject::oracle {

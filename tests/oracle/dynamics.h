@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "tests/oracle/body_state.h"
-#include "tests/oracle/case.h"
-#include "tests/oracle/joint.h"
+#include "tests/oracle/case/case.h"
+#include "tests/oracle/joint/joint.h"
 #include "tests/oracle/precision.h"
 
 namespace godobject::oracle {

@@ -1,7 +1,7 @@
 // Scenes with a target in closed form, for tests and studies that need no files.
 #pragma once
 
-#include "tests/oracle/case.h"
+#include "tests/oracle/case/case.h"
 
 namespace godobject::oracle {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "tests/oracle/case.h"
-#include "tests/oracle/joint.h"
+#include "tests/oracle/case/case.h"
+#include "tests/oracle/joint/joint.h"
 
 namespace godobject::oracle {
 

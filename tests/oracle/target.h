@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "tests/oracle/case.h"
+#include "tests/oracle/case/case.h"
 
 namespace godobject::oracle {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "tests/oracle/joint_rows.h"
+#include "tests/oracle/joint/rows.h"
 
 namespace godobject::oracle {
 

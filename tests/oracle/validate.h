@@ -1,7 +1,7 @@
 // The rules of a case that the oracle solves.
 #pragma once
 
-#include "tests/oracle/case.h"
+#include "tests/oracle/case/case.h"
 
 namespace godobject::oracle {
 

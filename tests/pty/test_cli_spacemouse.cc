@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/linux/spacemouse_thread.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "tests/support/program.h"
 
 namespace godobject::test::test_cli_spacemouse {

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "hal/canopen/canopen.h"
-#include "platform/linux/bus.h"
+#include "platform/linux/bus/bus.h"
 #include "tests/support/background_program.h"
 #include "tests/support/faulty_rig.h"
 #include "tests/support/program.h"

@@ -11,8 +11,8 @@
 #include <mutex>
 #include <thread>
 
-#include "platform/linux/pty_bus.h"
-#include "platform/linux/slcan_bus.h"
+#include "platform/linux/bus/pty.h"
+#include "platform/linux/bus/slcan.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/program.h"
 #include "tests/support/pseudo_terminal.h"

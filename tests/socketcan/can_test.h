@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "platform/linux/socket_can_bus.h"
+#include "platform/linux/bus/socket_can.h"
 #include "platform/rt/clock.h"
 
 namespace godobject::test {

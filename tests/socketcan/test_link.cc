@@ -4,8 +4,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "platform/linux/bus/socket_can_frame.h"
 #include "platform/linux/can_link.h"
-#include "platform/linux/socket_can_frame.h"
 
 namespace godobject::test::test_link {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "tests/oracle/target.h"
-#include "tests/study/articulated_tool.h"
-#include "tests/study/oracle_joint.h"
+#include "tests/study/joint/oracle_joint.h"
+#include "tests/study/joint/tool.h"
 
 namespace godobject::study {
 

@@ -8,7 +8,7 @@
 
 #include "tests/study/error_study.h"
 #include "tests/study/footprint_study.h"
-#include "tests/study/joint_study.h"
+#include "tests/study/joint/study.h"
 #include "tests/study/stability_study.h"
 
 namespace godobject::study {

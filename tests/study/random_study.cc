@@ -4,9 +4,9 @@
 
 #include "tests/core/one_body.h"
 #include "tests/oracle/target.h"
-#include "tests/study/articulated_scene.h"
 #include "tests/study/compositions.h"
 #include "tests/study/csv_writer.h"
+#include "tests/study/joint/scene.h"
 #include "tests/study/short_steps.h"
 
 namespace godobject::study {

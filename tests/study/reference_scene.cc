@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "tests/oracle/reference_case.h"
+#include "tests/oracle/case/reference_case.h"
 #include "tests/oracle/scenes.h"
 #include "tests/oracle/target.h"
-#include "tests/study/articulated_scene.h"
+#include "tests/study/joint/scene.h"
 
 namespace godobject::study {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/oracle/case.h"
+#include "tests/oracle/case/case.h"
 
 namespace godobject::study {
 

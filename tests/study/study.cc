@@ -3,10 +3,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tests/study/contact_plots.h"
+#include "tests/study/contact/plots.h"
 #include "tests/study/plots.h"
 #include "tests/study/reference_solution.h"
-#include "tests/study/report.h"
+#include "tests/study/report/report.h"
 #include "tests/study/tool.h"
 
 namespace godobject::study {

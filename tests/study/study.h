@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "tests/study/contact_cost_study.h"
-#include "tests/study/contact_error_study.h"
-#include "tests/study/contact_imposed_study.h"
-#include "tests/study/contact_stability_study.h"
+#include "tests/study/contact/cost.h"
+#include "tests/study/contact/error.h"
+#include "tests/study/contact/imposed.h"
+#include "tests/study/contact/stability.h"
 #include "tests/study/error_study.h"
-#include "tests/study/extreme_study.h"
+#include "tests/study/extreme/study.h"
 #include "tests/study/footprint_study.h"
-#include "tests/study/joint_cost_study.h"
-#include "tests/study/joint_study.h"
-#include "tests/study/net_study.h"
+#include "tests/study/joint/cost_study.h"
+#include "tests/study/joint/study.h"
+#include "tests/study/net/study.h"
 #include "tests/study/random_study.h"
 #include "tests/study/stability_study.h"
 

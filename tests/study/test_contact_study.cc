@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "platform/scene/scene_toml.h"
-#include "tests/study/contact_imposed_study.h"
+#include "platform/scene/toml.h"
+#include "tests/study/contact/imposed.h"
 #include "tests/study/study.h"
 #include "tests/support/shared_data.h"
 

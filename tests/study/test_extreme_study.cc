@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "tests/study/extreme_study.h"
+#include "tests/study/extreme/study.h"
 #include "tests/study/random_study.h"
 
 namespace godobject::study::test_extreme_study {

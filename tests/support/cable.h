@@ -7,7 +7,7 @@
 #include <atomic>
 #include <string>
 
-#include "platform/linux/bus.h"
+#include "platform/linux/bus/bus.h"
 
 namespace godobject::test {
 

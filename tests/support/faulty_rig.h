@@ -8,8 +8,8 @@
 #include <string>
 
 #include "hal/rig/rig.h"
-#include "platform/scene/profile_toml.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/profile.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "sim/rig/link.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/session/session.h"
 
 namespace godobject::test {

@@ -1,5 +1,5 @@
 // Who is let in: by which name, from which page, with which token.
-#include "platform/view/door.h"
+#include "platform/view/server/door.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "tests/support/allocation_guard.h"
 

@@ -1,11 +1,11 @@
 // Traces are read back as they were written, and what is none is refused with its line.
-#include "platform/view/recording.h"
+#include "platform/view/recorded/recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "platform/cli/run/files.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/cli/report/files.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "tests/support/program.h"
 

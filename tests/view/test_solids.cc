@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 
 namespace godobject::test_solids {
 namespace {

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "platform/cli/run/cycle.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "platform/view/live.h"
 #include "tests/support/allocation_guard.h"

@@ -8,7 +8,7 @@
 #include "hal/rig/validate.h"
 #include "platform/linux/link.h"
 #include "platform/rt/cyclic.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 using namespace godobject;
 
 struct Peg {

@@ -13,7 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include "platform/cli/verbs.h"
-#include "platform/linux/bus.h"
+#include "platform/linux/bus/bus.h"
 #include "platform/rt/last_resort.h"
 
 namespace godobject {

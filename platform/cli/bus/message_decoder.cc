@@ -2,7 +2,7 @@
 
 #include "hal/base/format.h"
 #include "hal/canopen/cia406.h"
-#include "hal/canopen/sdo.h"
+#include "hal/canopen/sdo/sdo.h"
 #include "hal/drive/cia402.h"
 #include "platform/cli/bus/canopen_texts.h"
 

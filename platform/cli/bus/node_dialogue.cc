@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "hal/canopen/sdo_sequence.h"
+#include "hal/canopen/sdo/sequence.h"
 #include "platform/cli/run/last_frames.h"
 #include "platform/rt/clock.h"
 

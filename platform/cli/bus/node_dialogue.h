@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "hal/canopen/sdo_client.h"
+#include "hal/canopen/sdo/client.h"
 #include "platform/cli/bus/dialogue.h"
 #include "platform/rt/last_resort.h"
 

@@ -6,7 +6,7 @@
 #include "hal/canopen/canopen.h"
 #include "hal/drive/link.h"
 #include "platform/cli/named_address.h"
-#include "platform/linux/rig_filters.h"
+#include "platform/linux/bus/rig_filters.h"
 
 namespace godobject {
 namespace {

@@ -4,8 +4,8 @@
 #include <atomic>
 #include <cstdint>
 
-#include "platform/cli/run/events.h"
-#include "platform/cli/run/statistics.h"
+#include "platform/cli/report/events.h"
+#include "platform/cli/report/statistics.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/deadline_watch.h"
 #include "platform/rt/ring.h"

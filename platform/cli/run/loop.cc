@@ -10,10 +10,10 @@
 #include <thread>
 #include <utility>
 
+#include "platform/cli/report/status_line.h"
 #include "platform/cli/run/last_frames.h"
-#include "platform/cli/run/status_line.h"
-#include "platform/cli/run/stop_signals.h"
 #include "platform/rt/clock.h"
+#include "platform/rt/stop_signals.h"
 
 namespace godobject {
 namespace {

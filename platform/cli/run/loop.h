@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "platform/cli/run/files.h"
+#include "platform/cli/report/files.h"
 #include "platform/cli/run/recovery.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/setup.h"

@@ -16,9 +16,9 @@
 #include "platform/cli/run/start_check.h"
 #include "platform/linux/tracker_thread.h"
 #include "platform/rt/clock.h"
-#include "platform/scene/profile_toml.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/profile.h"
 #include "platform/scene/text/key.h"
+#include "platform/scene/toml.h"
 
 namespace godobject {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "hal/canopen/node_profile.h"
 #include "hal/rig/bus_load.h"
+#include "platform/cli/report/files.h"
 #include "platform/cli/run/buses.h"
 #include "platform/cli/run/cycle.h"
-#include "platform/cli/run/files.h"
 #include "platform/cli/run/trackers.h"
 #include "platform/linux/spacemouse_thread.h"
 #include "platform/session/passivity.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "platform/linux/bus.h"
+#include "platform/linux/bus/bus.h"
 #include "sim/bus/can_bus.h"
 
 namespace godobject {

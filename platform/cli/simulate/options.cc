@@ -5,7 +5,7 @@
 
 #include "hal/rig/validate.h"
 #include "platform/scene/fault_file.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"
 

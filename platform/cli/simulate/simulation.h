@@ -14,7 +14,7 @@
 
 #include "platform/cli/simulate/bridge.h"
 #include "platform/cli/simulate/tracker_line.h"
-#include "platform/session/motion.h"
+#include "platform/motion/motion.h"
 #include "sim/rig/rig.h"
 #include "sim/tracker/trackers.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "platform/scene/contact_config.h"
+#include "platform/scene/contact/config.h"
 
 namespace godobject {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "platform/scene/contact_config.h"
+#include "platform/scene/contact/config.h"
 
 namespace godobject {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/shape/mesh_setup.h"
-#include "platform/scene/contact_config.h"
+#include "platform/scene/contact/config.h"
 
 namespace godobject {
 

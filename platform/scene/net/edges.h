@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "platform/scene/contact_config.h"
+#include "platform/scene/contact/config.h"
 
 namespace godobject {
 

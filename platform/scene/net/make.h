@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "platform/scene/net_config.h"
+#include "platform/scene/net/config.h"
 
 namespace godobject {
 

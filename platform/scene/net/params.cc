@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "platform/scene/contact_pairs.h"
+#include "platform/scene/contact/pairs.h"
 #include "platform/scene/net/edges.h"
 #include "platform/scene/net/physics.h"
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "platform/scene/net/config.h"
 #include "platform/scene/net/edges.h"
-#include "platform/scene/net_config.h"
 
 namespace godobject {
 

@@ -1,7 +1,7 @@
 // Surfaces of nets: vertices and triangles whose edges have nearly the length that is asked for.
 #pragma once
 
-#include "platform/scene/net_config.h"
+#include "platform/scene/net/config.h"
 
 namespace godobject {
 

@@ -1,5 +1,5 @@
 // Writes the reference of the scene format, one Markdown table per TOML table. A visitor of
-// platform/scene/scene_keys.h that sees default-constructed values.
+// platform/scene/keys/scene.h that sees default-constructed values.
 #pragma once
 
 #include <concepts>

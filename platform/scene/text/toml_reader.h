@@ -1,5 +1,5 @@
 // Reads one TOML table strictly: every key must be known, of the right type and in range. A visitor of
-// platform/scene/scene_keys.h. Problems go to Diagnostics with their place; the member keeps its value then.
+// platform/scene/keys/scene.h. Problems go to Diagnostics with their place; the member keeps its value then.
 #pragma once
 
 #include <concepts>

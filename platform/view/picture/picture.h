@@ -10,7 +10,7 @@
 
 #include "platform/view/picture/png.h"
 #include "platform/view/picture/triangles.h"
-#include "platform/view/recording.h"
+#include "platform/view/recorded/recording.h"
 
 namespace godobject {
 

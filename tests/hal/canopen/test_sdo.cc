@@ -1,4 +1,4 @@
-#include "hal/canopen/sdo.h"
+#include "hal/canopen/sdo/sdo.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/canopen/sdo_client.h"
+#include "hal/canopen/sdo/client.h"
 
 namespace godobject::sdo::test_sdo {
 namespace {

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/can/candump.h"
-#include "platform/scene/scene_toml.h"
 #include "platform/scene/text/csv.h"
-#include "platform/session/trace.h"
+#include "platform/scene/toml.h"
+#include "platform/trace/trace.h"
 #include "tests/support/program.h"
 
 namespace godobject::test::test_cli_run {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/cli/run/cycle.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 
 namespace godobject::test_missed_deadlines {

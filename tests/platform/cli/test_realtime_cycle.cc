@@ -5,7 +5,7 @@
 
 #include "platform/cli/bus/candump_log.h"
 #include "platform/cli/run/cycle.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "tests/support/allocation_guard.h"
 

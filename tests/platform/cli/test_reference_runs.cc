@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "platform/scene/joint_params.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/joint/params.h"
 #include "platform/scene/text/csv.h"
+#include "platform/scene/toml.h"
 #include "tests/support/program.h"
 #include "tests/support/shared_data.h"
 

@@ -9,7 +9,7 @@
 
 #include "hal/can/candump.h"
 #include "platform/cli/run/loop.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/program.h"
 #include "tests/support/rig_player.h"

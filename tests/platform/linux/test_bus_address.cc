@@ -1,7 +1,7 @@
 // Bus addresses as a user types them, right and wrong.
 #include <gmock/gmock.h>
 
-#include "platform/linux/bus.h"
+#include "platform/linux/bus/bus.h"
 
 namespace godobject::test_bus_address {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <poll.h>
 
-#include "platform/linux/replay_bus.h"
+#include "platform/linux/bus/replay.h"
 #include "platform/rt/clock.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/program.h"

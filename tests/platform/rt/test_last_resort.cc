@@ -13,9 +13,9 @@
 #include <thread>
 
 #include "platform/cli/run/last_frames.h"
-#include "platform/cli/run/stop_signals.h"
 #include "platform/rt/last_resort.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/rt/stop_signals.h"
+#include "platform/scene/toml.h"
 
 namespace godobject::test_last_resort {
 namespace {

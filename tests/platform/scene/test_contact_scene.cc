@@ -4,9 +4,9 @@
 
 #include <fstream>
 
-#include "platform/scene/contact_pairs.h"
-#include "platform/scene/contact_params.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
+#include "platform/scene/toml.h"
 
 namespace godobject::test_contact_scene {
 namespace {

@@ -1,5 +1,5 @@
 // The device made from a tool's joints.
-#include "platform/scene/device_from_joints.h"
+#include "platform/scene/joint/device_from_joints.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <random>
 
 #include "hal/joint/kinematic_tree.h"
-#include "platform/scene/joint_kinds.h"
-#include "platform/scene/joint_params.h"
+#include "platform/scene/joint/kinds.h"
+#include "platform/scene/joint/params.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_device_from_joints {

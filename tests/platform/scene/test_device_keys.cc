@@ -4,7 +4,7 @@
 
 #include "hal/joint/kinematic_tree.h"
 #include "hal/rig/validate.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 
 namespace godobject::test_device_keys {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 
-#include "platform/scene/contact_pairs.h"
+#include "platform/scene/contact/pairs.h"
 #include "platform/scene/net/edges.h"
 #include "platform/scene/net/params.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 
 namespace godobject::test_net_keys {
 namespace {

@@ -1,5 +1,5 @@
 // Scene files: what they say is what loads, and what is wrong is refused with its place.
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

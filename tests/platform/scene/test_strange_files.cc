@@ -12,11 +12,11 @@
 #include <numeric>
 
 #include "hal/rig/params.h"
-#include "platform/scene/profile_toml.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/motion/motion.h"
+#include "platform/scene/profile.h"
 #include "platform/scene/text/csv.h"
 #include "platform/scene/text/diagnostics.h"
-#include "platform/session/motion.h"
+#include "platform/scene/toml.h"
 
 namespace godobject::test_strange_files {
 namespace {

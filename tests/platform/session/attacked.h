@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "tests/core/one_body.h"
 #include "tests/support/shared_data.h"

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "platform/scene/joint_params.h"
+#include "platform/scene/joint/params.h"
 #include "platform/simulated/session.h"
 #include "tests/support/tool_scene.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "platform/scene/scene_toml.h"
 #include "platform/scene/text/csv.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "tests/support/shared_data.h"
 

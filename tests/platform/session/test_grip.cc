@@ -8,8 +8,8 @@
 #include <memory>
 #include <stdexcept>
 
-#include "platform/scene/scene_toml.h"
 #include "platform/scene/text/key.h"
+#include "platform/scene/toml.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_grip {

@@ -1,7 +1,7 @@
 // A loop that misses deadlines holds all bodies, and then none of them.
 #include <gtest/gtest.h>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 
 namespace godobject::test_hold {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 
 namespace godobject::test_net_scenes {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/joint/slip.h"
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "tests/support/faulty_rig.h"
 
 namespace godobject::test_no_false_slip {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "tests/support/desk_scene.h"
 
 namespace godobject::test_passivity {

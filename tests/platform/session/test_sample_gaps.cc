@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 
 namespace godobject::test_sample_gaps_on_buses {

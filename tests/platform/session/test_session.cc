@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "core/math/so3.h"
-#include "platform/scene/scene_toml.h"
 #include "platform/scene/text/key.h"
+#include "platform/scene/toml.h"
 
 namespace godobject::test_session {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "platform/scene/scene_toml.h"
 #include "platform/scene/text/key.h"
+#include "platform/scene/toml.h"
 
 namespace godobject::test_session_handles {
 namespace {

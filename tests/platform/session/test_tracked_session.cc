@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "tests/support/allocation_guard.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "platform/scene/scene_toml.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 
 namespace godobject::test_buttons {

@@ -1,5 +1,5 @@
 // The object dictionaries of the simulated nodes, through SDO on the wire, and that the nodes obey them.
-#include "sim/node/object_dictionary.h"
+#include "sim/node/canopen/object_dictionary.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/canopen/sdo_client.h"
+#include "hal/canopen/sdo/client.h"
 #include "sim/node/drive.h"
 #include "sim/node/encoder.h"
 

@@ -1,5 +1,5 @@
 // SDO over a bus that loses frames, as the fault verb drop makes it.
-#include "hal/canopen/sdo_client.h"
+#include "hal/canopen/sdo/client.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/node/canopen_node.h"
+#include "sim/node/canopen/node.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

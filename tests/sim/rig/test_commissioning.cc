@@ -9,10 +9,10 @@
 #include "hal/canopen/commissioning_steps.h"
 #include "hal/canopen/pdo_map.h"
 #include "hal/canopen/profile_validate.h"
-#include "hal/canopen/sdo_sequence.h"
-#include "platform/scene/profile_toml.h"
-#include "platform/scene/scene_toml.h"
+#include "hal/canopen/sdo/sequence.h"
+#include "platform/scene/profile.h"
 #include "platform/scene/text/diagnostics.h"
+#include "platform/scene/toml.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_rig.h"
 

@@ -8,7 +8,7 @@
 #include <iostream>
 #include <optional>
 
-#include "tests/study/articulated_scene.h"
+#include "tests/study/joint/scene.h"
 #include "tests/study/probe/probe.h"
 
 namespace godobject::study {

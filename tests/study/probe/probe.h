@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tests/study/compositions.h"
-#include "tests/study/contact_run.h"
-#include "tests/study/net_tube.h"
+#include "tests/study/contact/run.h"
+#include "tests/study/net/tube.h"
 #include "tests/study/probe/probe_step.h"
 
 namespace godobject::study {

@@ -1,0 +1,199 @@
+#include "hal/canopen/sdo/client.h"
+
+#include <cstdio>
+
+namespace godobject::sdo {
+
+bool Client::read(ObjectAddress address) noexcept {
+  if (busy()) return false;
+  size_ = 0;
+  return begin(address, Expected::initiate_upload, make_plain(Request::initiate_upload, address));
+}
+
+bool Client::write(ObjectAddress address, std::span<const std::uint8_t> data) noexcept {
+  if (busy() || data.empty() || data.size() > capacity) return false;
+  std::ranges::copy(data, data_.begin());
+  size_ = data.size();
+  const Message first =
+      size_ <= expedited_capacity
+          ? make_expedited(Request::initiate_download, address, data)
+          : make_announcement(Request::initiate_download, address, static_cast<std::uint32_t>(size_));
+  return begin(address, Expected::initiate_download, first);
+}
+
+bool Client::begin(ObjectAddress address, Expected expected, const Message& first) noexcept {
+  address_ = address;
+  abort_code_ = AbortCode::none;
+  position_ = 0;
+  toggle_ = false;
+  late_answers_ = repeats_;
+  repeats_ = 0;
+  state_ = TransferState::busy;
+  ask(first, expected);
+  return true;
+}
+
+void Client::ask(const Message& message, Expected expected) noexcept {
+  message_ = message;
+  expected_ = expected;
+  must_send_ = true;
+  timing_ = false;
+}
+
+bool Client::may_repeat() const noexcept {
+  const bool read = expected_ == Expected::initiate_upload;
+  const bool expedited_write = expected_ == Expected::initiate_download && size_ <= expedited_capacity;
+  return (read || expedited_write) && repeats_ < max_repeats;
+}
+
+void Client::poll(Nanoseconds now, CanBus& bus) noexcept {
+  constexpr int max_requests = 1 + max_repeats;
+  if (busy() && !timing_) {
+    timing_ = true;
+    deadline_ns_ = now + timeout_ns_;
+    repeat_ns_ = now + timeout_ns_ / max_requests;
+  }
+  if (busy() && !must_send_ && may_repeat() && now >= repeat_ns_ && now < deadline_ns_) {
+    ++repeats_;
+    ++late_answers_;
+    must_send_ = true;
+    repeat_ns_ = now + timeout_ns_ / max_requests;
+  }
+  if (must_send_)
+    must_send_ = bus.try_send(make_frame(request_cob_id(node_), message_)) != SendResult::queued;
+  if (!busy() || now < deadline_ns_) return;
+  if (must_send_) {
+    must_send_ = false;
+    finish(TransferState::not_sent);
+  } else {
+    // The server may be in the middle of its transfer: tell it, with the next poll.
+    give_up(TransferState::timed_out, AbortCode::timed_out);
+  }
+}
+
+bool Client::on_frame(const CanFrame& frame) noexcept {
+  Message message;
+  const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
+  const bool asked = !must_send_ || (initiating && repeats_ > 0);
+  if (!busy() || !asked || parse_frame(frame, response_cob_id(node_), message) != ParseResult::ok)
+    return false;
+  const auto response = static_cast<Response>(command_of(message));
+  const bool addressed = response == Response::abort || initiating;
+  if (addressed && address_of(message) != address_) return false;  // late: of an earlier transfer
+  must_send_ = false;                                              // a repeat that has found no room
+  if (response == Response::abort) {
+    finish(TransferState::aborted, abort_code_of(message));
+    return true;
+  }
+  static constexpr std::array expected_response{Response::initiate_download, Response::download_segment,
+                                                Response::initiate_upload, Response::upload_segment};
+  const bool first = response == Response::initiate_upload || response == Response::initiate_download;
+  if (response != expected_response[static_cast<std::size_t>(expected_)]) {
+    if (first && late_answers_ > 0) {
+      --late_answers_;
+      return true;
+    }
+    give_up(TransferState::bad_answer, AbortCode::unknown_command);
+  } else if (!initiating && toggle_of(message) != toggle_) {
+    give_up(TransferState::bad_answer, AbortCode::toggle_not_alternated);
+  } else if (expected_ == Expected::initiate_upload) {
+    on_upload_started(message);
+  } else if (expected_ == Expected::upload_segment) {
+    on_upload_segment(message);
+  } else {
+    if (expected_ == Expected::download_segment) toggle_ = !toggle_;
+    send_segment();
+  }
+  return true;
+}
+
+// A download has been accepted up to position_.
+void Client::send_segment() noexcept {
+  if (size_ <= expedited_capacity || position_ == size_) {
+    finish(TransferState::done);
+    return;
+  }
+  const std::size_t count = std::min(segment_capacity, size_ - position_);
+  const auto bytes = std::span<const std::uint8_t>(data_).subspan(position_, count);
+  position_ += count;
+  ask(make_segment(Request::download_segment, toggle_, position_ == size_, bytes),
+      Expected::download_segment);
+}
+
+void Client::on_upload_started(const Message& message) noexcept {
+  const Initiation initiation = initiation_of(message);
+  if (initiation.expedited) {
+    static_cast<void>(store(expedited_data(message)));
+    finish(TransferState::done);
+    return;
+  }
+  size_given_ = initiation.size_given;
+  announced_size_ = initiation.size;
+  if (size_given_ && announced_size_ > capacity) {
+    give_up(TransferState::too_large, AbortCode::out_of_memory);
+    return;
+  }
+  ask(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
+}
+
+void Client::on_upload_segment(const Message& message) noexcept {
+  if (!store(segment_data(message))) {
+    give_up(TransferState::too_large, AbortCode::out_of_memory);
+    return;
+  }
+  const bool last = is_last_segment(message);
+  const bool too_many = size_given_ && size_ > announced_size_;
+  const bool too_few = size_given_ && last && size_ < announced_size_;
+  if (too_many || too_few) {
+    give_up(TransferState::bad_answer, AbortCode::wrong_length);
+  } else if (last) {
+    finish(TransferState::done);
+  } else {
+    toggle_ = !toggle_;
+    ask(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
+  }
+}
+
+bool Client::store(std::span<const std::uint8_t> bytes) noexcept {
+  if (bytes.size() > capacity - size_) return false;
+  std::ranges::copy(bytes, data_.begin() + static_cast<std::ptrdiff_t>(size_));
+  size_ += bytes.size();
+  return true;
+}
+
+void Client::finish(TransferState state, AbortCode code) noexcept {
+  state_ = state;
+  abort_code_ = code;
+}
+
+void Client::give_up(TransferState state, AbortCode code) noexcept {
+  finish(state, code);
+  message_ = make_abort(address_, code);
+  must_send_ = true;
+}
+
+std::string Client::failure_text() const {
+  std::array<char, 16> code{};
+  std::snprintf(code.data(), code.size(), "%08X ", static_cast<unsigned>(abort_code_));
+  const std::string ms = std::to_string(timeout_ns_ / 1'000'000) + " ms";
+  switch (state_) {
+    case TransferState::aborted: return std::string("rejected: ") + code.data() + text_of(abort_code_);
+    case TransferState::timed_out:
+      return "no answer within " + ms +
+             (repeats_ == 0 ? "" : " to " + std::to_string(1 + repeats_) + " requests") +
+             ": is the node powered and not stopped, is this its node-ID and no other's, has the bus this "
+             "bit rate and both terminations?";
+    case TransferState::not_sent:
+      return "the bus did not take the request within " + ms +
+             ": is another node on it that acknowledges, at this bit rate?";
+    case TransferState::bad_answer:
+      return std::string("answered against the protocol: ") + code.data() + text_of(abort_code_);
+    case TransferState::too_large: return "the object has more than " + std::to_string(capacity) + " bytes";
+    case TransferState::idle:
+    case TransferState::busy:
+    case TransferState::done: break;
+  }
+  return "";
+}
+
+}  // namespace godobject::sdo

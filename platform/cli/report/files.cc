@@ -1,0 +1,90 @@
+#include "platform/cli/report/files.h"
+
+namespace godobject {
+namespace {
+
+constexpr std::chrono::milliseconds close_patience{2000};
+constexpr std::size_t waiting_bytes = 16u << 20;
+
+std::vector<std::string> bus_names(const SceneConfig& scene) {
+  std::vector<std::string> names;
+  if (scene.device && scene.device->rig)
+    for (const BusParams& bus : scene.device->rig->buses) names.push_back(bus.name);
+  return names;
+}
+
+}  // namespace
+
+RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseconds log_origin_ns)
+    : names_(names), log_origin_ns_(log_origin_ns), driven_(driven_bodies(scene)) {
+  for (const JointConfig& joint : scene.joints) children_.push_back(*body_named(scene, joint.child));
+  bodies_.resize(scene.bodies.size());
+  pulls_.resize(driven_.size());
+  joints_.resize(children_.size());
+  const auto into = [this](std::optional<BackgroundFile>& file, const std::string& path) {
+    file.emplace(path, waiting_bytes);
+    return CsvRows::Sink([this, &file](std::string_view text) { return file->write(text, patience_); });
+  };
+  if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
+  if (!names.contacts.empty()) contacts_.emplace(into(contacts_file_, names.contacts), scene);
+  if (!names.nets.empty()) nets_.emplace(into(nets_file_, names.nets), scene_nets(scene));
+  if (!names.record.empty()) record_.emplace(into(record_file_, names.record), bus_names(scene));
+}
+
+void RunFiles::add(const CycleRecord& record) {
+  if (nets_ && num_rows_ % names_.nets_every == 0) nets_->row(record.t, record.net_nodes);
+  if (!is_kept(record)) return;
+  if (trace_) add_row(record);
+  if (contacts_) contacts_->rows(record.t, std::span(record.touching).first(record.num_touching));
+}
+
+bool RunFiles::is_kept(const CycleRecord& record) noexcept {
+  const bool changed = record.fault != fault_ || record.rig_faults != rig_faults_;
+  fault_ = record.fault;
+  rig_faults_ = record.rig_faults;
+  return num_rows_++ % names_.trace_every == 0 || changed;
+}
+
+void RunFiles::add_row(const CycleRecord& record) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    bodies_[i] = {
+        .X_WB = record.bodies[i].X_WB, .V_WB = record.bodies[i].V_WB, .contact = record.bodies[i].contact_W};
+  for (std::size_t i = 0; i < driven_.size(); ++i) {
+    const BodyView& body = record.bodies[driven_[i]];
+    pulls_[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
+  }
+  for (std::size_t i = 0; i < children_.size(); ++i) joints_[i] = record.bodies[children_[i]].joint_C;
+  trace_->row(record.t, bodies_, pulls_, joints_,
+              {.contacts = record.contacts,
+               .nets = record.nets,
+               .net_stretch = record.net_stretch,
+               .held = record.held,
+               .hand = record.hand_W,
+               .energy = record.energy.total,
+               .energy_balance = record.energy.balance},
+              {.fault = static_cast<std::uint32_t>(record.fault),
+               .limited = static_cast<std::uint32_t>(record.limited),
+               .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});
+}
+
+std::vector<FileLoss> RunFiles::close() {
+  if (trace_) static_cast<void>(trace_->close());  // what is lost the file says
+  if (contacts_) static_cast<void>(contacts_->close());
+  if (nets_) static_cast<void>(nets_->close());
+  if (record_) static_cast<void>(record_->close());
+  const auto until = BackgroundFile::Clock::now() + close_patience;
+  std::vector<FileLoss> losses;
+  const auto close_one = [&](std::optional<BackgroundFile>& file, const std::string& path) {
+    if (!file) return;
+    BackgroundFile::Result result = file->close(until);
+    if (!result.why.empty() || result.lost_lines > 0)
+      losses.push_back({.path = path, .why = std::move(result.why), .lost_lines = result.lost_lines});
+  };
+  close_one(trace_file_, names_.trace);
+  close_one(contacts_file_, names_.contacts);
+  close_one(nets_file_, names_.nets);
+  close_one(record_file_, names_.record);
+  return losses;
+}
+
+}  // namespace godobject

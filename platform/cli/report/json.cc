@@ -1,0 +1,241 @@
+// report.json: the facts of a run for other programs. Keys carry their units.
+#include "platform/cli/limit_texts.h"
+#include "platform/cli/report/report.h"
+#include "platform/rt/machine.h"
+
+namespace godobject {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double to_us(std::int64_t ns) { return 1e-3 * static_cast<double>(ns); }
+
+/// null: nothing was measured. Histogram: [upper edge in us, count] of every bin that has something in it.
+Json to_json(const Histogram& h) {
+  if (h.count() == 0) return nullptr;
+  Json bins = Json::array();
+  for (std::size_t bin = 0; bin < Histogram::num_bins; ++bin)
+    if (h.in_bin(bin) > 0) bins.push_back({to_us(Histogram::upper_edge(bin)), h.in_bin(bin)});
+  return {{"p50", to_us(h.percentile(0.5))},
+          {"p99", to_us(h.percentile(0.99))},
+          {"p99_9", to_us(h.percentile(0.999))},
+          {"max", to_us(h.max())},
+          {"histogram", std::move(bins)}};
+}
+
+/// null: no cycle was counted.
+Json to_json(const PoseErrorStatistics& e) {
+  if (e.count() == 0) return nullptr;
+  return {{"rms_m", e.rms().m}, {"max_m", e.max().m}, {"rms_rad", e.rms().rad}, {"max_rad", e.max().rad}};
+}
+
+Json text_or_null(std::string_view text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json to_json(const BusCounters& c) {
+  return {{"sent", c.sent},
+          {"received", c.received},
+          {"send_refused", c.send_refused},
+          {"send_dropped", c.send_dropped},
+          {"receive_overflow", c.receive_overflow},
+          {"error_frames", c.error_frames},
+          {"bus_off_events", c.bus_off_events},
+          {"restarts", c.restarts},
+          {"last_error", name_of(c.last_error)},
+          {"transmit_error_counter", c.transmit_error_counter},
+          {"receive_error_counter", c.receive_error_counter}};
+}
+
+Json to_json(const BusReport& bus) {
+  return {{"name", bus.computed.bus},
+          {"address", text_or_null(bus.address)},
+          {"measured_percent", or_null(bus.measured_percent)},
+          {"nominal_percent", bus.computed.nominal_percent},
+          {"worst_percent", bus.computed.worst_percent},
+          {"counters", to_json(bus.counters)}};
+}
+
+Json to_json(const SpaceMouseLine& mouse) {
+  const SpaceMouseCounters& c = mouse.counters;
+  return {{"socket", mouse.socket},
+          {"connected", c.connected},
+          {"events", c.events},
+          {"malformed", c.malformed},
+          {"connections", c.connections}};
+}
+
+Json to_json(const TrackerReportLine& tracker) {
+  const TrackerCounters& c = tracker.report.counters;
+  Json json{{"name", tracker.params.name},
+            {"port", tracker.is_real ? Json(tracker.params.port) : Json(nullptr)},
+            {"state", name(tracker.report.state)},
+            {"text", tracker.report.text.data()},
+            {"samples", c.samples},
+            {"repeated", c.repeated},
+            {"lost_frames", c.lost_frames},
+            {"bad_crc", c.bad_crc},
+            {"malformed", c.malformed},
+            {"timeouts", c.timeouts},
+            {"restarts", c.restarts},
+            {"tools", Json::array()}};
+  for (std::size_t i = 0; i < tracker.tools.size(); ++i)
+    json["tools"].push_back(
+        {{"body", tracker.params.tools[i].body},
+         {"tool", tracker.params.tools[i].tool},
+         {"state", name(tracker.tools[i].state)},
+         {"samples", tracker.report.tools[i].number},
+         {"age_s", tracker.report.tools[i].number > 0 ? Json(1e-9 * static_cast<double>(tracker.tools[i].age))
+                                                      : Json(nullptr)}});
+  return json;
+}
+
+Json to_json(const Recovery& recovery) {
+  return {{"seen_s", recovery.seen_s},
+          {"named", recovery.named},
+          {"troubles", recovery.troubles},
+          {"boots", recovery.boots},
+          {"recovered_after_s", or_null(recovery.recovered_after_s)}};
+}
+
+Json to_json(const RunEvent& event) {
+  return {{"t_s", event.t_s},
+          {"event", name_of(event.kind)},
+          {"name", text_or_null(event.name)},
+          {"bus", text_or_null(event.bus)},
+          {"node", event.node != 0 ? Json(event.node) : Json(nullptr)},
+          {"place", text_or_null(event.place)},
+          {"cause", event.cause},
+          {"remedy", text_or_null(event.remedy)}};
+}
+
+Json to_json(const RtStep& step) {
+  return {{"step", step.name},
+          {"result", name_of(step.result)},
+          {"detail", step.detail},
+          {"remedy", step.remedy}};
+}
+
+Json to_json(const FaultReport& fault) {
+  return {{"name", fault.name}, {"text", fault.text}, {"cycles", fault.cycles}};
+}
+
+template <class T>
+Json to_array(const std::vector<T>& items) {
+  Json array = Json::array();
+  for (const T& item : items) array.push_back(to_json(item));
+  return array;
+}
+
+Json timing(const CyclicStatistics& t, const RunStatistics& run) {
+  return {{"missed_deadlines", t.missed()},      {"late_cycles", t.late},
+          {"skipped_periods", t.skipped},        {"holds", run.holds},
+          {"hold_cycles", run.hold_cycles},      {"wake_us", to_json(t.wake_ns)},
+          {"compute_us", to_json(t.compute_ns)}, {"step_us", to_json(run.step_ns)}};
+}
+
+Json nets(const SceneNets& nets, const NetStatistics& n) {
+  return {{"nodes", nets.nodes.size()},
+          {"springs", nets.springs.size()},
+          {"largest_stretch", n.stretch},
+          {"most_contacts", n.contacts},
+          {"deepest_m", n.deepest},
+          {"iterations", n.iterations},
+          {"most_iterations", n.most_iterations},
+          {"residual_N", n.residual}};
+}
+
+Json machine(const std::vector<RtStep>& setup) {
+  const Machine m = this_machine();
+  return {{"cpu", m.cpu}, {"num_cpus", m.num_cpus}, {"kernel", m.kernel}, {"rt_setup", to_array(setup)}};
+}
+
+Json answers(const RigCounters& c) {
+  return {{"syncs", c.syncs},       {"incomplete_syncs", c.incomplete_syncs},
+          {"frames", c.frames},     {"malformed", c.malformed},
+          {"repeated", c.repeated}, {"foreign", c.foreign}};
+}
+
+Json limits(const RunStatistics& statistics) {
+  Json hit = Json::object();
+  for (std::size_t i = 0; i < limit_names.size(); ++i)
+    if (statistics.limit_cycles[i] > 0) hit[std::string(limit_names[i])] = statistics.limit_cycles[i];
+  return hit;
+}
+
+Json limits_percent(const RunStatistics& statistics) {
+  Json hit = Json::object();
+  for (std::size_t i = 0; i < limit_names.size(); ++i)
+    if (statistics.limit_cycles[i] > 0) hit[std::string(limit_names[i])] = limit_percent(statistics, i);
+  return hit;
+}
+
+}  // namespace
+
+std::string_view name_of(BusChoice bus) noexcept {
+  constexpr std::array<std::string_view, 3> names{"sim", "direct", "real"};
+  return names[static_cast<std::size_t>(bus)];
+}
+
+nlohmann::ordered_json to_json(const RunReport& report) {
+  const RunOptions& options = report.options;
+  const SceneConfig& scene = report.session.scene();
+  const RunStatistics& statistics = report.result.statistics;
+  Json json{{"scene", scene.name},
+            {"scene_file", options.scene},
+            {"mode", options.realtime ? "realtime" : "fast"},
+            {"bus_mode", name_of(report.session.bus())},
+            {"stopped_by", text_or_null(report.result.stopped_by)},
+            {"integrator", scene.integrator},
+            {"composition", report.session.engine().composition().name},
+            {"step_s", scene.step},
+            {"cycles", statistics.cycles},
+            {"motion_start_on_bus_s", 1e-9 * static_cast<double>(report.session.motion_start_ns())},
+            {"timing", timing(report.result.timing, statistics)}};
+  if (report.session.follows()) {
+    json["truth"] = report.session.bus() == BusChoice::real
+                        ? "none: errors are against what the core was told"
+                        : "where the handle is";
+    json["following"] = to_json(statistics.following);
+    if (report.session.bus() != BusChoice::real) json["sensing"] = to_json(statistics.sensing);
+    if (report.session.bus() == BusChoice::sim) {
+      json["exact_following"] = to_json(statistics.exact_following);
+      json["encoders"] = to_json(statistics.encoders);
+    }
+  }
+  json["bus"] = to_array(report.buses);
+  json["trackers"] = to_array(report.trackers);
+  if (report.spacemouse) json["spacemouse"] = to_json(*report.spacemouse);
+  if (report.link_timing) {
+    json["added_latency_us"] = to_json(report.link_timing->added_latency_ns);
+    json["sync_jitter_us"] = to_json(report.link_timing->sync_jitter_ns);
+  }
+  if (report.session.rig()) json["answers"] = answers(report.session.rig_counters());
+  json["events"] = to_array(report.result.events);
+  json["recoveries"] = to_array(report.result.recoveries);
+  if (const SceneNets& n = report.session.engine().nets(); !n.nodes.empty())
+    json["nets"] = nets(n, statistics.nets);
+  json["limits"] = limits(statistics);
+  json["limits_percent"] = limits_percent(statistics);
+  const EnergyReport& gain = statistics.gain;
+  json["largest_energy_gain"] = {{"gained_J", gain.gained}, {"of_J", gain.at_work}};
+  json["warnings"] = limit_warnings(statistics);
+  json["faults"] = to_array(report.faults);
+  json["lost"] = {{"cycles", report.result.lost_cycles},
+                  {"frames", report.result.lost_frames},
+                  {"events", report.result.lost_events},
+                  {"console_lines", report.result.lost_console_lines}};
+  json["machine"] = machine(report.result.setup);
+  json["state_hash"] = hash_text(report.session.engine().state_hash());
+  json["files"] = {{"trace", options.files.trace},
+                   {"contacts", options.files.contacts},
+                   {"nets", options.files.nets},
+                   {"record", options.files.record},
+                   {"report", options.report}};
+  return json;
+}
+
+}  // namespace godobject

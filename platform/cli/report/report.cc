@@ -1,0 +1,160 @@
+#include "platform/cli/report/report.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <sstream>
+
+namespace godobject {
+namespace {
+
+std::string line_of(const FaultText& text) {
+  return std::string(text.meaning) + ": " + std::string(text.remedy);
+}
+
+void add_run_fault(RunFault fault, std::vector<FaultReport>& faults) {
+  faults.push_back({.name = std::string(text_of(fault).name), .text = line_of(text_of(fault))});
+}
+
+void add_core_faults(const RunStatistics& statistics, std::vector<FaultReport>& faults) {
+  for (std::size_t i = 0; i < core_fault_texts.size(); ++i)
+    if (statistics.fault_cycles[i] > 0)
+      faults.push_back({.name = std::string(core_fault_texts[i].text.name),
+                        .text = line_of(core_fault_texts[i].text),
+                        .cycles = statistics.fault_cycles[i]});
+}
+
+/// Rig::fault_text() has a line for each place; troubles: what the buses say, which explains bus_down and
+/// send_refused.
+void add_rig_faults(const Rig& rig, const std::vector<std::string>& troubles,
+                    std::vector<FaultReport>& faults) {
+  std::istringstream lines(rig.fault_text());
+  bool explained = false;
+  for (const RigFaultRecord& record : rig.fault_log().records()) {
+    FaultReport fault{.name = std::string(text_of(record.place.fault).name), .text = ""};
+    std::getline(lines, fault.text);
+    fault.text.erase(0, fault.name.size() + 1);
+    const bool of_bus = any(record.place.fault & (RigFault::bus_down | RigFault::send_refused));
+    if (of_bus && !explained)
+      for (const std::string& trouble : troubles) fault.text += " " + trouble;
+    explained = explained || of_bus;
+    faults.push_back(std::move(fault));
+  }
+}
+
+/// Faults of a device that was armed again, which its present rig knows nothing of.
+void add_recoveries(const std::vector<Recovery>& recoveries, std::vector<FaultReport>& faults) {
+  for (const Recovery& recovery : recoveries) {
+    if (!recovery.recovered_after_s) continue;
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(), "seen at %.3f s, armed again after %.3f s: ", recovery.seen_s,
+                  *recovery.recovered_after_s);
+    FaultReport fault{.name = std::string(text_of(RunFault::recovered).name),
+                      .text = text.data() + recovery.named};
+    std::ranges::replace(fault.text, '\n', ' ');
+    for (const std::string& trouble : recovery.troubles) fault.text += trouble + " ";
+    faults.push_back(std::move(fault));
+  }
+}
+
+void add_not_ready(const RunReport& report, std::vector<FaultReport>& faults) {
+  for (const std::string& node : report.result.not_set_up)
+    faults.push_back({.name = std::string(text_of(RunFault::not_set_up).name), .text = node});
+  if (faults.empty() && report.result.stopped_by.empty()) add_run_fault(RunFault::not_ready, faults);
+}
+
+void add_file_faults(const RunReport& report, const std::vector<FileLoss>& losses,
+                     std::vector<FaultReport>& faults) {
+  std::uint64_t lost_rows = report.result.lost_cycles, lost_frames = report.result.lost_frames;
+  for (const FileLoss& loss : losses) {
+    if (loss.why.empty()) {
+      (loss.path == report.options.files.record ? lost_frames : lost_rows) += loss.lost_lines;
+      continue;
+    }
+    faults.push_back({.name = std::string(text_of(RunFault::file_incomplete).name),
+                      .text = loss.path + " could not be written in full: " + loss.why + "; it lacks " +
+                              std::to_string(loss.lost_lines) + " lines and whatever was cut off"});
+  }
+  const auto lost = [&](const std::string& file, std::uint64_t count) {
+    if (!file.empty() && count > 0)
+      faults.push_back(
+          {.name = std::string(text_of(RunFault::records_lost).name),
+           .text = file + " lacks " + std::to_string(count) + " records: the disk could not keep up"});
+  };
+  lost(report.options.files.trace, lost_rows);
+  lost(report.options.files.contacts, lost_rows);
+  lost(report.options.files.record, lost_frames);
+}
+
+std::vector<TrackerReportLine> tracker_reports(const Session& session) {
+  std::vector<TrackerReportLine> lines;
+  const TrackedPoses* const trackers = session.trackers();
+  std::size_t tool = 0;
+  for (std::size_t i = 0; trackers && i < trackers->num_trackers(); ++i) {
+    lines.push_back({.params = trackers->params(i),
+                     .is_real = session.bus() == BusChoice::real,
+                     .report = trackers->report(i),
+                     .tools = {}});
+    for (std::size_t k = 0; k < lines.back().params.tools.size(); ++k)
+      lines.back().tools.push_back(trackers->poses()[tool++]);
+  }
+  return lines;
+}
+
+void add_trackers_not_ready(const RunReport& report, std::vector<FaultReport>& faults) {
+  for (const TrackerReportLine& tracker : report.trackers)
+    if (tracker.report.state != TrackerState::tracking && report.result.stopped_by.empty())
+      faults.push_back({.name = std::string(text_of(RunFault::tracker_not_ready).name),
+                        .text = "tracker " + tracker.params.name + " (" +
+                                (tracker.is_real ? tracker.params.port : "simulated") + "), " +
+                                name(tracker.report.state) + ": " + tracker.report.text.data()});
+}
+
+std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig) {
+  std::vector<BusReport> reports;
+  const std::vector<double> measured = run.session->bus_load_percent();
+  const std::vector<BusLoad> computed = bus_load(rig, usual_load(rig));
+  for (std::size_t i = 0; i < computed.size(); ++i)
+    reports.push_back({.computed = computed[i],
+                       .address = run.link ? run.buses.texts[i] : "",
+                       .measured_percent = run.link ? std::nullopt : std::optional(measured[i]),
+                       .counters = run.session->host_buses()[i]->counters()});
+  return reports;
+}
+
+}  // namespace
+
+RunReport make_report(const RunOptions& options, const PreparedRun& run, const RunResult& result,
+                      const std::vector<FileLoss>& losses) {
+  const Session& session = *run.session;
+  RunReport report{.options = options,
+                   .session = session,
+                   .result = result,
+                   .link_timing = run.link ? &run.link->timing() : nullptr,
+                   .buses = {},
+                   .trackers = tracker_reports(session),
+                   .faults = {}};
+  if (const SpaceMouseThread* const mouse = run.spacemouse_thread.get())
+    report.spacemouse = {.socket = mouse->socket(), .counters = mouse->counters()};
+  if (const Rig* rig = session.rig()) {
+    const RigParams& params = *session.scene().device->rig;
+    report.buses = bus_reports(run, params);
+    add_recoveries(result.recoveries, report.faults);
+    const std::vector<std::string> troubles =
+        run.link ? bus_troubles(*run.link, run.buses, params) : std::vector<std::string>{};
+    add_rig_faults(*rig, troubles, report.faults);
+  }
+  if (!result.ready && (session.rig() || session.trackers())) {
+    add_trackers_not_ready(report, report.faults);
+    add_not_ready(report, report.faults);
+  }
+  if (!session.reachable()) add_run_fault(RunFault::unreachable, report.faults);
+  if (session.missed_deadlines() && !session.rig()) add_run_fault(RunFault::deadlines_missed, report.faults);
+  if (result.statistics.force_oscillates && !session.rig())
+    add_run_fault(RunFault::force_oscillates, report.faults);
+  add_core_faults(result.statistics, report.faults);
+  add_file_faults(report, losses, report.faults);
+  return report;
+}
+
+}  // namespace godobject

@@ -1,0 +1,125 @@
+// godobject simulate: the other end of the buses, for a `godobject run` that knows nothing of it.
+#include <poll.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "platform/cli/option_checks.h"
+#include "platform/cli/simulate/control.h"
+#include "platform/cli/simulate/options.h"
+#include "platform/cli/verbs.h"
+#include "platform/rt/clock.h"
+#include "platform/rt/setup.h"
+#include "platform/rt/stop_signals.h"
+
+namespace godobject {
+namespace {
+
+/// Sleeps until `until`, or until one of the descriptors has something to read.
+void wait(std::vector<pollfd>& descriptors, Nanoseconds until) noexcept {
+  const Nanoseconds left = std::max<Nanoseconds>(0, until - MonotonicClock{}.now());
+  const timespec timeout{.tv_sec = left / 1'000'000'000, .tv_nsec = left % 1'000'000'000};
+  ppoll(descriptors.data(), descriptors.size(), &timeout, nullptr);
+}
+
+void announce(const Simulation& simulation) {
+  for (const OfferedBus& offered : simulation.buses())
+    std::printf("%s %s: %s\n", offered.is_tap ? "tap" : "bus", offered.name.c_str(),
+                offered.bus->name().c_str());
+  for (const std::unique_ptr<TrackerLine>& tracker : simulation.trackers())
+    std::printf("tracker %s: %s\n", tracker->name().c_str(), tracker->path().c_str());
+  std::puts("ready");
+  std::fflush(stdout);
+}
+
+/// In wall time, until the duration is over, the user says so or a signal comes.
+void play(const SimulateOptions& options, PreparedSimulation& prepared) {
+  Simulation& simulation = *prepared.simulation;
+  const StopSignals stop;
+  const std::optional<RtProcess> process =
+      options.realtime ? std::optional<RtProcess>(std::in_place) : std::nullopt;
+  if (options.realtime) std::fputs(("real-time set-up\n" + rt_table(set_up_rt_thread())).c_str(), stderr);
+  prctl(PR_SET_TIMERSLACK, 1UL);  // ns: answers to SYNC are fractions of a millisecond apart
+  std::optional<LineInput> input;
+  if (options.control) input.emplace(STDIN_FILENO);
+  std::vector<pollfd> descriptors;
+  for (const int fd : simulation.descriptors())
+    descriptors.push_back({.fd = fd, .events = POLLIN, .revents = 0});
+  if (input) descriptors.push_back({.fd = STDIN_FILENO, .events = POLLIN, .revents = 0});
+  announce(simulation);
+  const Nanoseconds start = MonotonicClock{}.now();
+  const double end_s = options.duration.value_or(std::numeric_limits<double>::infinity());
+  bool quit = false;
+  for (std::string line; !quit && !stop.requested();) {
+    simulation.step(MonotonicClock{}.now() - start);
+    if (1e-9 * static_cast<double>(simulation.now()) >= end_s) break;
+    while (input && !quit && input->try_line(line)) {
+      std::puts(answer(line, simulation, quit).c_str());
+      std::fflush(stdout);
+    }
+    if (input) descriptors.back().fd = input->descriptor();
+    wait(descriptors, start + simulation.next_event());
+  }
+}
+
+ExitCode simulate(const SimulateOptions& options) {
+  guard_process();
+  PreparedSimulation prepared = prepare(options);
+  for (const std::string& note : prepared.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  for (const std::string& error : prepared.errors) std::fprintf(stderr, "%s\n", error.c_str());
+  if (!prepared.simulation) return prepared.not_available ? ExitCode::not_available : ExitCode::usage;
+  play(options, prepared);
+  if (options.report.empty()) return ExitCode::ok;
+  std::ofstream file(options.report);
+  file << prepared.simulation->to_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
+       << '\n';
+  file.close();
+  if (!file.fail()) return ExitCode::ok;
+  std::fprintf(stderr, "--report: %s could not be written\n", options.report.c_str());
+  return ExitCode::fault;
+}
+
+void add_options(CLI::App& verb, SimulateOptions& options) {
+  verb.add_option("SCENE", options.scene,
+                  "scene file (TOML) with a device on buses or with trackers, see docs/scenes.md")
+      ->required();
+  verb.add_option(
+      "--bus", options.buses,
+      "[NAME=]ADDRESS, where a bus of the scene is offered: socketcan:vcan0, slcan:/dev/pts/3, or pty, "
+      "which makes a pseudo-terminal that speaks SLCAN and prints its path; trackers are offered on "
+      "pseudo-terminals of their own");
+  verb.add_option(
+      "--tap", options.taps,
+      "[NAME=]ADDRESS, one more end of the bus: it hears every frame, and what is written there comes "
+      "as from another node");
+  verb.add_option("--motion", options.motion, "CSV of the hand's poses or the device's joints, as of run");
+  verb.add_option("--duration", options.duration, "s; default: until it is stopped")
+      ->check(number_above(0, 1e6));
+  verb.add_option("--faults", options.faults, "TOML with [[fault]] tables, besides those of the scene");
+  verb.add_option_function<std::string>(
+          "--control", [&](const std::string& from) { options.control = from == "-"; },
+          "-: commands on standard input, one a line: fault VERB ..., clear, status, quit (see "
+          "docs/faults.md); "
+          "none (default)")
+      ->check(CLI::IsMember({"-", "none"}));
+  verb.add_flag("--realtime", options.realtime,
+                "with a real-time priority: answers come in time on a busy machine");
+  verb.add_flag("--start-now", options.start_now, "the motion begins at once instead of with the first SYNC");
+  verb.add_option("--report", options.report, "JSON to write at the end: what `status` says");
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, ExitCode& code) {
+  CLI::App* verb = app.add_subcommand(
+      "simulate",
+      "Play a scene's device on real buses and serial lines, for a `godobject run` on their other end.");
+  const auto options = std::make_shared<SimulateOptions>();
+  add_options(*verb, *options);
+  verb->callback([options, &code] { code = simulate(*options); });
+}
+
+}  // namespace godobject

@@ -1,0 +1,66 @@
+// godobject faults: what every fault means and what to do about it.
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include "platform/cli/fault_texts.h"
+#include "platform/cli/verbs.h"
+#include "platform/scene/text/nearest_name.h"
+
+namespace godobject {
+namespace {
+
+struct FaultGroup {
+  const char* title;
+  std::vector<FaultText> faults;
+};
+
+std::vector<FaultGroup> fault_groups() {
+  FaultGroup core{.title = "core: something was lost in a step", .faults = {}};
+  for (const CoreFaultText& fault : core_fault_texts) core.faults.push_back(fault.text);
+  FaultGroup rig{.title = "rig: the torque runs down to zero and stays there until cleared and armed again",
+                 .faults = {}};
+  for (const RigFaultText& fault : rig_fault_texts())
+    rig.faults.push_back({.name = fault.name, .meaning = fault.meaning, .remedy = fault.remedy});
+  const FaultGroup run{.title = "run: of godobject run itself",
+                       .faults = {run_fault_texts.begin(), run_fault_texts.end()}};
+  return {core, rig, run};
+}
+
+void print_fault(const FaultText& fault) {
+  std::printf("  %.*s\n    what: %.*s\n    do:   %.*s\n", static_cast<int>(fault.name.size()),
+              fault.name.data(), static_cast<int>(fault.meaning.size()), fault.meaning.data(),
+              static_cast<int>(fault.remedy.size()), fault.remedy.data());
+}
+
+/// Nothing printed and usage where no fault is called `name`; empty: all.
+ExitCode show_faults(const std::string& name) {
+  std::vector<std::string_view> names;
+  bool any_shown = false;
+  for (const FaultGroup& group : fault_groups()) {
+    bool title_shown = false;
+    for (const FaultText& fault : group.faults) {
+      names.push_back(fault.name);
+      if (!name.empty() && name != fault.name) continue;
+      if (!title_shown) std::printf("%s%s\n", any_shown ? "\n" : "", group.title);
+      title_shown = any_shown = true;
+      print_fault(fault);
+    }
+  }
+  if (any_shown) return ExitCode::ok;
+  const auto nearest = nearest_name(name, names);
+  std::fprintf(stderr, "no fault is called '%s'%s; godobject faults lists all\n", name.c_str(),
+               nearest ? ("; did you mean '" + std::string(*nearest) + "'?").c_str() : "");
+  return ExitCode::usage;
+}
+
+}  // namespace
+
+void add_faults(CLI::App& app, ExitCode& code) {
+  CLI::App* verb = app.add_subcommand("faults", "What each fault means and what to do about it.");
+  const auto name = std::make_shared<std::string>();
+  verb->add_option("NAME", *name, "one fault; by default all");
+  verb->callback([name, &code] { code = show_faults(*name); });
+}
+
+}  // namespace godobject

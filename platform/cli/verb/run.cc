@@ -1,0 +1,231 @@
+// godobject run: a scene, its device and its motion, for a while.
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#include "platform/cli/option_checks.h"
+#include "platform/cli/report/report.h"
+#include "platform/cli/run/loop.h"
+#include "platform/cli/run/options.h"
+#include "platform/cli/run/spacemouse.h"
+#include "platform/cli/run/view.h"
+#include "platform/cli/verbs.h"
+#include "platform/rt/background_file.h"
+#include "platform/rt/clock.h"
+#include "platform/rt/stop_signals.h"
+
+namespace godobject {
+namespace {
+
+void print_lines(std::FILE* out, const char* before, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) std::fprintf(out, "%s%s\n", before, line.c_str());
+}
+
+/// All at once, to a file or a terminal that is waited for 2 s at most. Empty, or why not.
+template <class File>
+std::string write_whole(const File& to, const std::string& text) {
+  constexpr std::chrono::seconds patience{2};
+  BackgroundFile file(to, text.size());
+  static_cast<void>(file.write(text));
+  return file.close(BackgroundFile::Clock::now() + patience).why;
+}
+
+std::string write_report(const std::string& path, const RunReport& report) {
+  return write_whole(path,
+                     to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+/// What the run says at its end: the summary, or only what is wrong.
+std::string summary_of(const RunReport& report) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* const out = open_memstream(&text, &size);
+  if (!out) throw std::bad_alloc();
+  if (report.options.quiet) print_faults(out, report.faults);
+  else print_summary(out, report);
+  std::fclose(out);
+  std::string summary(text, size);
+  std::free(text);
+  return summary;
+}
+
+/// On real buses the stamps of frames are those of the monotonic clock; logs have the time of day.
+Nanoseconds log_origin_ns() {
+  const auto day = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(day).count() - MonotonicClock{}.now();
+}
+
+ExitCode run(RunOptions options) {
+  guard_process();
+  PreparedRun prepared = prepare(options);
+  if (!options.quiet) print_lines(stderr, "note: ", prepared.notes);
+  print_lines(stderr, "warning: ", prepared.warnings);
+  print_lines(stderr, "", prepared.errors);
+  if (!prepared.session) return ExitCode::usage;
+
+  if (const std::string why_not = make_folders(options); !why_not.empty()) {
+    print_lines(stderr, "", {why_not});
+    return ExitCode::usage;
+  }
+  Session& session = *prepared.session;
+  std::optional<RunLink> real;
+  if (session.bus() == BusChoice::real || prepared.spacemouse || (options.view && !options.fast))
+    options.realtime = true;
+  if (prepared.link) {
+    real.emplace(RunLink{*prepared.link, prepared.buses, *session.scene().device->rig, prepared.profiles});
+    const std::vector<std::string> closed = open_buses(real->link, real->plan, real->rig);
+    print_lines(stderr, "", closed);
+    if (!closed.empty()) return ExitCode::not_available;
+  }
+  if (const std::string why_not = connect_spacemouse(options, prepared); !why_not.empty()) {
+    print_lines(stderr, "", {why_not});
+    return ExitCode::not_available;
+  }
+  RunView view;
+  if (options.view) {
+    const std::string why_not = view.start(options, prepared);
+    print_lines(stderr, "", why_not.empty() ? view.announcement() : std::vector{why_not});
+    if (!why_not.empty()) return ExitCode::not_available;
+  }
+  RunFiles files(options.files, session.scene(), real ? log_origin_ns() : 0);
+  const std::optional<RunResult> result =
+      options.realtime ? run_realtime(session, prepared.plan, files, real ? &*real : nullptr)
+                       : run_fast(session, prepared.plan, files);
+  if (!result) {
+    std::fputs("--realtime: this machine lets the program start no thread\n", stderr);
+    return ExitCode::not_available;
+  }
+  const StopSignals closing(
+      Suspension::stops);  // the motors are off: files and summary are completed all the same
+  RunReport report = make_report(options, prepared, *result, files.close());
+  if (!options.report.empty())
+    if (const std::string why = write_report(options.report, report); !why.empty())
+      report.faults.push_back(
+          {.name = "file_incomplete", .text = options.report + " could not be written: " + why});
+  const std::string not_shown =
+      write_whole(options.quiet ? STDERR_FILENO : STDOUT_FILENO, summary_of(report));
+  if (!not_shown.empty())
+    static_cast<void>(write_whole(STDERR_FILENO, "the summary could not be written: " + not_shown + "\n"));
+  return not_shown.empty() && report.faults.empty() ? ExitCode::ok : ExitCode::fault;
+}
+
+}  // namespace
+
+// NOLINTNEXTLINE(readability-function-size): a list
+void add_run_options(CLI::App& verb, RunOptions& options) {
+  verb.add_option("SCENE", options.scene, "scene file (TOML), see docs/scenes.md")->required();
+  auto* realtime = verb.add_flag("--realtime", options.realtime,
+                                 "in wall time: one cycle a period, on a real-time thread, with a live "
+                                 "status line; real buses imply it");
+  verb.add_flag(
+          "--fast", options.fast,
+          "on a simulated clock, as fast as the machine allows, bit-identical each time; not with --realtime "
+          "(default)")
+      ->excludes(realtime);
+  verb.add_flag("--strict", options.strict,
+                "refuse a scene with a driven axis that is not passive; see godobject check");
+  verb.add_option("--duration", options.duration,
+                  "s; default: the motion file's end, else the scene's duration")
+      ->check(number_above(0, 1e6));
+  verb.add_option(
+          "--bus", options.buses,
+          "what the device is: sim, simulated encoders, wires, drives and trackers (default); direct, none, "
+          "the "
+          "motion as it is; ADDRESS, a real one on the scene's only bus; NAME=ADDRESS, once for each bus of "
+          "the "
+          "scene. ADDRESS is socketcan:can0, slcan:/dev/ttyACM0, board:/dev/ttyACM1, replay:FILE, or pty: a "
+          "pseudo-terminal is made and waited for, for every bus where no NAME is given. See docs/running.md")
+      ->type_name("BUS")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb.add_option("--tracker", options.trackers,
+                  "where the trackers are: NAME=PORT, once for each tracker of the scene, a real one on this "
+                  "serial line; scene, on the scene's own ports; without this option they are simulated. See "
+                  "docs/trackers.md")
+      ->type_name("TRACKER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb.add_option_function<std::string>(
+          "--spacemouse", [&options](const std::string& socket) { options.spacemouse = socket; },
+          "the scene's SpaceMouse leads, until the run is stopped: spacenavd is reached on this socket; "
+          "default: "
+          "$SPNAV_SOCKET, or /run/spnav.sock. Without this option the scene's motion leads. See "
+          "docs/trackers.md")
+      ->type_name("[SOCKET]")
+      ->expected(0, 1);
+  verb.add_option_function<std::string>(
+          "--rearm",
+          [&options](const std::string& when) {
+            options.rearm = when == "auto" ? Rearm::automatic : Rearm::never;
+          },
+          "after a fault of the device: never, no torque any more (default); auto, once its buses are back "
+          "its "
+          "nodes are set up and booted, and the motors are ARMED again")
+      ->check(CLI::IsMember({"never", "auto"}));
+  verb.add_option(
+          "--motion", options.motion,
+          "what the hand does, in place of the scene's motion: a CSV of the target's poses or the device's "
+          "joints over time, and of letting go and the clutch")
+      ->type_name("FILE");
+  verb.add_option("--integrator", options.integrator, "in place of the scene's")
+      ->check(CLI::IsMember(std::vector<std::string>(integrator_names.begin(), integrator_names.end())));
+  verb.add_option("--step", options.step, "s, in place of the scene's")->check(number_in(1e-6, 0.1));
+  verb.add_option("--trace", options.files.trace,
+                  "CSV to write: bodies, wrenches, target, energy, faults at every step")
+      ->type_name("FILE");
+  verb.add_option(
+          "--trace-every", options.files.trace_every,
+          "of --trace and --contacts: only every N-th step, and those in which a fault comes up or ends")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1'000'000));
+  verb.add_option("--contacts", options.files.contacts,
+                  "CSV to write: every contact at every step: body, on what, point, normal, force")
+      ->type_name("FILE");
+  verb.add_option("--nets", options.files.nets,
+                  "CSV to write: where every node of every net is, a row a frame")
+      ->type_name("FILE");
+  verb.add_option("--nets-every", options.files.nets_every, "of --nets: a frame every N-th step")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
+  verb.add_option("--record", options.files.record,
+                  "log to write: every frame on every bus, in candump's format")
+      ->type_name("FILE");
+  verb.add_option("--report", options.report,
+                  "JSON to write: everything the summary shows, and the histograms")
+      ->type_name("FILE");
+  verb.add_option_function<std::string>(
+          "--view",
+          [&options](const std::string& port) {
+            options.view = static_cast<std::uint16_t>(std::stoul("0" + port));
+          },
+          "serve a page that shows the run, at the address that is printed, on this machine alone; port: "
+          "7780, or the "
+          "next free one. The run is in wall time, unless --fast is given. See docs/view.md")
+      ->type_name("[PORT]")
+      ->expected(0, 1)
+      ->check(port_number());
+  verb.add_option(
+          "--view-address", options.view_address,
+          "listen on this address instead of 127.0.0.1: whoever reaches it and has the token sees the run")
+      ->type_name("ADDRESS");
+  verb.add_flag(
+      "--view-input", options.view_input,
+      "the pointer in the page is the device: it takes hold of coupled bodies and moves them; without "
+      "buses, until the run is stopped");
+  verb.add_flag("--quiet", options.quiet, "print only warnings and faults; the exit code says the rest");
+}
+
+void add_run(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code) {
+  CLI::App* verb = app.add_subcommand("run", "Run a scene.");
+  const auto options = std::make_shared<RunOptions>();
+  options->simulated = simulated;
+  add_run_options(*verb, *options);
+  verb->callback([options, &code] { code = run(*options); });
+}
+
+}  // namespace godobject

@@ -1,0 +1,217 @@
+// godobject view: a trace, a recording of buses or a scene to look at, in a browser or as a picture.
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "platform/cli/option_checks.h"
+#include "platform/cli/run/view.h"
+#include "platform/cli/verbs.h"
+#include "platform/rt/stop_signals.h"
+#include "platform/scene/toml.h"
+#include "platform/trace/trace.h"
+#include "platform/view/picture/picture.h"
+#include "platform/view/recorded/replay.h"
+#include "platform/view/server/door.h"
+#include "platform/view/server/page.h"
+
+namespace godobject {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double picture_rate_hz = 12;  // of an animation
+
+struct ViewOptions {
+  std::string file, scene, picture, nets;
+  std::optional<double> time;      // s
+  std::optional<double> duration;  // s, of an animation
+  std::uint16_t port = 0;
+  std::string address = "127.0.0.1";
+  FaultChecks faults{};  // of what the program simulates
+  std::vector<std::uint32_t> size{960, 600};
+};
+
+int complain(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) std::fprintf(stderr, "%s\n", line.c_str());
+  return static_cast<int>(lines.size());
+}
+
+bool is(const std::string& path, const char* extension) { return fs::path(path).extension() == extension; }
+
+/// A file that the report beside a trace or a log names, by the report's keys; empty: there is none.
+std::string of_report(const std::string& file, const std::vector<std::string>& keys) {
+  const fs::path folder = fs::path(file).parent_path();
+  std::ifstream in(folder / "report.json");
+  nlohmann::json value = nlohmann::json::parse(in, nullptr, false);
+  for (const std::string& key : keys) {
+    if (!value.is_object() || !value.contains(key)) return "";
+    value = value[key];
+  }
+  if (!value.is_string() || value.get<std::string>().empty()) return "";
+  const std::string named = value;
+  std::error_code ignored;
+  for (const fs::path& path : {fs::path(named), folder / named})
+    if (fs::exists(path, ignored)) return path.string();
+  return "";
+}
+
+/// Where the nodes of the trace's nets were: from --nets, or the file that the report beside the trace names. False: what
+/// was asked for does not fit.
+bool add_nets(const ViewOptions& options, Recording& recording) {
+  const bool is_trace = is(options.file, ".csv");
+  if (!options.nets.empty() && !is_trace) {
+    complain({"--nets: goes with a trace (.csv); " + options.file + " is none"});
+    return false;
+  }
+  std::string path = options.nets;
+  if (path.empty() && is_trace && !recording.scene.nets.empty())
+    path = of_report(options.file, {"files", "nets"});
+  if (path.empty()) return true;
+  NetRecordingResult result = read_nets(path, recording.scene);
+  const double begin = recording.samples.front().record.t, end = recording.samples.back().record.t;
+  if (result.nets && (result.nets->begin() > end || result.nets->end() < begin))
+    result.errors.push_back(path + ": its times do not meet those of " + options.file +
+                            ": is it of another run?");
+  complain(result.errors);
+  recording.nets = std::move(result.nets);
+  return result.errors.empty() || options.nets.empty();
+}
+
+/// A run that a page's pointer led has the columns of one.
+RecordingResult read_trace_of(const std::string& path, const SceneConfig& scene) {
+  RecordingResult result = read_trace(path, scene);
+  if (result.recording) return result;
+  SceneConfig led = scene;
+  lead_by_pointer(led);
+  RecordingResult of_pointer = read_trace(path, led);
+  return of_pointer.recording ? of_pointer : result;
+}
+
+std::optional<Recording> load(const ViewOptions& options) {
+  const bool is_scene = is(options.file, ".toml");
+  const std::string path = is_scene                 ? options.file
+                           : !options.scene.empty() ? options.scene
+                                                    : of_report(options.file, {"scene_file"});
+  if (path.empty()) {
+    complain({options.file + ": of which scene is it? Give its file with --scene, or the run's --report "
+                             "beside it as report.json"});
+    return std::nullopt;
+  }
+  const LoadResult loaded = load_scene(path, options.faults);
+  complain(loaded.errors);
+  if (!loaded.scene) return std::nullopt;
+  RecordingResult result;
+  if (is_scene) result.recording = recording_of(*loaded.scene);
+  else
+    result = is(options.file, ".csv") ? read_trace_of(options.file, *loaded.scene)
+                                      : replay_log(options.file, path, *loaded.scene);
+  complain(result.errors);
+  if (result.recording && !add_nets(options, *result.recording)) return std::nullopt;
+  return std::move(result.recording);
+}
+
+std::vector<Image> frames_of(const ViewOptions& options, const Recording& recording, const Drawing& drawing) {
+  std::vector<Image> images;
+  const double begin = options.time.value_or(recording.samples.front().record.t);
+  const auto num = static_cast<int>(*options.duration * picture_rate_hz);
+  for (int i = 0; i < std::max(1, num); ++i)
+    images.push_back(drawn(picture_of(recording, drawing, sample_at(recording, begin + i / picture_rate_hz)),
+                           options.size[0], options.size[1]));
+  return images;
+}
+
+ExitCode leave_picture(const ViewOptions& options, const Recording& recording) {
+  const Drawing drawing = drawing_of(recording.scene);
+  std::string bytes;
+  if (is(options.picture, ".gltf"))
+    bytes = gltf_of(picture_of(recording, drawing, sample_at(recording, options.time)));
+  else if (options.duration) bytes = png_of(frames_of(options, recording, drawing), 1 / picture_rate_hz);
+  else
+    bytes = png_of({drawn(picture_of(recording, drawing, sample_at(recording, options.time)), options.size[0],
+                          options.size[1])});
+  std::ofstream out(options.picture, std::ios::binary);
+  out << bytes;
+  out.close();
+  if (out) return ExitCode::ok;
+  complain({"--picture: '" + options.picture + "' could not be written"});
+  return ExitCode::fault;
+}
+
+ExitCode serve(const ViewOptions& options, const Recording& recording) {
+  ViewAbout about{.title = options.file, .live = false, .warning = view_warning(options.address)};
+  add_words(about);
+  RecordedView source(recording, about);
+  const ServerSettings settings{.address = options.address, .port = options.port, .token = view_token()};
+  const StopSignals stop;
+  std::string why_not;
+  const std::unique_ptr<ViewServer> server = ViewServer::start(
+      settings, source, [](const std::string& line) { std::fprintf(stderr, "view: %s\n", line.c_str()); },
+      why_not);
+  if (!server) {
+    complain({why_not});
+    return ExitCode::not_available;
+  }
+  complain(view_lines(server->url(), options.address));
+  std::fputs("view: Ctrl-C ends it\n", stderr);
+  while (!stop.requested()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  return ExitCode::ok;
+}
+
+ExitCode view(const ViewOptions& options) {
+  if (!options.picture.empty() && !is(options.picture, ".png") && !is(options.picture, ".gltf")) {
+    complain({"--picture: '" + options.picture + "' must end in .png or .gltf"});
+    return ExitCode::usage;
+  }
+  const std::optional<Recording> recording = load(options);
+  if (!recording) return ExitCode::usage;
+  return options.picture.empty() ? serve(options, *recording) : leave_picture(options, *recording);
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
+  CLI::App* verb = app.add_subcommand(
+      "view", "Look at a trace, a recording of buses or a scene, in a browser or as a picture.");
+  const auto options = std::make_shared<ViewOptions>();
+  options->faults = checks;
+  verb->add_option("FILE", options->file,
+                   "a trace (.csv) of `run --trace`; a log of its buses, of `run --record`; or a scene "
+                   "(.toml) as it begins")
+      ->required();
+  verb->add_option("--scene", options->scene,
+                   "the scene of the trace or the log; default: the one that report.json beside it names")
+      ->type_name("SCENE");
+  verb->add_option("--nets", options->nets,
+                   "where the nodes of the trace's nets were, of `run --nets`; default: the file that "
+                   "report.json beside the trace "
+                   "names. Without one nets are drawn where they rest on their bodies")
+      ->type_name("FILE");
+  verb->add_option("--picture", options->picture,
+                   "leave a picture in this file instead, .png or .gltf, and end")
+      ->type_name("FILE");
+  verb->add_option("--time", options->time, "s, of the picture; default: the last instant")
+      ->check(number_in(0, 1e9));
+  verb->add_option("--duration", options->duration,
+                   "s, from --time or the beginning on: a picture that moves (.png)")
+      ->check(number_above(0, 60));
+  verb->add_option("--size", options->size, "of a picture, pixels: WIDTH HEIGHT")
+      ->expected(2)
+      ->check(CLI::Range(16, 8192))
+      ->type_name("N");
+  verb->add_option("--port", options->port, "of the page; default: 7780, or the next free one")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("PORT");
+  verb->add_option("--address", options->address, "listen on this address instead of 127.0.0.1")
+      ->type_name("ADDRESS");
+  verb->callback([options, &code] { code = view(*options); });
+}
+
+}  // namespace godobject

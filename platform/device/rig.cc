@@ -1,0 +1,125 @@
+#include "platform/device/rig.h"
+
+#include <cmath>
+
+#include "hal/rig/validate.h"
+
+namespace godobject {
+
+Nanoseconds gather_time(double step) noexcept {
+  constexpr double gather_share = 0.75;  // of the period
+  const auto period_ns = static_cast<double>(std::llround(step * 1e9));
+  return static_cast<Nanoseconds>(gather_share * period_ns) / gather_polls * gather_polls;
+}
+
+std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
+  const RigParams rig = rig_of(scene);
+  std::vector<std::string> errors = validate(rig);
+  if (scene.device->kind == DeviceKind::admittance)
+    errors.push_back("admittance devices run with --bus direct for now");
+  if (!errors.empty()) return errors;
+  const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
+  for (std::size_t handle = 0; handle < by_handle.size(); ++handle)
+    if (!by_handle[handle])
+      errors.push_back("handle of body '" + rig.tree.handles[handle].body +
+                       "': the scene has no such coupled body");
+  return errors;
+}
+
+RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link)
+    : params_(rig_of(scene)), joints_(scene), link_(std::move(link)), gather_ns_(gather_time(scene.step)) {
+  const std::vector<std::size_t> driven = driven_bodies(scene);
+  for (const std::optional<std::size_t>& target : driven_by_handles(scene))
+    bodies_.push_back(driven[*target]);
+  rig_.emplace(params_, link_->buses());
+}
+
+void RigDevice::boot(Period& period) noexcept {
+  static_cast<void>(exchange(period, true));
+  static_cast<void>(command(period, {}));
+}
+
+/// SYNC, and its answers: until all are in or their share of the period is over.
+DeviceSample RigDevice::exchange(Period& period, bool starting) noexcept {
+  period.began = link_->begin_cycle(period.t);
+  period.has_begun = true;
+  if (starting) rig_->start(period.began);
+  rig_->sync(period.began);
+  period.now = period.began;
+  const Nanoseconds deadline = period.began + gather_ns_;
+  do {
+    period.now = link_->wait(deadline);
+    rig_->receive(period.now);
+  } while (!rig_->complete() && period.now < deadline);
+  return rig_->read(period.now);
+}
+
+void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
+  const DeviceSample device = exchange(period, false);
+  const bool valid = device.valid && device.fresh;
+  buttons_before_ = buttons_;
+  buttons_ = device.buttons;
+  const bool has_clutch = rig_->has_button(ButtonUse::clutch);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    BodySample& sample = samples[bodies_[k]];
+    sample.target = device.handles[k];
+    sample.valid = valid;
+    if (has_clutch) sample.clutch = buttons_.clutch;
+  }
+  joints_.lead({.q = device.q, .q_dot = device.q_dot}, valid, samples);
+}
+
+CommandReport RigDevice::command(Period& period, std::span<const Wrench> F_hand_W) noexcept {
+  const CommandReport report = rig_->command(F_hand_W, period.now);
+  link_->end_cycle();
+  return report;
+}
+
+/// A period without SYNC.
+void RigDevice::take_in(Period& period) noexcept {
+  period.began = link_->begin_cycle(period.t);
+  period.has_begun = true;
+  period.now = link_->wait(period.began);
+  rig_->receive(period.now);
+}
+
+bool RigDevice::run_down(Period& period) noexcept {
+  if (!commands_torque()) return false;
+  static_cast<void>(exchange(period, false));
+  static_cast<void>(command(period, {}));
+  return true;
+}
+
+void RigDevice::stop(Period& period) noexcept {
+  take_in(period);  // room in the transmit queues
+  rig_->stop();
+}
+
+/// To a drive that can still be told otherwise.
+bool RigDevice::commands_torque() const noexcept {
+  for (std::size_t i = 0; i < rig_->num_drives(); ++i)
+    if (rig_->commanded_torque_Nm(i) != 0 && !is_cut_off(link_->buses()[params_.drives[i].bus]->state()))
+      return true;
+  return false;
+}
+
+void RigDevice::restart() {
+  earlier_rigs_ = counters();
+  rig_.emplace(params_, link_->buses());
+}
+
+RigCounters RigDevice::counters() const noexcept {
+  static_assert(sizeof(RigCounters) == 7 * sizeof(std::uint64_t), "every counter is added up here");
+  RigCounters sum = earlier_rigs_;
+  const RigCounters& now = rig_->counters();
+  sum.syncs += now.syncs;
+  sum.incomplete_syncs += now.incomplete_syncs;
+  sum.frames += now.frames;
+  sum.malformed += now.malformed;
+  sum.repeated += now.repeated;
+  sum.foreign += now.foreign;
+  sum.receive_truncated += now.receive_truncated;
+  return sum;
+}
+
+}  // namespace godobject

@@ -1,0 +1,73 @@
+// A rig on its buses as the device: encoders say where its handles are, drives show the force.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hal/rig/link.h"
+#include "hal/rig/rig.h"
+#include "platform/device/hand_device.h"
+#include "platform/device/led_joints.h"
+
+namespace godobject {
+
+class RigDevice final : public HandDevice {
+ public:
+  /// What cannot be of the scene's rig; nothing where it can be used. It needs one.
+  static std::vector<std::string> complaints(const SceneConfig& scene);
+
+  /// complaints() is empty. link: its buses may still be closed: to be opened before the first period. Allocates; nothing
+  /// later does but restart().
+  RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link);
+
+  void boot(Period& period) noexcept override;
+  bool ready() const noexcept override { return rig_->state() == RigState::ready; }
+  bool arm() noexcept override { return rig_->arm(); }
+  bool failed() const noexcept override { return rig_->state() == RigState::fault; }
+  void read(Period& period, std::span<BodySample> samples) noexcept override;
+  /// Shows the wrenches on the hand, one for each handle.
+  CommandReport command(Period& period, std::span<const Wrench> F_hand_W) noexcept;
+
+  /// Torque runs down from the next period on.
+  void disarm() noexcept { rig_->disarm(); }
+  /// One period of running down; false when no drive that can still be told otherwise is commanded torque.
+  bool run_down(Period& period) noexcept;
+  /// Drives are disabled, nodes go pre-operational: their frames leave in the periods of close().
+  void stop(Period& period) noexcept;
+  void close(Period& period) noexcept { take_in(period); }
+  /// A rig that knows nothing of what was: its nodes boot afresh. Allocates.
+  void restart();
+
+  Rig& rig() noexcept { return *rig_; }
+  const Rig& rig() const noexcept { return *rig_; }
+  RigLink& link() noexcept { return *link_; }
+  const RigLink& link() const noexcept { return *link_; }
+  std::span<CanBus* const> buses() const noexcept { return link_->buses(); }
+  /// Sums over all rigs so far: see restart().
+  RigCounters counters() const noexcept;
+  /// The body of each handle.
+  std::span<const std::size_t> bodies() const noexcept { return bodies_; }
+  bool hold_pressed() const noexcept override { return buttons_.hold && !buttons_before_.hold; }
+
+ private:
+  DeviceSample exchange(Period& period, bool starting) noexcept;
+  void take_in(Period& period) noexcept;
+  bool commands_torque() const noexcept;
+
+  RigParams params_;
+  std::vector<std::size_t> bodies_;
+  LedJoints joints_;
+  std::unique_ptr<RigLink> link_;
+  std::optional<Rig> rig_;
+  RigCounters earlier_rigs_;
+  DeviceButtons buttons_, buttons_before_;  // pressed in this step and in the one before
+  Nanoseconds gather_ns_ = 0;
+};
+
+/// Answers to a SYNC are waited for so long; the rest of the period is for the step and the commands. A simulated bus is
+/// polled so many times in it.
+inline constexpr int gather_polls = 16;
+Nanoseconds gather_time(double step) noexcept;
+
+}  // namespace godobject

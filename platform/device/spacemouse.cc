@@ -1,0 +1,95 @@
+#include "platform/device/spacemouse.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace godobject {
+namespace {
+
+constexpr double stale_periods = 3;
+
+std::size_t led_body(const SceneConfig& scene) {
+  const std::vector<std::size_t> driven = driven_bodies(scene);
+  const std::optional<std::size_t> named = body_named(scene, scene.device->spacemouse->body);
+  return takes_hold(scene) || !named ? driven.front() : *named;
+}
+
+Pose start_of(const SceneConfig& scene) {
+  const std::optional<std::size_t> named = body_named(scene, scene.device->spacemouse->body);
+  return scene.bodies[named.value_or(led_body(scene))].X_WB;
+}
+
+/// 0 within the deadband, +-1 at full scale and beyond.
+double deflection(double counts, const SpaceMouseConfig& config) noexcept {
+  const double beyond = std::abs(counts) - config.deadband;
+  return std::copysign(std::clamp(beyond / (config.full_scale - config.deadband), 0.0, 1.0), counts);
+}
+
+Vec3 deflection(const SpacenavEvent& event, std::size_t first, const SpaceMouseConfig& config) noexcept {
+  const Vec3 counts = spacenav_vector(event, first);
+  const Vec3 u(deflection(counts.x(), config), deflection(counts.y(), config),
+               deflection(counts.z(), config));
+  return limited(u, 1);
+}
+
+}  // namespace
+
+SpaceMouse::SpaceMouse(const SceneConfig& scene, Nanoseconds (*clock)() noexcept)
+    : config_(*scene.device->spacemouse),
+      body_(led_body(scene)),
+      clock_(clock),
+      stale_after_(to_ns(stale_periods / config_.rate_hz)),
+      stream_({.X_WD = start_of(scene)},
+              {.stale_after = stale_after_, .speed = config_.max_speed, .turn_rate = config_.max_turn_rate}) {
+  said_ = {.X_WD = start_of(scene), .t = clock_()};
+}
+
+/// v_W, w_W since the last sample or event; no longer than the last deflection counts.
+void SpaceMouse::go_on(Nanoseconds now) noexcept {
+  const Nanoseconds until = std::min(now, t_event_ + stale_after_);
+  const double dt = 1e-9 * static_cast<double>(std::max(until - said_.t, Nanoseconds{0}));
+  said_.X_WD = moved_by(said_.X_WD, dt * v_W_, dt * w_W_);
+  said_.t = now;
+}
+
+void SpaceMouse::take(const SpacenavEvent& event) noexcept {
+  const Nanoseconds now = clock_();
+  using Kind = SpacenavEvent::Kind;
+  if (event.kind == Kind::motion) {
+    go_on(now);
+    v_W_ = config_.max_speed * to_world(config_.q_WM, deflection(event, 0, config_));
+    w_W_ = config_.max_turn_rate * to_world(config_.q_WM, deflection(event, 3, config_));
+    t_event_ = now;
+  } else {
+    if (event.button == config_.clutch_button) said_.clutch = event.kind == Kind::release;
+    if (event.button == config_.hold_button && event.kind == Kind::press) ++said_.presses;
+  }
+}
+
+void SpaceMouse::tick(bool connected) noexcept {
+  using State = StreamedSample::State;
+  const Nanoseconds now = clock_();
+  go_on(now);
+  if (!connected) {  // the cap and the buttons are released, as far as anyone knows
+    v_W_ = w_W_ = Vec3::Zero();
+    said_.clutch = true;
+  }
+  const bool rests = v_W_.isZero(0) && w_W_.isZero(0);
+  const bool silent = !rests && now - t_event_ > stale_after_;
+  said_.state = !connected || silent ? State::lost : rests ? State::rests : State::leads;
+  stream_.push(said_);
+}
+
+void SpaceMouse::read(Period& period, std::span<BodySample> samples) noexcept {
+  period.begin_by(clock_);
+  stream_.play(period.now, period.step);
+  BodySample& sample = samples[body_];
+  sample.target = stream_.target();
+  sample.valid = stream_.valid();
+  sample.clutch = stream_.heard().clutch;
+  hold_pressed_ = stream_.heard().presses != stream_.heard_before().presses;
+}
+
+void lead_by_spacemouse(SceneConfig& scene) { scene.motion.reset(); }
+
+}  // namespace godobject

@@ -1,0 +1,34 @@
+// Trackers as the device: a tool is where its tracker says.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "platform/device/hand_device.h"
+#include "platform/device/tracked_poses.h"
+
+namespace godobject {
+
+class TrackerDevice final : public HandDevice {
+ public:
+  /// links: one for each tracker of the scene's device, in their order. clock: of the links, where no rig says the time;
+  /// null: a step a period. Allocates; nothing later does.
+  TrackerDevice(const SceneConfig& scene, std::vector<std::unique_ptr<TrackerLink>> links,
+                Nanoseconds (*clock)() noexcept);
+
+  void boot(Period& period) noexcept override { update(period); }
+  bool ready() const noexcept override { return poses_.ready(); }
+  bool failed() const noexcept override;
+  void read(Period& period, std::span<BodySample> samples) noexcept override;
+
+  const TrackedPoses& poses() const noexcept { return poses_; }
+
+ private:
+  void update(Period& period) noexcept;
+
+  std::vector<std::size_t> bodies_;  // of each pose
+  Nanoseconds (*clock_)() noexcept;
+  TrackedPoses poses_;
+};
+
+}  // namespace godobject

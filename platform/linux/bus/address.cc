@@ -1,0 +1,99 @@
+// From the text of --bus to a bus.
+#include <algorithm>
+#include <array>
+
+#include "platform/linux/bus/board.h"
+#include "platform/linux/bus/bus.h"
+#include "platform/linux/bus/pty.h"
+#include "platform/linux/bus/replay.h"
+#include "platform/linux/bus/slcan.h"
+#include "platform/linux/bus/socket_can.h"
+#include "platform/scene/text/nearest_name.h"
+
+namespace godobject {
+namespace {
+
+template <class Bus>
+std::unique_ptr<LinuxBus> make(const std::string& where, const BusSettings& settings) {
+  return std::make_unique<Bus>(where, settings);
+}
+
+std::unique_ptr<LinuxBus> make_pty(const std::string&, const BusSettings& settings) {
+  return std::make_unique<PtyBus>(settings);
+}
+
+// One row for each.
+constexpr std::array backends{
+    BusBackend{.name = "socketcan",
+               .where = "INTERFACE, e.g. socketcan:can0",
+               .make = make<SocketCanBus>,
+               .max_where = 15,  // IFNAMSIZ - 1
+               .comes_back = true},
+    BusBackend{.name = "slcan", .where = "PATH[,BAUD], e.g. slcan:/dev/ttyACM0", .make = make<SlcanBus>},
+    BusBackend{.name = "pty", .where = "", .make = make_pty, .makes_terminal = true, .comes_back = true},
+    BusBackend{.name = "board",
+               .where = "PATH[,BAUD], e.g. board:/dev/ttyACM0",
+               .make = make<BoardBus>,
+               .no_answers = "an encoder board has no objects",
+               .no_device = "an encoder board is a device, not a bus to play one on"},
+    BusBackend{.name = "replay",
+               .where = "FILE[,INTERFACE], e.g. replay:run.log",
+               .make = make<ReplayBus>,
+               .no_answers = "a log gives no answers",
+               .is_file = true},
+};
+
+std::string unknown_kind(std::string_view kind) {
+  std::array<std::string_view, backends.size()> names{};
+  std::ranges::transform(backends, names.begin(), &BusBackend::name);
+  std::string text = "no kind of bus is called '";
+  text.append(kind).append("'");
+  if (const auto nearest = nearest_name(kind, names))
+    text.append("; did you mean '").append(*nearest).append("'?");
+  text.append(" There are");
+  for (const std::string_view name : names)
+    text.append(name == names.front() ? " " : ", ").append(name).append(":");
+  return text;
+}
+
+}  // namespace
+
+std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& error) {
+  const std::size_t colon = text.find(':');
+  const std::string_view name = text.substr(0, colon);
+  const std::string_view where = colon == std::string::npos ? std::string_view() : text.substr(colon + 1);
+  const auto backend = std::ranges::find(backends, name, &BusBackend::name);
+  error.assign("'").append(text).append("': ");
+  if (backend == backends.end()) {
+    // The commonest slip: the bare name of what there is.
+    if (colon == std::string::npos && name.starts_with('/')) {
+      error.append("say what it is: slcan:").append(text).append(" or replay:").append(text);
+    } else if (colon == std::string::npos && (name.starts_with("can") || name.starts_with("vcan"))) {
+      error.append("say what it is: socketcan:").append(text);
+    } else {
+      error += unknown_kind(name);
+    }
+    return std::nullopt;
+  }
+  if (backend->where.empty() != where.empty()) {
+    if (where.empty()) {
+      error.append(name).append(": is followed by ").append(backend->where);
+    } else {
+      error += "nothing follows pty: the system chooses the terminal, and its name is printed";
+    }
+    return std::nullopt;
+  }
+  if (where.size() > backend->max_where) {
+    error.append(name).append(": is followed by ").append(backend->where).append("; at most ");
+    error += std::to_string(backend->max_where) + " characters";
+    return std::nullopt;
+  }
+  error.clear();
+  return BusAddress{.backend = &*backend, .where = std::string(where)};
+}
+
+std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings& settings) {
+  return address.backend->make(address.where, settings);
+}
+
+}  // namespace godobject

@@ -1,0 +1,145 @@
+#include "platform/linux/bus/pty.h"
+
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+
+#include "platform/linux/pty.h"
+
+namespace godobject {
+
+PtyBus::PtyBus(const BusSettings& settings)
+    : bit_rate_(settings.bit_rate), filters_(settings.filters.begin(), settings.filters.end()) {}
+
+bool PtyBus::open() noexcept {
+  close();
+  const Pty pty = make_pty();
+  why_ = pty.why;
+  if (!why_.empty()) return false;
+  slave_fd_ = pty.slave;
+  line_.port().adopt(pty.master, pty.name);
+  line_.clear();
+  return true;
+}
+
+void PtyBus::close() noexcept {
+  line_.port().close();
+  if (slave_fd_ >= 0) ::close(slave_fd_);
+  slave_fd_ = -1;
+  channel_ = Channel::closed;
+  asked_bit_rate_ = 0;
+  why_.clear();
+}
+
+SendResult PtyBus::try_send(const CanFrame& frame) noexcept {
+  std::array<char, slcan::max_line> text{};
+  const std::size_t size = slcan::format_frame(frame, text);
+  SendResult result = SendResult::queued;
+  if (size == 0) {
+    result = SendResult::invalid;
+  } else if (is_cut_off(state())) {
+    result = SendResult::down;
+  } else if (!line_.put({text.data(), size})) {
+    result = SendResult::full;
+  }
+  ++(result == SendResult::queued ? counters_.sent : counters_.send_refused);
+  return result;
+}
+
+bool PtyBus::try_receive(ReceivedFrame& out) noexcept {
+  line_.flush();
+  std::string_view line;
+  while (line_.next(line))
+    if (handle(line, out)) return true;
+  return false;
+}
+
+/// True: `out` is a frame for the receiver.
+bool PtyBus::handle(std::string_view line, ReceivedFrame& out) noexcept {
+  if (line.empty()) return false;  // hosts send empty lines to end whatever stood before
+  slcan::Request request;
+  if (slcan::parse_request(line, request) != ParseResult::ok) {
+    answer(slcan::refused_reply);
+    return false;
+  }
+  const bool is_open = channel_ != Channel::closed;
+  switch (request.kind) {
+    case slcan::RequestKind::send: return receive(request.frame, out);
+    case slcan::RequestKind::set_bit_rate:
+      if (!is_open) asked_bit_rate_ = slcan::bit_rates[request.value];
+      answer(is_open ? slcan::refused_reply : slcan::ok_reply);
+      break;
+    case slcan::RequestKind::open: open_channel(Channel::open); break;
+    case slcan::RequestKind::listen: open_channel(Channel::listening); break;
+    case slcan::RequestKind::close: close_channel(); break;
+    case slcan::RequestKind::flags: answer(is_open ? "F00\r" : slcan::refused_reply); break;
+    case slcan::RequestKind::version: answer("V1013\r"); break;
+    case slcan::RequestKind::serial_number: answer("NGODO\r"); break;
+    case slcan::RequestKind::timestamps:
+      answer(request.value == 0 ? slcan::ok_reply : slcan::refused_reply);
+      break;
+  }
+  return false;
+}
+
+bool PtyBus::receive(const CanFrame& frame, ReceivedFrame& out) noexcept {
+  if (channel_ != Channel::open) {
+    answer(slcan::refused_reply);
+    return false;
+  }
+  answer(frame.extended ? slcan::taken_extended_reply : slcan::taken_reply);
+  if (!passes(filters_, frame)) return false;
+  out = {.frame = frame, .t_ns = line_.read_at()};
+  ++counters_.received;
+  return true;
+}
+
+void PtyBus::answer(std::string_view text) noexcept {
+  if (!line_.put(text)) ++counters_.send_dropped;
+}
+
+/// An adapter refuses O while the channel is open; hosts send it twice and do not mind.
+void PtyBus::open_channel(Channel channel) noexcept {
+  const bool was_closed = channel_ == Channel::closed;
+  if (was_closed) channel_ = channel;
+  answer(was_closed ? slcan::ok_reply : slcan::refused_reply);
+}
+
+/// What a host that died left unread is not for the next one.
+void PtyBus::close_channel() noexcept {
+  channel_ = Channel::closed;
+  line_.discard_output();
+  tcflush(slave_fd_, TCIFLUSH);
+  answer(slcan::ok_reply);
+}
+
+BusState PtyBus::state() const noexcept {
+  switch (line_.port().state()) {
+    case SerialState::closed: return BusState::closed;
+    case SerialState::open: break;
+    case SerialState::hung_up: return BusState::gone;
+    case SerialState::failed: return BusState::down;
+  }
+  return channel_ == Channel::closed ? BusState::down : BusState::error_active;
+}
+
+std::string PtyBus::as_written(const CanFrame& frame) const { return SlcanLine::after_anything(frame); }
+
+std::string PtyBus::trouble() const {
+  if (!why_.empty()) return why_;
+  if (line_.port().state() != SerialState::open) return line_.port().trouble();
+  if (channel_ == Channel::closed)
+    return name() + ": waits for the other end to open it, e.g. godobject monitor --bus slcan:" + name();
+  if (asked_bit_rate_ > 0 && std::abs(asked_bit_rate_ - bit_rate_) > 0.5)
+    return name() + ": the other end expects " + std::to_string(std::lround(asked_bit_rate_)) +
+           " bit/s, this bus has " + std::to_string(std::lround(bit_rate_)) + ": a real bus would not work";
+  return "";
+}
+
+std::string PtyBus::name() const {
+  return line_.port().state() == SerialState::closed ? std::string() : line_.port().path();
+}
+
+}  // namespace godobject

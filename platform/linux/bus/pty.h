@@ -1,0 +1,54 @@
+// A CAN bus on a pseudo-terminal: plays an SLCAN adapter to whatever opens name() at the other end, be it a
+// SlcanBus, python-can's slcan interface or slcand of can-utils.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "platform/linux/bus/bus.h"
+#include "platform/linux/bus/slcan_line.h"
+
+namespace godobject {
+
+/// `down` until the other end has opened its channel (O or L) and again after it has closed it (C). It is
+/// answered while try_receive is called. `sent` counts frames handed to the terminal. Time stamps, bit timing
+/// registers and acceptance filters (Z, s, M, m) are not played: they are refused, as an adapter may.
+class PtyBus final : public LinuxBus {
+ public:
+  explicit PtyBus(const BusSettings& settings);
+  ~PtyBus() override { close(); }
+
+  /// Makes a pseudo-terminal, each time another one.
+  bool open() noexcept override;
+  void close() noexcept override;
+  SendResult try_send(const CanFrame& frame) noexcept override;
+  bool try_receive(ReceivedFrame& out) noexcept override;
+  BusState state() const noexcept override;
+  BusCounters counters() const noexcept override { return counters_; }
+
+  int descriptor() const noexcept override { return line_.port().descriptor(); }
+  std::string trouble() const override;
+  /// Path of the terminal to be opened at the other end; empty while closed.
+  std::string name() const override;
+  std::string as_written(const CanFrame& frame) const override;
+
+ private:
+  enum class Channel : std::uint8_t { closed, open, listening };
+
+  bool handle(std::string_view line, ReceivedFrame& out) noexcept;
+  bool receive(const CanFrame& frame, ReceivedFrame& out) noexcept;
+  void answer(std::string_view text) noexcept;
+  void open_channel(Channel channel) noexcept;
+  void close_channel() noexcept;
+
+  double bit_rate_;
+  std::vector<CanFilter> filters_;
+  SlcanLine line_{};
+  int slave_fd_ = -1;  // held open: without any slave open, reading the master is an error
+  Channel channel_ = Channel::closed;
+  double asked_bit_rate_ = 0;  // of the other end; 0: it has not said
+  BusCounters counters_{};
+  std::string why_{};
+};
+
+}  // namespace godobject

@@ -1,0 +1,213 @@
+#include "platform/linux/bus/slcan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "platform/rt/clock.h"
+
+namespace godobject {
+namespace {
+
+constexpr std::uint32_t default_baud = 115'200;
+constexpr Nanoseconds quiet_time = 50'000'000;
+
+}  // namespace
+
+SlcanBus::SlcanBus(const std::string& where, const BusSettings& settings)
+    : path_(parse_serial_address(where, default_baud).path),
+      baud_(parse_serial_address(where, default_baud).baud),
+      bit_rate_(settings.bit_rate),
+      data_bit_rate_(settings.data_bit_rate),
+      filters_(settings.filters.begin(), settings.filters.end()) {}
+
+bool SlcanBus::fail(std::string why) {
+  why_ = std::move(why);
+  line_.port().close();
+  state_ = BusState::closed;
+  return false;
+}
+
+bool SlcanBus::open() noexcept {
+  close();
+  const std::string_view rate = slcan::bit_rate_command(bit_rate_);
+  if (data_bit_rate_ > 0)
+    return fail("SLCAN carries no CAN FD: use SocketCAN, or a bus without data_bit_rate");
+  if (rate.empty())
+    return fail("SLCAN has no bit rate of " + std::to_string(std::lround(bit_rate_)) +
+                " bit/s, only 10, 20, 50, 100, 125, 250, 500, 800 kbit/s and 1 Mbit/s");
+  if (baud_ == 0) return fail("the baud rate after the comma is not a number above 0");
+  if (!line_.port().open(path_, {.baud = baud_})) return false;
+  line_.clear();
+  // Whatever line was left half, by us or by others, ends here; whether the channel was open does not matter.
+  if (line_.put("\r") && line_.put(slcan::close_command)) wait_for_quiet();
+  if (!command(rate, "the bit rate") || !command(slcan::open_command, "to open its channel")) return false;
+  asks_flags_ = ask(slcan::flags_command) == Answer::flags;
+  flags_due_ = MonotonicClock().now() + flags_period;
+  state_ = BusState::error_active;
+  num_unanswered_ = num_garbled_ = 0;
+  reports_state_ = false;
+  return true;
+}
+
+void SlcanBus::close() noexcept {
+  if (state_ != BusState::closed && !line_.put(slcan::close_command)) line_.flush();
+  line_.port().close();
+  line_.clear();
+  state_ = BusState::closed;
+  why_.clear();
+}
+
+/// Until nothing has come for quiet_time; not longer than answer_timeout.
+void SlcanBus::wait_for_quiet() {
+  const Nanoseconds deadline = MonotonicClock().now() + answer_timeout;
+  std::string_view ignored;
+  while (line_.port().wait_readable(quiet_time) && MonotonicClock().now() < deadline)
+    while (line_.next(ignored)) continue;
+}
+
+/// What comes besides the answer, frames above all, is dropped: the bus is not open yet.
+SlcanBus::Answer SlcanBus::ask(std::string_view command) {
+  const Nanoseconds deadline = MonotonicClock().now() + answer_timeout;
+  if (!line_.put(command)) return Answer::none;
+  while (line_.port().wait_readable(deadline - MonotonicClock().now())) {
+    std::string_view line;
+    while (line_.next(line)) {
+      slcan::Reply reply;
+      if (slcan::parse_reply(line, reply) != ParseResult::ok) continue;
+      if (reply.kind == slcan::ReplyKind::ok) return Answer::ok;
+      if (reply.kind == slcan::ReplyKind::refused) return Answer::refused;
+      if (reply.kind == slcan::ReplyKind::flags) return Answer::flags;
+    }
+    if (line_.port().state() != SerialState::open || MonotonicClock().now() >= deadline) break;
+  }
+  return Answer::none;
+}
+
+bool SlcanBus::command(std::string_view command, const std::string& what) {
+  switch (ask(command)) {
+    case Answer::ok: return true;
+    case Answer::refused: return fail("the adapter refuses " + what);
+    case Answer::flags:
+    case Answer::none: break;
+  }
+  if (line_.port().state() != SerialState::open) return fail(line_.port().trouble());
+  return fail("nothing answers there: is it an SLCAN adapter, and at " + std::to_string(baud_) +
+              " baud? Another baud rate is given as PATH,BAUD");
+}
+
+SendResult SlcanBus::try_send(const CanFrame& frame) noexcept {
+  std::array<char, slcan::max_line> text{};
+  const std::size_t size = slcan::format_frame(frame, text);
+  const BusState now = state();
+  SendResult result = SendResult::queued;
+  if (size == 0) {
+    result = SendResult::invalid;
+  } else if (now == BusState::bus_off) {
+    result = SendResult::off;
+  } else if (is_cut_off(now)) {  // NOLINT(bugprone-branch-clone): once more after the write
+    result = SendResult::down;
+  } else if (!line_.put({text.data(), size})) {
+    result = SendResult::full;
+  } else if (is_cut_off(state())) {  // the write has met the hang-up
+    result = SendResult::down;
+  }
+  if (result == SendResult::queued) {
+    ++num_unanswered_;
+  } else {
+    ++counters_.send_refused;
+  }
+  return result;
+}
+
+bool SlcanBus::try_receive(ReceivedFrame& out) noexcept {
+  if (state_ == BusState::closed) return false;
+  line_.flush();
+  std::string_view line;
+  while (line_.next(line))
+    if (handle(line, out)) return true;
+  if (asks_flags_ && MonotonicClock().now() >= flags_due_ && line_.put(slcan::flags_command))
+    flags_due_ = MonotonicClock().now() + flags_period;
+  return false;
+}
+
+/// True: `out` is a frame for the receiver.
+bool SlcanBus::handle(std::string_view line, ReceivedFrame& out) noexcept {
+  slcan::Reply reply;
+  if (slcan::parse_reply(line, reply) != ParseResult::ok) {
+    ++num_garbled_;
+    return false;
+  }
+  switch (reply.kind) {
+    case slcan::ReplyKind::frame:
+      if (!passes(filters_, reply.frame)) return false;
+      out = {.frame = reply.frame, .t_ns = line_.read_at()};
+      ++counters_.received;
+      return true;
+    case slcan::ReplyKind::ok:
+    case slcan::ReplyKind::taken: acknowledge(true); return false;
+    case slcan::ReplyKind::refused: acknowledge(false); return false;
+    case slcan::ReplyKind::flags: handle_flags(reply.flags); return false;
+    case slcan::ReplyKind::error_report:
+      reports_state_ = reports_state_ || reply.report.state.has_value();
+      apply(reply.report, state_, counters_);
+      return false;
+    case slcan::ReplyKind::identity: return false;
+  }
+  return false;
+}
+
+void SlcanBus::acknowledge(bool taken) noexcept {
+  if (num_unanswered_ == 0) return;
+  --num_unanswered_;
+  ++(taken ? counters_.sent : counters_.send_dropped);
+}
+
+void SlcanBus::handle_flags(std::uint8_t flags) noexcept {
+  const auto has = [flags](std::uint8_t mask) { return (flags & mask) != 0; };
+  if (has(slcan::status::bus_error)) {
+    ++counters_.error_frames;
+    counters_.last_error = BusError::other;
+  }
+  if (has(slcan::status::transmit_queue_full)) counters_.last_error = BusError::transmit_overflow;
+  if (has(slcan::status::receive_queue_full | slcan::status::data_overrun)) {
+    ++counters_.receive_overflow;  // at least: the flag does not count
+    counters_.last_error = BusError::receive_overflow;
+  }
+  if (reports_state_) return;
+  state_ = BusState::error_active;
+  if (has(slcan::status::error_warning)) state_ = BusState::error_warning;
+  if (has(slcan::status::error_passive)) state_ = BusState::error_passive;
+}
+
+BusState SlcanBus::state() const noexcept {
+  if (state_ == BusState::closed) return state_;
+  switch (line_.port().state()) {
+    case SerialState::open: return state_;
+    case SerialState::hung_up: return BusState::gone;
+    case SerialState::closed:
+    case SerialState::failed: break;
+  }
+  return BusState::down;
+}
+
+std::string SlcanBus::as_written(const CanFrame& frame) const { return SlcanLine::after_anything(frame); }
+
+std::string SlcanBus::trouble() const {
+  if (!why_.empty()) return path_ + ": " + why_;
+  if (line_.port().state() != SerialState::open) return line_.port().trouble();
+  if (state_ == BusState::bus_off)
+    return path_ +
+           ": bus-off: check wiring, termination and bit rate, then reopen it: SLCAN knows no restart";
+  if (state_ != BusState::error_active)
+    return path_ + ": " + std::string(name_of(state_)) + ": check wiring, termination and bit rate";
+  if (num_garbled_ + line_.num_overlong() > 0)
+    return path_ + ": " + std::to_string(num_garbled_ + line_.num_overlong()) +
+           " lines were garbled: check the serial cable and its baud rate";
+  if (counters_.send_dropped > 0)
+    return path_ + ": the adapter refused " + std::to_string(counters_.send_dropped) +
+           " frames: send less, or see whether another node acknowledges them";
+  return "";
+}
+
+}  // namespace godobject

@@ -1,0 +1,64 @@
+// A CAN bus behind an SLCAN adapter on a serial port, in user space: no driver of the kernel is needed.
+// hal/can/slcan.h tells what the protocol cannot do; docs/buses.md what that means for a rig.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "platform/linux/bus/bus.h"
+#include "platform/linux/bus/slcan_line.h"
+
+namespace godobject {
+
+/// `sent` counts the frames the adapter has acknowledged as taken; an adapter that acknowledges none leaves
+/// it at 0. send_dropped: those it refused although they had been queued here.
+class SlcanBus final : public LinuxBus {
+ public:
+  /// where: path of a serial port, and after a comma its baud rate where that is not 115200. USB adapters of
+  /// the class CDC-ACM have no baud rate.
+  SlcanBus(const std::string& where, const BusSettings& settings);
+  ~SlcanBus() override { close(); }
+
+  /// The only call that waits: for the adapter's answers, each at most answer_timeout.
+  bool open() noexcept override;
+  void close() noexcept override;
+  SendResult try_send(const CanFrame& frame) noexcept override;
+  bool try_receive(ReceivedFrame& out) noexcept override;
+  BusState state() const noexcept override;
+  BusCounters counters() const noexcept override { return counters_; }
+
+  int descriptor() const noexcept override { return line_.port().descriptor(); }
+  std::string trouble() const override;
+  std::string name() const override { return path_; }
+  std::string as_written(const CanFrame& frame) const override;
+  const SerialPort& port() const noexcept { return line_.port(); }
+
+  static constexpr Nanoseconds answer_timeout = 500'000'000;
+  static constexpr Nanoseconds flags_period = 100'000'000;  // between two requests for the adapter's flags
+
+ private:
+  bool fail(std::string why);
+  void wait_for_quiet();
+  enum class Answer : std::uint8_t { none, ok, refused, flags };
+  Answer ask(std::string_view command);
+  bool command(std::string_view command, const std::string& what);
+  bool handle(std::string_view line, ReceivedFrame& out) noexcept;
+  void handle_flags(std::uint8_t flags) noexcept;
+  void acknowledge(bool taken) noexcept;
+
+  std::string path_;
+  std::uint32_t baud_ = 0;  // 0: what was given is not a number
+  double bit_rate_, data_bit_rate_;
+  std::vector<CanFilter> filters_;
+  SlcanLine line_{};
+  BusState state_ = BusState::closed;
+  BusCounters counters_{};
+  std::uint64_t num_unanswered_ = 0;  // frames sent and neither taken nor refused yet
+  std::uint64_t num_garbled_ = 0;     // lines that say nothing
+  bool asks_flags_ = false;           // the adapter knows F
+  bool reports_state_ = false;        // it speaks the dialect of Linux's driver, which says more than F
+  Nanoseconds flags_due_ = 0;
+  std::string why_{};
+};
+
+}  // namespace godobject

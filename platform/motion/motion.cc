@@ -1,0 +1,140 @@
+#include "platform/motion/motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/math/so3.h"
+
+namespace godobject {
+
+namespace {
+
+/// A sin(2 pi f t + phase) per component, and its derivative.
+Sample<Vec3> sines(const Vec3& amplitude, const Vec3& frequency_hz, const Vec3& phase, double t) noexcept {
+  Sample<Vec3> sample{Vec3::Zero(), Vec3::Zero()};
+  for (int i = 0; i < 3; ++i) {
+    const double omega = 2 * std::numbers::pi * frequency_hz[i];
+    sample.value[i] = amplitude[i] * std::sin(omega * t + phase[i]);
+    sample.rate[i] = amplitude[i] * omega * std::cos(omega * t + phase[i]);
+  }
+  return sample;
+}
+
+Sample<double> sine(const CoordinateMotion& m, double t) noexcept {
+  const double omega = 2 * std::numbers::pi * m.frequency_hz, angle = omega * t + m.phase;
+  return {m.offset + m.amplitude * std::sin(angle), m.amplitude * omega * std::cos(angle)};
+}
+
+Quat turn(const Vec3& axis, double angle) noexcept { return Quat(Eigen::AngleAxis<Real>(angle, axis)); }
+
+Target evaluate(const MotionConfig& m, double t) noexcept {
+  const Sample<Vec3> p = sines(m.amplitude, m.frequency_hz, m.phase, t);
+  const Sample<Vec3> angles = sines(m.angle_amplitude, m.angle_frequency_hz, m.angle_phase, t);
+  // q = q_0 qz qy qx;  w_W = q_0 (z a_z' + qz (y a_y' + qy x a_x'))
+  const Quat q_z = m.X_WD.q * turn(Vec3::UnitZ(), angles.value[0]);
+  const Quat q_zy = q_z * turn(Vec3::UnitY(), angles.value[1]);
+  const Quat q = q_zy * turn(Vec3::UnitX(), angles.value[2]);
+  const Vec3 w = to_world(m.X_WD.q, Vec3::UnitZ()) * angles.rate[0] +
+                 to_world(q_z, Vec3::UnitY()) * angles.rate[1] +
+                 to_world(q_zy, Vec3::UnitX()) * angles.rate[2];
+  return {{m.X_WD.p + p.value, q.normalized()}, {w, p.rate}};
+}
+
+}  // namespace
+
+HoldWish hold_wish(const SceneConfig& scene, const std::string& name) {
+  if (name.empty()) return {};
+  if (name == nearest_body) return {.kind = HoldWish::Kind::nearest};
+  return {.kind = HoldWish::Kind::body, .body = body_named(scene, name).value()};
+}
+
+Motion::Motion(const SceneConfig& scene) : built_in_(scene.motion) {
+  for (const std::size_t body : driven_bodies(scene)) starts_.push_back(scene.bodies[body].X_WB);
+  starts_.resize(motion_targets(scene).size());
+  handles_.resize(starts_.size());
+  if (takes_hold(scene)) take_holds(scene);
+  if (!scene.device || !scene.device->rig) return;
+  tree_.emplace(scene.device->rig->tree);
+  const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
+  for (std::size_t handle = 0; handle < tree_->num_handles(); ++handle)
+    if (by_handle[handle]) handles_[*by_handle[handle]] = handle;
+  if (!built_in_ || built_in_->joints.empty()) return;
+  for (std::size_t joint = 0; joint < tree_->num_joints(); ++joint) {
+    const std::string& name = scene.device->rig->tree.joints[joint].name;
+    const auto moved = std::ranges::find(built_in_->joints, name, &CoordinateMotion::coordinate);
+    joint_sines_.push_back(moved == built_in_->joints.end() ? CoordinateMotion{} : *moved);
+  }
+}
+
+/// What the device holds at the start, and the scene's own [[motion.hold]].
+void Motion::take_holds(const SceneConfig& scene) {
+  std::vector<HoldConfig> holds;
+  if (built_in_) holds = built_in_->holds;
+  if (holds.empty() || holds.front().time > 0)
+    holds.insert(holds.begin(), {.time = 0, .body = scene.device->holds});
+  std::vector<double> times;
+  for (const HoldConfig& hold : holds) {
+    times.push_back(hold.time);
+    holds_.push_back(hold_wish(scene, hold.body));
+  }
+  hold_grid_.emplace(std::move(times));
+}
+
+Target Motion::target(std::size_t body, double t) const noexcept {
+  if (!poses_.empty()) {
+    const TimeGrid::Place place = grid_->locate(t);
+    const Sample<Vec3> p = poses_[body].p.at(place);
+    const RotationCurve::Attitude q = poses_[body].q.at(place);
+    return {{p.value, q.q}, {q.w_W, p.rate}};
+  }
+  if (has_joints() && handles_[body]) {
+    const JointTarget sample = joints(t);
+    const TreeConfiguration device = tree_->at(sample.q);
+    return {device.X_WH(*handles_[body]), device.twist(*handles_[body], sample.q_dot)};
+  }
+  if (body == 0 && built_in_) return evaluate(*built_in_, t);
+  return {starts_[body], {}};
+}
+
+Wrench Motion::wrench(std::size_t body, double t) const noexcept {
+  if (!wrenches_.empty()) {
+    const TimeGrid::Place place = grid_->locate(t);
+    return {wrenches_[body].tau.at(place).value, wrenches_[body].f.at(place).value};
+  }
+  if (body != 0 || !built_in_) return {};
+  const MotionConfig& m = *built_in_;
+  return {sines(m.torque_amplitude, m.frequency_hz, m.phase, t).value,
+          sines(m.force_amplitude, m.frequency_hz, m.phase, t).value};
+}
+
+JointTarget Motion::joints(double t) const noexcept {
+  const std::size_t n = std::max(joints_.size(), joint_sines_.size());
+  JointTarget target{JointVector::Zero(static_cast<Eigen::Index>(n)),
+                     JointVector::Zero(static_cast<Eigen::Index>(n))};
+  const TimeGrid::Place place = joints_.empty() ? TimeGrid::Place{} : grid_->locate(t);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Sample<double> joint = joints_.empty() ? sine(joint_sines_[i], t) : joints_[i].at(place);
+    target.q[static_cast<Eigen::Index>(i)] = joint.value;
+    target.q_dot[static_cast<Eigen::Index>(i)] = joint.rate;
+  }
+  return target;
+}
+
+MotionSwitches Motion::switches(std::size_t body, double t) const noexcept {
+  if (!switch_grid_) return {};
+  return switches_[body][switch_grid_->held(t)];
+}
+
+HoldWish Motion::hold(double t) const noexcept {
+  return hold_grid_ ? holds_[hold_grid_->held(t)] : HoldWish{};
+}
+
+bool Motion::button(double t) const noexcept { return !buttons_.empty() && buttons_[switch_grid_->held(t)]; }
+
+std::optional<double> Motion::end() const noexcept {
+  if (!grid_) return std::nullopt;
+  return grid_->last();
+}
+
+}  // namespace godobject

@@ -1,0 +1,99 @@
+#include "platform/rt/stop_signals.h"
+
+#include <algorithm>
+#include <array>
+
+#include "platform/rt/last_resort.h"
+
+namespace godobject {
+namespace {
+
+constexpr std::array rows{
+    SignalRow{SIGINT, "SIGINT", SignalFate::stop},
+    SignalRow{SIGTERM, "SIGTERM", SignalFate::stop},
+    SignalRow{SIGHUP, "SIGHUP", SignalFate::stop},
+    SignalRow{SIGQUIT, "SIGQUIT", SignalFate::stop},
+    SignalRow{SIGTSTP, "SIGTSTP", SignalFate::stop},
+    SignalRow{SIGALRM, "SIGALRM", SignalFate::stop},
+    SignalRow{SIGVTALRM, "SIGVTALRM", SignalFate::stop},
+    SignalRow{SIGPROF, "SIGPROF", SignalFate::stop},
+    SignalRow{SIGUSR1, "SIGUSR1", SignalFate::stop},
+    SignalRow{SIGUSR2, "SIGUSR2", SignalFate::stop},
+    SignalRow{SIGIO, "SIGIO", SignalFate::stop},
+    SignalRow{SIGPWR, "SIGPWR", SignalFate::stop},
+    SignalRow{SIGSTKFLT, "SIGSTKFLT", SignalFate::stop},
+    SignalRow{SIGXCPU, "SIGXCPU", SignalFate::stop},
+    SignalRow{SIGPIPE, "SIGPIPE", SignalFate::ignored},
+    SignalRow{SIGXFSZ, "SIGXFSZ", SignalFate::ignored},
+    SignalRow{SIGTTOU, "SIGTTOU", SignalFate::ignored},
+    SignalRow{SIGTTIN, "SIGTTIN", SignalFate::ignored},
+    SignalRow{SIGABRT, "SIGABRT", SignalFate::last_resort},
+    SignalRow{SIGSEGV, "SIGSEGV", SignalFate::last_resort},
+    SignalRow{SIGBUS, "SIGBUS", SignalFate::last_resort},
+    SignalRow{SIGFPE, "SIGFPE", SignalFate::last_resort},
+    SignalRow{SIGILL, "SIGILL", SignalFate::last_resort},
+    SignalRow{SIGSYS, "SIGSYS", SignalFate::last_resort},
+    SignalRow{SIGTRAP, "SIGTRAP", SignalFate::last_resort},
+};
+static_assert(rows.size() <= StopSignals::max_signals);
+
+}  // namespace
+
+std::span<const SignalRow> signal_rows() noexcept { return rows; }
+
+void guard_process() {
+  static const SignalStack stack;  // of the main thread
+  LastResort::install();
+  struct sigaction ignore {};
+  ignore.sa_handler = SIG_IGN;
+  for (const SignalRow& row : rows)
+    if (row.fate == SignalFate::ignored) sigaction(row.signal, &ignore, nullptr);
+}
+
+void block_stop_signals() noexcept {
+  sigset_t stops;
+  sigemptyset(&stops);
+  for (const SignalRow& row : rows)
+    if (row.fate == SignalFate::stop) sigaddset(&stops, row.signal);
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaddset(&stops, signal);
+  pthread_sigmask(SIG_BLOCK, &stops, nullptr);
+}
+
+void StopSignals::on_signal(int signal) {
+  int none = 0;
+  if (signal_.compare_exchange_strong(none, signal)) requested_ = true;
+  else insisted_ = true;
+}
+
+StopSignals::StopSignals(Suspension suspension) noexcept {
+  requested_ = insisted_ = false;
+  signal_ = 0;
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const SignalRow& row = rows[i];
+    if (row.fate != SignalFate::stop) continue;
+    if (row.signal == SIGTSTP && suspension == Suspension::allowed) continue;
+    sigaction(row.signal, &action, &former_[i]);
+    const bool nohup = row.signal == SIGHUP && former_[i].sa_handler == SIG_IGN;
+    if (nohup) sigaction(row.signal, &former_[i], nullptr);
+    caught_[i] = !nohup;
+  }
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaction(signal, &action, nullptr);
+}
+
+StopSignals::~StopSignals() {
+  struct sigaction by_default {};
+  by_default.sa_handler = SIG_DFL;
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaction(signal, &by_default, nullptr);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (caught_[i]) sigaction(rows[i].signal, &former_[i], nullptr);
+}
+
+std::string_view StopSignals::name() const noexcept {
+  if (signal_ >= SIGRTMIN) return "SIGRTMIN";
+  const auto row = std::ranges::find(rows, signal_.load(), &SignalRow::signal);
+  return row == rows.end() ? "" : row->name;
+}
+
+}  // namespace godobject

@@ -1,0 +1,199 @@
+// Every key of contacts, once: spheres and shapes of bodies, obstacles, pairs of materials. See platform/scene/text/visit.h
+// for what walks it.
+#pragma once
+
+#include <cmath>
+#include <set>
+
+#include "core/contact/contact.h"
+#include "platform/scene/contact/pairs.h"
+#include "platform/scene/mesh/obstacle_file.h"
+#include "platform/scene/scene.h"
+#include "platform/scene/text/visit.h"
+
+namespace godobject {
+
+inline constexpr double default_contact_damping_ratio = 1.4;
+
+/// Names of ShapeKind in scene files, in its order.
+inline constexpr std::array shape_kind_names{"plane", "box", "sphere", "capsule", "height-field", "mesh"};
+/// And of those that bodies may carry: the same without the first and the last two.
+inline constexpr std::array body_shape_kind_names{"box", "sphere", "capsule"};
+
+template <class V>
+void visit_material(V& v, std::string& material) {
+  v.value(Key{"material", "", "what it is made of: [[contact]] says what two materials do where they meet"},
+          material);
+  v.check(is_plain_name(material), "material", "must be one or more letters, digits, '_' or '-'");
+}
+
+template <class V>
+void visit_sphere(V& v, SphereConfig& s) {
+  v.value(Key{"position", "m", "its centre, body axes about the centre of mass"}, s.p_B);
+  v.value(Key{"radius", "m", "its radius", positive, true}, s.radius);
+  visit_material(v, s.material);
+  v.value(Key{"count", "", "so many equal spheres in a row", {1, 1e4}}, s.count);
+  v.value(Key{"spacing", "m", "from one centre of the row to the next, body axes"}, s.spacing);
+  v.check(s.count == 1 || s.spacing.norm() > 0, "spacing",
+          "must not be zero where there are several spheres");
+}
+
+/// A dimension that only some kinds have.
+template <class V, class T>
+void visit_dimension(V& v, bool needed, const Key& key, std::optional<T>& x) {
+  v.value(key, x);
+  v.check(!needed || x, key.name, "is missing: this kind of shape needs it");
+  v.check(needed || !x, key.name, "has no meaning for this kind of shape: remove it");
+}
+
+template <class V>
+void visit_dimensions(V& v, ShapeConfig& s) {
+  const bool round = s.kind == ShapeKind::sphere || s.kind == ShapeKind::capsule;
+  visit_dimension(v, s.kind == ShapeKind::box,
+                  Key{"half_extents", "m", "of a box: half its edges along x, y, z", positive},
+                  s.half_extents);
+  visit_dimension(v, round, Key{"radius", "m", "of a sphere or capsule", positive}, s.radius);
+  visit_dimension(v, s.kind == ShapeKind::capsule,
+                  Key{"half_length", "m", "of a capsule: half the distance of its two centres on the z axis",
+                      not_negative},
+                  s.half_length);
+}
+
+template <class V>
+void visit_body_shape(V& v, ShapeConfig& s) {
+  std::size_t kind = static_cast<std::size_t>(s.kind) - 1;
+  v.one_of(Key{"kind", "", "edges along x, y, z; about its centre; along z"},
+           {body_shape_kind_names.begin(), body_shape_kind_names.end()}, kind);
+  s.kind = static_cast<ShapeKind>(kind + 1);
+  visit_pose(v, "position", "orientation_wxyz", "the shape in body axes about the centre of mass", s.X);
+  visit_dimensions(v, s);
+  visit_material(v, s.material);
+}
+
+template <class V>
+void visit_spheres_and_shapes(V& v, BodyConfig& b) {
+  // A list that is not in the file stays that of the body this one is like.
+  std::vector<SphereConfig> spheres = b.spheres;
+  v.tables(TableKey{"sphere", "A sphere fixed on the body, or a row of equal ones: what it touches with."},
+           spheres, [&](auto& t, SphereConfig& s) { visit_sphere(t, s); });
+  if (!spheres.empty()) b.spheres = spheres;
+  std::vector<ShapeConfig> shapes = b.shapes;
+  v.tables(
+      TableKey{"shape",
+               "A solid fixed on the body: where spheres of other bodies touch it. Without one they touch "
+               "its spheres."},
+      shapes, [&](auto& t, ShapeConfig& s) { visit_body_shape(t, s); });
+  if (!shapes.empty()) b.shapes = shapes;
+}
+
+template <class V>
+void visit_obstacle_file(V& v, ObstacleConfig& o) {
+  const ShapeKind kind = o.shape.kind;
+  const bool mesh = kind == ShapeKind::mesh, heights = kind == ShapeKind::height_field;
+  const std::string path = v.path(
+      Key{"file", "",
+          "of a mesh: closed, STL, OBJ or PLY; of a height field: rows of heights (m) between commas; of "
+          "a sphere: "
+          "centres of many in its axes, CSV with columns x, y, z (m). In the scene file's folder, or below"},
+      o.file);
+  v.check(!(mesh || heights) || !o.file.empty(), "file",
+          "is missing: a mesh or height field is read from one");
+  v.value(Key{"scale", "m", "of a mesh: length of one unit of its file; 1 without", positive}, o.scale);
+  v.check(mesh || !o.scale, "scale", "has no meaning for this kind of obstacle: remove it");
+  visit_dimension(v, heights,
+                  Key{"spacing", "m", "of a height field: between neighbours of its grid", positive},
+                  o.spacing);
+  if (path.empty()) return;
+  const std::string why_not = load_file(path, o);
+  v.check(why_not.empty(), "file", why_not);
+}
+
+template <class V>
+void visit_obstacle(V& v, ObstacleConfig& o) {
+  visit_name(v, "name of the obstacle, for messages", o.name);
+  choose(
+      v,
+      Key{"kind", "",
+          "plane: z = 0 of its frame, solid below; box; sphere; capsule along z; height-field: solid below, "
+          "from its corner along x and y; mesh: solid inside"},
+      shape_kind_names, o.shape.kind);
+  visit_pose(v, "position", "orientation_wxyz", "its frame in the world", o.shape.X);
+  visit_dimensions(v, o.shape);
+  visit_obstacle_file(v, o);
+  visit_material(v, o.shape.material);
+}
+
+/// mass: what a damping ratio of one is about, kg.
+template <class V>
+void visit_law(V& v, double mass, ContactConfig& c) {
+  v.value(
+      Key{"stiffness", "N/m", "k of (22), of each sphere: those that share a load add up", positive, true},
+      c.stiffness);
+  const double unit = std::sqrt(mass * c.stiffness);
+  v.either(Key{"damping", "N s/m", "c of (22); or give `damping_ratio`", not_negative},
+           Key{"damping_ratio",
+               "",
+               "c / sqrt(m k), m: the lightest body of the two materials; 1.4 by default",
+               {0, 1e6}},
+           unit, default_contact_damping_ratio * unit, c.damping);
+  v.value(Key{"friction", "", "mu of (23), sticking and slipping", {0, 100}}, c.friction);
+  if (!c.tangential_stiffness) c.tangential_stiffness = c.stiffness;
+  v.value(Key{.name = "tangential_stiffness",
+              .unit = "N/m",
+              .meaning = "k_t of (23)",
+              .range = not_negative,
+              .otherwise = "`stiffness`"},
+          c.tangential_stiffness);
+  if (!c.tangential_damping) c.tangential_damping = c.damping;
+  v.value(Key{.name = "tangential_damping",
+              .unit = "N s/m",
+              .meaning = "c_t of (23)",
+              .range = not_negative,
+              .otherwise = "`damping`"},
+          c.tangential_damping);
+  v.check(c.friction == 0 || c.tangential_stiffness.value_or(0) > 0 || c.tangential_damping.value_or(0) > 0,
+          "tangential_stiffness", "and 'tangential_damping' must not both be zero where there is friction");
+  v.value(Key{"push_out_speed", "m/s",
+              "depenetration velocity: at which bodies that were put into each other part", positive},
+          c.push_out_speed);
+}
+
+/// Obstacles and contacts; bodies and joints have been visited.
+template <class V>
+void visit_contacts(V& v, SceneConfig& s) {
+  std::set<std::string> names;
+  v.tables(TableKey{"obstacle", "A solid fixed in the world."}, s.obstacles, [&](auto& t, ObstacleConfig& o) {
+    visit_obstacle(t, o);
+    t.check(names.insert(o.name).second, "name", "is the name of an earlier obstacle");
+  });
+  const std::vector<MaterialUse> used = materials_of(s);
+  const auto is_used = [&](const std::string& name) {
+    return std::ranges::find(used, name, &MaterialUse::material) != used.end();
+  };
+  std::set<std::set<std::string>> pairs;
+  v.tables(TableKey{"contact", "What contacts do where two materials meet."}, s.contacts,
+           [&](auto& t, ContactConfig& c) {
+             t.value(Key{.name = "materials",
+                         .unit = "",
+                         .meaning = "the two, in any order; twice the same for a material against itself",
+                         .required = true},
+                     c.materials);
+             t.check(c.materials.size() == 2, "materials", "must be two names: [\"a\", \"b\"]");
+             for (const std::string& name : c.materials)
+               t.advise(is_used(name), "materials", "has '" + name + "', of which nothing is made");
+             t.check(pairs.insert({c.materials.begin(), c.materials.end()}).second, "materials",
+                     "are those of an earlier [[contact]]");
+             visit_law(t, lightest_of(s, c.materials), c);
+           });
+  v.check(used.size() <= max_materials, "",
+          "the scene has " + std::to_string(used.size()) + " materials; at most " +
+              std::to_string(max_materials) + " are possible");
+  if (used.size() > max_materials) return;
+  for (const MaterialPair& pair : pairs_that_meet(s))
+    v.check(contact_of(s, pair.a.material, pair.b.material) != nullptr, "",
+            "materials '" + pair.a.material + "' (" + pair.a.where + ") and '" + pair.b.material + "' (" +
+                pair.b.where + ") can meet, but no [[contact]] has materials = [\"" + pair.a.material +
+                "\", \"" + pair.b.material + "\"]: add it");
+}
+
+}  // namespace godobject

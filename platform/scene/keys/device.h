@@ -1,0 +1,445 @@
+// Every key below [device] of a scene file, once. See platform/scene/text/visit.h for what walks it.
+#pragma once
+
+#include <numbers>
+#include <set>
+
+#include "hal/drive/link.h"
+#include "hal/joint/kinematic_tree.h"
+#include "platform/scene/joint/device_from_joints.h"
+#include "platform/scene/keys/hold.h"
+#include "platform/scene/keys/spacemouse.h"
+#include "platform/scene/keys/tracker.h"
+#include "platform/scene/scene.h"
+#include "platform/scene/text/visit.h"
+
+namespace godobject {
+
+inline constexpr double default_stale_steps = 3;
+
+template <class V>
+void visit_limits(V& v, LimitConfig& l) {
+  v.value(Key{"force", "N", "largest force shown to the hand", positive}, l.force);
+  v.value(Key{"torque", "N m", "largest torque shown to the hand", positive}, l.torque);
+  v.value(Key{"force_rate", "N/s", "fastest change of that force", positive}, l.force_rate);
+  v.value(Key{"torque_rate", "N m/s", "fastest change of that torque", positive}, l.torque_rate);
+  v.value(Key{"ramp", "s", "from engage to full coupling and feedback; 0: at once", {0, 60}}, l.ramp);
+  v.value(Key{"grab_ramp", "s", "the same where the device takes hold of bodies", {0, 60}}, l.grab_ramp);
+}
+
+/// Names that joints, handles, encoders and drives refer to.
+struct RigNames {
+  std::vector<std::string> bodies;  // that can have a handle
+  std::vector<std::string> buses, joints;
+  std::vector<DeviceJointKind> kinds;  // of joints
+};
+
+template <class V>
+void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
+  visit_name(v, "name of the joint: other joints, handles, encoders, drives and motion columns refer to it",
+             j.name);
+  v.check(j.name != base_name, "name", "is what the base is called: choose another name");
+  std::vector<std::string> parents{base_name};
+  parents.insert(parents.end(), names.joints.begin(), names.joints.end());
+  if (j.parent.empty()) j.parent = parents.back();
+  choose(v,
+         Key{.name = "parent",
+             .unit = "",
+             .meaning = "joint on whose link it sits, earlier in the file, or `\"base\"`",
+             .otherwise = "the joint before it"},
+         parents, j.parent);
+  choose(v, Key{"kind", "", "hinge: coordinate in rad about `axis`; slider: in m along it"},
+         std::array{"hinge", "slider"}, j.kind);
+  visit_pose(v, "position", "orientation_wxyz", "the joint frame in the parent's link frame at coordinate 0",
+             j.X_PJ);
+  v.unit_vector(Key{"axis", "", "unit vector in the joint frame"}, j.axis_J);
+}
+
+template <class V>
+void visit_node(V& v, const RigNames& names, std::string_view id_meaning, std::size_t& bus,
+                std::uint8_t& node_id) {
+  v.one_of(Key{.name = "bus", .unit = "", .meaning = "name of the bus it hangs on", .required = true},
+           names.buses, bus);
+  v.value(Key{"node_id", "", id_meaning, {1, 127}, true}, node_id);
+}
+
+template <class V>
+void visit_sensor_node(V& v, const RigNames& names, std::string_view id_meaning, std::string& joint,
+                       std::size_t& bus, std::uint8_t& node_id, std::string& profile) {
+  choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true},
+         names.joints, joint);
+  visit_node(v, names, id_meaning, bus, node_id);
+  v.value(Key{"profile", "",
+              "how a CANopen node is set up, see docs/canopen.md; empty: not at all, it is as the "
+              "rig expects it"},
+          profile);
+}
+
+template <class V>
+void visit_calibration(V& v, std::string_view sign_key, std::string_view counts_meaning,
+                       const RigNames& names, const std::string& joint, Calibration& c) {
+  v.either(Key{"counts_per_unit", "1/rad or 1/m", counts_meaning, positive, true},
+           Key{"counts_per_turn", "", "counts per full turn of a hinge", positive},
+           1 / (2 * std::numbers::pi), std::nullopt, c.counts_per_unit);
+  const auto index = static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
+  const bool slider = index < names.kinds.size() && names.kinds[index] == DeviceJointKind::slider;
+  v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
+          "has no meaning on a slider: give counts_per_unit in 1/m");
+  visit_sign(v, Key{sign_key, "", "1 or -1: direction in which counts rise", {-1, 1}}, c.sign);
+  v.value(Key{"offset_counts", "", "count at coordinate `home`", {-9007199254740992.0, 9007199254740992.0}},
+          c.offset_counts);
+  v.value(Key{"home", "rad or m", "joint coordinate at `offset_counts`, e.g. in a homing jig"}, c.home);
+  v.value(Key{"modulus_counts", "", "counts wrap at this value; 0: they do not wrap", {0, 4294967296.0}},
+          c.modulus_counts);
+}
+
+template <class V>
+void visit_max_speed(V& v, double& max_speed) {
+  v.value(
+      Key{"max_speed", "rad/s or m/s", "of the joint: a sample that implies more is not plausible", positive},
+      max_speed);
+}
+
+template <class V>
+void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
+  visit_sensor_node(v, names, "CANopen node-ID", e.joint, e.bus, e.node_id, e.profile);
+  visit_calibration(v, "sign", "counts per unit of the joint coordinate; or give `counts_per_turn`", names,
+                    e.joint, e.calibration);
+  visit_max_speed(v, e.max_speed);
+}
+
+template <class V>
+void visit_watchdog(V& v, DriveParams& d) {
+  choose(v,
+         Key{"watchdog", "",
+             "what stops the motor when the host has died. host: what the `profile` or the protocol sets up; "
+             "drive: what is set in the drive already, as on an ODrive; none: nothing, and that is accepted. "
+             "A scene that shows force is refused where it is host and nothing is set up"},
+         drive_watchdog_names, d.watchdog);
+  v.value(Key{"watchdog_ms", "ms", "with `watchdog = \"drive\"`: the time that is set there", {1, 65535}},
+          d.watchdog_ms);
+}
+
+template <class V>
+void visit_drive(V& v, const RigNames& names, DriveParams& d) {
+  visit_sensor_node(v, names, "CANopen node-ID; of an ODrive 1 to 62, of a moteus its id", d.joint, d.bus,
+                    d.node_id, d.profile);
+  choose(v, Key{"protocol", "", "what it speaks, see docs/new-device.md; each protocol has a bus of its own"},
+         drive_protocol_names, d.protocol);
+  const BusProtocol protocol = bus_protocol(d.protocol);
+  v.check(protocol.canopen || d.profile.empty(), "profile", "has no meaning with this protocol: remove it");
+  v.check(d.node_id <= protocol.max_node_id, "node_id",
+          "must be at most " + std::to_string(protocol.max_node_id) + " with this protocol");
+  v.value(Key{"torque_rated_Nm", "N m", "CiA 402: object 6076h, targets travel in per mille of it", positive},
+          d.torque_rated_Nm);
+  v.value(Key{"torque_max_Nm", "N m", "saturation of the command, at the motor shaft", positive},
+          d.torque_max_Nm);
+  v.check(d.protocol != DriveProtocol::cia402 || d.torque_max_Nm <= 32.767 * d.torque_rated_Nm,
+          "torque_max_Nm",
+          "is more than 32.767 times torque_rated_Nm, the most that 16 bits of per mille carry");
+  v.value(Key{"torque_rate_Nm_per_s", "N m/s", "slew limit of the command, at the motor shaft", positive},
+          d.torque_rate_Nm_per_s);
+  v.value(Key{"joint_per_motor_rad", "rad/rad or m/rad",
+              "transmission: joint coordinate per rad of the motor", positive},
+          d.joint_per_motor_rad);
+  visit_sign(v, Key{"sign", "", "1 or -1: of a positive motor torque on the joint", {-1, 1}}, d.sign);
+  v.value(Key{"status_every_nth_sync", "", "CiA 402: transmission type of its TPDO1", {1, 240}},
+          d.status_every_nth_sync);
+  v.check(protocol.canopen || d.status_every_nth_sync == 1, "status_every_nth_sync",
+          "must be 1 with this protocol: the drive answers every request");
+  visit_calibration(
+      v, "counts_sign",
+      "counts per unit of the joint coordinate; or give `counts_per_turn`; an ODrive and a moteus have "
+      "100000 counts per turn of the motor",
+      names, d.joint, d.calibration);
+  visit_max_speed(v, d.max_speed);
+  visit_watchdog(v, d);
+  v.value(Key{"max_slip", "rad or m",
+              "of the joint: how far its position may part from the encoder's, once enabled, before that is "
+              "the fault `sensors_disagree`, and its travel in `stale_after` on top while it moves; 0: not "
+              "compared; without an encoder there is nothing to compare",
+              not_negative, false, "0.05 rad of a hinge, 0.005 m of a slider, and 2 counts of each sensor"},
+          d.max_slip);
+}
+
+template <class V>
+void visit_button(V& v, const RigNames& names, ButtonParams& b) {
+  choose(
+      v,
+      Key{"use", "",
+          "hold: pressed it takes hold of the nearest body, pressed again it lets go; clutch: of a relative "
+          "device, closed while pressed"},
+      button_use_names, b.use);
+  visit_node(v, names, "CANopen node-ID", b.bus, b.node_id);
+  v.value(Key{"bit", "", "of the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);
+  v.value(Key{"active_low", "", "pressed is 0"}, b.active_low);
+}
+
+/// What a slider moves by default: 0.1 kg with 1 N s/m, which are a hinge's 1e-3 kg m^2 and 1e-2 N m s/rad on a
+/// lever of 0.1 m, held by an arm of some 500 N/m.
+inline constexpr PlantConfig plant_of_sliders{
+    .inertia = 0.1, .damping = 1, .friction = 0.01, .hand_stiffness = 500, .hand_damping = 10};
+
+inline bool all_sliders(const std::vector<DeviceJoint>& joints) {
+  return !joints.empty() && std::ranges::all_of(joints, [](const DeviceJoint& joint) {
+    return joint.kind == DeviceJointKind::slider;
+  });
+}
+
+template <class V>
+void visit_plant(V& v, PlantConfig& p) {
+  const auto value = [&](std::string_view name, std::string_view unit, std::string_view meaning, Range range,
+                         std::string_view otherwise, double& x) {
+    v.value(Key{.name = name, .unit = unit, .meaning = meaning, .range = range, .otherwise = otherwise}, x);
+  };
+  value("inertia", "kg m^2 or kg", "per joint, seen at the joint", positive,
+        "0.001; where all joints are sliders 0.1", p.inertia);
+  value("damping", "N m s/rad or N s/m",
+        "viscous, per joint, without the hand; the margins that `godobject check` prints rest on it: state "
+        "it of "
+        "a device that exists, too",
+        not_negative, "0.01; where all joints are sliders 1.0", p.damping);
+  value("friction", "N m or N", "Coulomb, per joint", not_negative,
+        "0.001; where all joints are sliders 0.01", p.friction);
+  value("hand_stiffness", "N m/rad or N/m", "of the user's arm, per joint", not_negative,
+        "20.0; where all joints are sliders 500.0", p.hand_stiffness);
+  value("hand_damping", "N m s/rad or N s/m", "of the user's arm, per joint", not_negative,
+        "0.5; where all joints are sliders 10.0", p.hand_damping);
+}
+
+template <class V>
+void visit_supervision(V& v, RigParams& rig) {
+  v.value(Key{"stale_after", "s",
+              "a sample older than this is not valid: the pose is held and the force fades; by default three "
+              "steps",
+              positive},
+          rig.stale_after_s);
+  rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
+  v.value(Key{"lost_after", "s", "without a valid sample for so long: a fault; not less than stale_after",
+              positive},
+          rig.lost_after_s);
+  v.check(rig.lost_after_s >= rig.stale_after_s, "lost_after", "must be at least stale_after");
+  v.value(Key{"boot_timeout", "s", "from start to every drive enabled", positive}, rig.boot_timeout_s);
+  v.value(Key{"heartbeat_timeout", "s", "of every node, once it has been heard", positive},
+          rig.heartbeat_timeout_s);
+  v.value(Key{"heartbeat_period", "s", "of the host's own heartbeat", positive}, rig.heartbeat_period_s);
+  v.value(Key{"host_node_id", "", "node-ID of the host on every bus", {1, 127}}, rig.host_node_id);
+}
+
+template <class V>
+void visit_joints(V& v, std::vector<DeviceJoint>& joints, RigNames& names) {
+  v.tables(TableKey{"joint",
+                    "One joint of the device and the link it carries, parents first. Without any the device "
+                    "has the joints of the "
+                    "tool, one for each coordinate."},
+           joints, [&](auto& t, DeviceJoint& j) {
+             visit_joint(t, names, j);
+             t.check(std::ranges::find(names.joints, j.name) == names.joints.end(), "name",
+                     "is the name of an earlier joint");
+             names.joints.push_back(j.name);
+             names.kinds.push_back(j.kind);
+           });
+}
+
+template <class V>
+void visit_handle(V& v, const RigNames& names, HandleParams& h) {
+  choose(v, Key{.name = "body", .unit = "", .meaning = "coupled body it is the target of", .required = true},
+         names.bodies, h.body);
+  choose(v, Key{.name = "joint", .unit = "", .meaning = "joint on whose link it sits", .required = true},
+         names.joints, h.joint);
+  visit_pose(v, "position", "orientation_wxyz", "the handle in that link's frame", h.X_LH);
+}
+
+/// The one handle that [device.chain] can give without a table of its own.
+struct ShortHandle {
+  Pose X_LH;
+  bool given = false;
+};
+
+template <class V>
+void visit_chain(V& v, Pose& X_WB, ShortHandle& handle) {
+  visit_pose(v, "base_position", "base_orientation_wxyz", "the device's base in the world", X_WB);
+  v.shorthand(Key{"handle_position", "m", "position of the only handle in the last joint's link frame"},
+              handle.X_LH.p);
+  v.shorthand(Key{"handle_orientation_wxyz", "", "attitude of the same"}, handle.X_LH.q);
+  handle.given = v.has("handle_position") || v.has("handle_orientation_wxyz");
+}
+
+template <class V>
+void visit_handles(V& v, const RigNames& names, const ShortHandle& handle,
+                   const std::vector<HandleParams>& of_scene, std::vector<HandleParams>& handles) {
+  std::set<std::string> held;
+  v.tables(
+      TableKey{
+          "handle",
+          "Where the user holds a body of the tool. Without any there is one: of the first coupled "
+          "body, on the link of the last joint, posed by `handle_position` in `[device.chain]`; with the "
+          "joints of the tool one for each coupled body, where that is."},
+      handles, [&](auto& t, HandleParams& h) {
+        visit_handle(t, names, h);
+        t.check(held.insert(h.body).second, "body", "has an earlier handle");
+      });
+  v.check(handles.empty() || !handle.given, "handle",
+          "and handle_position in [device.chain] both place handles: remove one of them");
+  v.check(of_scene.empty() || !handle.given, "",
+          "handle_position in [device.chain] has no meaning where the device has the joints of the tool: "
+          "remove it, or write [[device.handle]] tables");
+  if (handles.empty()) handles = of_scene;
+  v.check(handles.size() <= max_handles, "handle",
+          "must be at most " + std::to_string(max_handles) + " tables [[device.handle]], not " +
+              std::to_string(handles.size()));
+  if (handles.empty() && !names.joints.empty() && !names.bodies.empty())
+    handles.push_back({.body = names.bodies.front(), .joint = names.joints.back(), .X_LH = handle.X_LH});
+}
+
+/// A node whose place could not be read takes no other node's.
+template <class V>
+bool understands_node(const V& v) {
+  return v.understood("bus") && v.understood("node_id");
+}
+
+/// Buttons may be bits of one node. nodes: those of other devices, by bus and id.
+template <class V>
+void visit_buttons(V& v, const RigNames& names, const std::set<std::pair<std::size_t, int>>& nodes,
+                   RigParams& rig) {
+  std::set<std::array<std::size_t, 3>> bits;
+  v.tables(TableKey{"button", "A button: a digital input of a CiA 401 node."}, rig.buttons,
+           [&](auto& t, ButtonParams& b) {
+             visit_button(t, names, b);
+             if (!understands_node(t)) return;
+             t.check(b.node_id != rig.host_node_id && !nodes.contains({b.bus, b.node_id}), "node_id",
+                     "is taken by the host or by another device of this bus");
+             t.check(bits.insert({b.bus, b.node_id, b.bit}).second, "bit", "is that of an earlier button");
+           });
+}
+
+template <class V>
+void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
+  std::set<std::pair<std::size_t, int>> nodes;
+  const auto check_node = [&](auto& t, std::size_t bus, int node_id) {
+    if (!understands_node(t)) return;
+    t.check(node_id != rig.host_node_id, "node_id",
+            "is the host's own: see host_node_id in [device.supervision]");
+    t.check(nodes.emplace(bus, node_id).second, "node_id", "is taken by another node of this bus");
+  };
+  v.tables(TableKey{"encoder", "A CiA 406 absolute encoder."}, rig.encoders, [&](auto& t, EncoderParams& e) {
+    visit_encoder(t, names, e);
+    check_node(t, e.bus, e.node_id);
+  });
+  v.tables(TableKey{"drive", "A motor drive commanded in torque; of CiA 402 in the mode CST."}, rig.drives,
+           [&](auto& t, DriveParams& d) {
+             visit_drive(t, names, d);
+             check_node(t, d.bus, d.node_id);
+           });
+  visit_buttons(v, names, nodes, rig);
+}
+
+/// A bus has the nodes of one protocol, and the data rate that it asks for.
+template <class V>
+void check_protocols(V& v, const RigParams& rig) {
+  for (std::size_t bus = 0; bus < rig.buses.size(); ++bus) {
+    const DriveProtocol protocol = protocol_of_bus(rig, bus);
+    const std::string name = "'" + rig.buses[bus].name + "'";
+    const auto on_bus = [bus](const auto& device) { return device.bus == bus; };
+    const auto other = [&](const DriveParams& d) { return d.bus == bus && d.protocol != protocol; };
+    const bool canopen_nodes =
+        std::ranges::any_of(rig.encoders, on_bus) || std::ranges::any_of(rig.buttons, on_bus);
+    v.check(std::ranges::none_of(rig.drives, other) && (bus_protocol(protocol).canopen || !canopen_nodes), "",
+            "bus " + name + " has devices of more than one protocol: give each protocol a bus of its own");
+    v.check(!bus_protocol(protocol).fd || rig.buses[bus].data_bit_rate > 0, "",
+            "bus " + name + " carries CAN FD: give it a data_bit_rate, e.g. 5e6");
+  }
+}
+
+/// Rules between the parts of a rig.
+template <class V>
+void check_rig(V& v, const RigParams& rig) {
+  const std::size_t num_joints = rig.tree.joints.size();
+  v.check(!rig.buses.empty(), "", "joints, encoders and drives need a [[bus]]");
+  check_protocols(v, rig);
+  v.check(num_joints >= 1 && num_joints <= max_joints, "joint",
+          "must be 1 to " + std::to_string(max_joints) + " tables [[device.joint]], not " +
+              std::to_string(num_joints));
+  for (const DeviceJoint& joint : rig.tree.joints) {
+    const auto on_joint = [&](const auto& node) { return node.joint == joint.name; };
+    v.check(std::ranges::any_of(rig.encoders, on_joint) || std::ranges::any_of(rig.drives, on_joint), "",
+            "nothing measures joint '" + joint.name + "': add a [[device.encoder]] for it");
+  }
+}
+
+/// A device without joints of its own has those of the tool. Returns the handles they give.
+template <class V>
+std::vector<HandleParams> take_joints_of_tool(V& v, const SceneConfig& scene, RigNames& names,
+                                              std::vector<DeviceJoint>& joints) {
+  DeviceTree device = device_from_joints(scene);
+  for (const std::string& error : device.errors) v.check(false, "", error);
+  joints = std::move(device.tree.joints);
+  for (const DeviceJoint& joint : joints) {
+    names.joints.push_back(joint.name);
+    names.kinds.push_back(joint.kind);
+  }
+  return std::move(device.tree.handles);
+}
+
+/// The tree, its encoders and its drives; false when the file has none of them.
+template <class V>
+bool visit_rig(V& v, bool present, const SceneConfig& scene, std::vector<std::string> bodies,
+               RigParams& rig) {
+  bool has_supervision = present, has_chain = present;
+  v.table(TableKey{"supervision", "When the host gives up on a node."}, has_supervision,
+          [&](auto& t) { visit_supervision(t, rig); });
+  ShortHandle handle;
+  v.table(TableKey{"chain", "Where the device stands, and in the simplest case where the hand holds it."},
+          has_chain, [&](auto& t) { visit_chain(t, rig.tree.X_WB, handle); });
+  RigNames names{.bodies = std::move(bodies), .buses = {}, .joints = {}, .kinds = {}};
+  for (const BusParams& bus : rig.buses) names.buses.push_back(bus.name);
+  visit_joints(v, rig.tree.joints, names);
+  const bool has_more = v.has("handle") || v.has("encoder") || v.has("drive") || v.has("button");
+  std::vector<HandleParams> of_scene;
+  if (has_more && rig.tree.joints.empty() && !scene.joints.empty())
+    of_scene = take_joints_of_tool(v, scene, names, rig.tree.joints);
+  visit_handles(v, names, handle, of_scene, rig.tree.handles);
+  visit_nodes(v, names, rig);
+  present = has_supervision || has_chain || !rig.tree.joints.empty() || !rig.tree.handles.empty() ||
+            !rig.encoders.empty() || !rig.drives.empty() || !rig.buttons.empty() || !rig.buses.empty();
+  if (present) check_rig(v, rig);
+  return present;
+}
+
+/// Bodies that can have a handle: the coupled ones; without any, the first where an admittance device
+/// pushes it.
+inline std::vector<std::string> holdable_bodies(SceneConfig scene, const DeviceConfig& device) {
+  scene.device = device;
+  std::vector<std::string> names;
+  for (const std::size_t body : driven_bodies(scene)) names.push_back(scene.bodies[body].name);
+  return names;
+}
+
+template <class V>
+void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& buses, DeviceConfig& d) {
+  visit_name(v, "name of the device", d.name);
+  choose(v, Key{"kind", "", "what it gives and takes"}, device_kind_names, d.kind);
+  visit_grabbing(v, scene, d);
+  plain_table(v, TableKey{"limits", "Bounds of the wrench shown to the hand, and the ramp on engage."},
+              [&](auto& t) { visit_limits(t, d.limits); });
+  RigParams rig = d.rig.value_or(RigParams{.buses = buses, .tree = {}, .encoders = {}, .drives = {}});
+  rig.buses = buses;
+  rig.cycle_s = scene.step;
+  const bool is_new = !d.rig;
+  if (is_new) rig.stale_after_s = default_stale_steps * scene.step;
+  if (visit_rig(v, d.rig.has_value(), scene, holdable_bodies(scene, d), rig)) d.rig = rig;
+  if (is_new && d.rig && all_sliders(d.rig->tree.joints)) d.plant = plant_of_sliders;
+  plain_table(v, TableKey{"plant", "The simulated mechanics of the device and the hand that holds it."},
+              [&](auto& t) { visit_plant(t, d.plant); });
+  visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);
+  optional_table(v,
+                 TableKey{"spacemouse",
+                          "A SpaceMouse, or another 6-DoF mouse that spacenavd knows: how far its cap is "
+                          "pushed is how fast the target moves "
+                          "(docs/trackers.md)."},
+                 d.spacemouse,
+                 [&](auto& t, SpaceMouseConfig& s) { visit_spacemouse(t, holdable_bodies(scene, d), s); });
+  if (d.spacemouse) check_spacemouse(v, d);
+}
+
+}  // namespace godobject

@@ -1,0 +1,175 @@
+// Every key of a [[joint]], once. See platform/scene/text/visit.h for what walks it.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <set>
+
+#include "core/math/so3.h"
+#include "platform/scene/joint/kinds.h"
+#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/tree.h"
+#include "platform/scene/scene.h"
+#include "platform/scene/text/visit.h"
+
+namespace godobject {
+
+inline constexpr double advised_gap_m = 1e-6, advised_gap_rad = 1e-6;  // of a joint at the start
+
+inline std::string quoted(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "\"" : ", \"") + name + "\"";
+  return text;
+}
+
+/// Three digits: for messages.
+inline std::string rounded(double x) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", x);
+  return text.data();
+}
+
+template <class V>
+void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
+  const bool only_one = j.coordinates.size() == 1;
+  if (s.coordinate.empty() && only_one) s.coordinate = j.coordinates.front();
+  choose(v,
+         Key{.name = "coordinate",
+             .unit = "",
+             .meaning = "of the joint",
+             .required = !only_one,
+             .otherwise = "the joint's only one"},
+         j.coordinates, s.coordinate);
+  v.value(Key{"lower", "rad or m", "end of travel; of a turn within +-pi"}, s.lower);
+  v.value(Key{"upper", "rad or m", "the other end, above `lower`"}, s.upper);
+  const auto i =
+      static_cast<std::size_t>(std::ranges::find(j.coordinates, s.coordinate) - j.coordinates.begin());
+  const auto possible = [&](const std::optional<double>& end) {
+    return !end || !is_turn(j.kind, i) || std::abs(*end) <= std::numbers::pi;
+  };
+  v.check(possible(s.lower), "lower", "must be within +-pi: the turn counts from -pi to pi");
+  v.check(possible(s.upper), "upper", "must be within +-pi: the turn counts from -pi to pi");
+  v.check(s.lower || s.upper, "", "the stop has no end: give lower, upper or both");
+  v.check(!(s.lower && s.upper) || *s.lower < *s.upper, "upper", "must be above lower");
+  v.value(Key{"stiffness", "N m/rad or N/m", "beyond `width`", positive, true}, s.stiffness);
+  v.value(Key{"damping", "N m s/rad or N s/m", "likewise, on the way in only", not_negative}, s.damping);
+  v.value(Key{"width", "rad or m", "over which both rise from zero: the way in is smooth", positive, true},
+          s.width);
+}
+
+template <class V>
+void visit_joint_ends(V& v, const std::vector<std::string>& bodies, JointConfig& j) {
+  const auto is_body = [&](const std::string& name) {
+    return std::ranges::find(bodies, name) != bodies.end();
+  };
+  v.value(Key{"parent", "", "name of the body it hangs on, or \"world\""}, j.parent);
+  v.check(j.parent == world_name || is_body(j.parent), "parent",
+          "is \"" + j.parent + "\", which is no body: admissible is \"world\", " + quoted(bodies));
+  v.value(Key{.name = "child", .unit = "", .meaning = "name of the body that hangs on it", .required = true},
+          j.child);
+  v.check(j.child != world_name, "child", "is the world, which hangs on nothing: swap parent and child");
+  v.check(j.child.empty() || j.child == world_name || is_body(j.child), "child",
+          "is \"" + j.child + "\", which is no body: admissible is " + quoted(bodies));
+}
+
+template <class V>
+void visit_joint_frames(V& v, JointConfig& j) {
+  Vec3 axis = Vec3::UnitZ();
+  v.shorthand(
+      Key{.name = "axis",
+          .unit = "",
+          .meaning = "unit vector that is the same in both bodies at coordinate zero: turns both frames "
+                     "so that their z is along it. Hinge, slider and cylindrical",
+          .otherwise = "none"},
+      axis);
+  if (v.has("axis")) {
+    v.check(is_along_z(j.kind), "axis",
+            "has no meaning here: give parent_orientation_wxyz and child_orientation_wxyz");
+    v.check(std::abs(axis.norm() - 1) <= 1e-6, "axis", "must have length 1");
+    v.check(!v.has("parent_orientation_wxyz") && !v.has("child_orientation_wxyz"), "axis",
+            "and the orientations of the frames say the same thing: remove one of them");
+    j.X_BP.q = j.X_BC.q = turn_from_z(axis);
+  }
+  visit_pose(
+      v, "parent_position", "parent_orientation_wxyz",
+      "the joint frame on the parent, in its axes about its centre of mass; on the world in the world's",
+      j.X_BP);
+  visit_pose(v, "child_position", "child_orientation_wxyz",
+             "the joint frame on the child, in its axes about its centre of mass", j.X_BC);
+}
+
+template <class V>
+void visit_coordinates(V& v, JointConfig& j) {
+  if (j.coordinates.empty()) j.coordinates = default_coordinates(j.name, j.kind);
+  v.value(
+      Key{.name = "coordinates",
+          .unit = "",
+          .meaning = "names of its coordinates: turns (rad), then slides (m). The universal joint's first "
+                     "is about x of the parent's frame, its second about y of the child's",
+          .otherwise = "the joint's name; of two, with `_turn`, `_slide` or `_x`, `_y` behind it"},
+      j.coordinates);
+  const std::size_t n = num_coordinates(j.kind);
+  v.check(j.coordinates.size() == n, "coordinates",
+          "are " + std::to_string(j.coordinates.size()) + ": a joint of this kind has " + std::to_string(n));
+  v.check(std::ranges::all_of(j.coordinates, is_plain_name), "coordinates",
+          "must each be one or more letters, digits, '_' or '-'");
+  v.value(
+      Key{"imposed", "", "its coordinates follow the device's joints of the same names, whatever the forces"},
+      j.imposed);
+  v.check(!j.imposed || n > 0, "imposed", "has no meaning for a joint without named coordinates");
+}
+
+template <class V>
+void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig& j) {
+  visit_name(v, "name of the joint: columns of traces start with it", j.name);
+  std::size_t kind = static_cast<std::size_t>(j.kind) - 1;
+  static const std::string meaning = "what the child may do against the parent: " + joint_kind_meanings();
+  v.one_of(Key{"kind", "", meaning}, joint_kind_names(), kind);
+  j.kind = static_cast<JointKind>(kind + 1);
+  visit_joint_ends(v, bodies, j);
+  visit_joint_frames(v, j);
+  visit_coordinates(v, j);
+  std::set<std::string> stopped;
+  v.tables(TableKey{"stop", "Springs at the ends of one coordinate (19)."}, j.stops,
+           [&](auto& t, StopConfig& s) {
+             visit_stop(t, j, s);
+             t.check(stopped.insert(s.coordinate).second, "coordinate", "has an earlier stop");
+             t.check(!j.imposed, "", "the joint is imposed: a stop does nothing; remove one of them");
+           });
+}
+
+/// Rules between joints, and between a joint and the bodies as they are placed.
+template <class V>
+void visit_tool_joints(V& v, SceneConfig& s) {
+  std::vector<std::string> bodies;
+  for (const BodyConfig& body : s.bodies) bodies.push_back(body.name);
+  const auto is_body = [&](const std::string& name) {
+    return std::ranges::find(bodies, name) != bodies.end();
+  };
+  std::set<std::string> names, coordinates;
+  JointTree tree;
+  v.tables(
+      TableKey{
+          "joint",
+          "A joint between two bodies, or a body and the world. Each has a frame on both; they coincide at "
+          "coordinate zero.",
+          false, max_tables_of_bodies},
+      s.joints, [&](auto& t, JointConfig& j) {
+        visit_tool_joint(t, bodies, j);
+        t.check(names.insert(j.name).second, "name", "is the name of an earlier joint");
+        for (const std::string& q : j.coordinates)
+          t.check(coordinates.insert(q).second, "coordinates", "has '" + q + "', which is taken");
+        if (!is_body(j.child) || !(j.parent == world_name || is_body(j.parent))) return;
+        const std::string why_not = tree.add(j);
+        t.check(why_not.empty(), "", why_not);
+        const JointGap gap = gap_at_start(s.bodies, j);
+        t.advise(gap.m <= advised_gap_m && gap.rad <= advised_gap_rad, "",
+                 "joint '" + j.name + "' is apart by " + rounded(gap.m) + " m and " + rounded(gap.rad) +
+                     " rad where the bodies are placed: the first steps pull it together");
+      });
+  s.bodies = parents_first(s.bodies, s.joints);
+}
+
+}  // namespace godobject

@@ -1,0 +1,230 @@
+// Every key of a [[net]], once. See platform/scene/text/visit.h for what walks it.
+#pragma once
+
+#include <set>
+
+#include "platform/scene/keys/contact.h"
+#include "platform/scene/keys/joint.h"
+#include "platform/scene/net/edges.h"
+#include "platform/scene/net/make.h"
+#include "platform/scene/net/params.h"
+#include "platform/scene/net/physics.h"
+
+namespace godobject {
+
+/// What holds a node in a step (inertia, anchor and its damper) against what couples it to its neighbours: below that a
+/// stage takes more than a dozen iterations of conjugate gradients to 1 %, at 0.1 and above 4 to 8.
+inline constexpr double advised_hold = 0.02;
+
+template <class V>
+void visit_net_carrier(V& v, const std::vector<std::string>& bodies, NetConfig& n) {
+  v.value(Key{"body", "", "its carrier, on which its vertices are anchored: name of a body, or \"world\""},
+          n.body);
+  v.check(n.body == world_name || std::ranges::find(bodies, n.body) != bodies.end(), "body",
+          "is \"" + n.body + "\", which is no body: admissible is \"world\", " + quoted(bodies));
+  visit_pose(v, "position", "orientation_wxyz",
+             "the net's frame in the axes of its body about the centre of mass, or in the world", n.X_BF);
+}
+
+/// Whether a surface that is generated has the numbers that it is generated from.
+inline bool has_dimensions(const NetConfig& n) {
+  const bool sheet = n.kind == NetKind::sheet, sphere = n.kind == NetKind::sphere;
+  return n.spacing && (sheet ? n.length && n.width : n.radius && (sphere || n.half_length));
+}
+
+template <class V>
+void visit_net_dimensions(V& v, NetConfig& n) {
+  const bool sheet = n.kind == NetKind::sheet, mesh = n.kind == NetKind::mesh;
+  const bool with_length = n.kind == NetKind::tube || n.kind == NetKind::capsule;
+  visit_dimension(
+      v, !mesh,
+      Key{"spacing", "m", "of neighbouring nodes, all but meshes: edges are 0.8 to 1.4 of it", positive},
+      n.spacing);
+  visit_dimension(v, with_length || n.kind == NetKind::sphere,
+                  Key{"radius", "m", "of a tube, capsule or sphere, to its nodes", positive}, n.radius);
+  visit_dimension(
+      v, with_length,
+      Key{"half_length", "m",
+          "of a tube: half its length along z; of a capsule: half the distance of its two centres", positive},
+      n.half_length);
+  visit_dimension(v, sheet, Key{"length", "m", "of a sheet, along x", positive}, n.length);
+  visit_dimension(v, sheet, Key{"width", "m", "of a sheet, along y", positive}, n.width);
+  constexpr double coarsest = 1.5;  // of the radius: four nodes round it
+  const double most =
+      std::min({coarsest * n.radius.value_or(1e300), n.length.value_or(1e300), n.width.value_or(1e300)});
+  v.check(mesh || n.spacing.value_or(0) <= most, "spacing",
+          "must not be above 1.5 times the radius of the net, or the length or width of a sheet");
+}
+
+/// Its surface; room: nodes that there may be.
+template <class V>
+void visit_net_surface(V& v, std::size_t room, NetConfig& n) {
+  choose(v,
+         Key{"kind", "",
+             "tube: about z, open; capsule: along z; sphere; sheet: in the plane z = 0 about its middle; "
+             "mesh: triangles "
+             "of a file, whose corners are the nodes"},
+         net_kind_names, n.kind);
+  visit_net_dimensions(v, n);
+  const bool mesh = n.kind == NetKind::mesh;
+  const std::string path = v.path(
+      Key{"file", "", "of a mesh, open or closed: STL, OBJ or PLY in the scene file's folder, or below"},
+      n.file);
+  v.check(!mesh || !n.file.empty(), "file", "is missing: a mesh is read from one");
+  v.check(mesh || n.file.empty(), "file", "has no meaning for this kind of net: remove it");
+  v.value(Key{"scale", "m", "of a mesh: length of one unit of its file; 1 without", positive}, n.scale);
+  v.check(mesh || !n.scale, "scale", "has no meaning for this kind of net: remove it");
+  if (!n.surface.vertices.empty() || (mesh ? path.empty() : !has_dimensions(n))) return;
+  const std::string why_not = make_surface(path, room, n);
+  v.check(why_not.empty(), mesh ? "file" : "spacing", why_not);
+}
+
+template <class V>
+void visit_net_springs(V& v, NetConfig& n) {
+  v.value(Key{"membrane_stiffness", "N/m",
+              "E t: Young's modulus times thickness; a force F stretches a strip of width w by F / (w E t) "
+              "of its length",
+              positive, true},
+          n.membrane_stiffness);
+  v.value(Key{"bending",
+              "",
+              "stiffness of the springs across each inner edge, against those along it; they keep the "
+              "surface from folding "
+              "up. 0: none, and half as many springs",
+              {0, 10}},
+          n.bending);
+  const double k = lattice_stiffness(n.membrane_stiffness);
+  const double unit = k > 0 ? std::sqrt(mean_node_mass(n) / 2 / k) : 0;
+  v.either(Key{"relaxation_time", "s", "tau of the material: g = tau k of each spring", not_negative},
+           Key{"damping_ratio",
+               "",
+               "g / sqrt(k m / 2) of a spring between two mean nodes; 1.4 by default, that of couplings",
+               {0, 1e6}},
+           unit, default_net_damping_ratio * unit, n.relaxation_time);
+}
+
+template <class V>
+void visit_net_anchors(V& v, NetConfig& n) {
+  const double sigma = n.surface_density;
+  v.value(Key{"settling_time", "s",
+              "T after which 2 % is left of a swing against its body (of its speed, where it has no anchors, "
+              "after "
+              "T / 2): damping of 8 sigma / T of each area, against the body or the world",
+              positive, true},
+          n.settling_time);
+  if (!n.anchor_stiffness && n.settling_time > 0 && sigma > 0)
+    n.anchor_stiffness = n.body == world_name ? 0 : anchor_stiffness_for(sigma, n.settling_time);
+  v.value(Key{.name = "anchor_stiffness",
+              .unit = "N/m^3",
+              .meaning =
+                  "kappa: pull of the anchors, for each area and distance; dents reach sqrt(E t / kappa) far",
+              .range = not_negative,
+              .otherwise = "on a body 32.7 sigma / T^2, damped at 1.4 as couplings are; in the world 0"},
+          n.anchor_stiffness);
+  const double kappa = n.anchor_stiffness.value_or(0),
+               d = n.settling_time > 0 ? drag(sigma, n.settling_time) : 0;
+  const double slow = d / std::max(kappa, 1e-300);
+  v.advise(kappa == 0 || d <= 2 * std::sqrt(kappa * sigma), "anchor_stiffness",
+           "is too soft for this settling time: the net creeps back, with a time constant of " +
+               rounded(slow) + " s");
+}
+
+/// h: time step.
+template <class V>
+void advise_on_iterations(V& v, double h, const NetConfig& n) {
+  const double m = mean_node_mass(n), k = lattice_stiffness(n.membrane_stiffness);
+  if (!(m > 0 && n.surface_density > 0 && k > 0 && n.settling_time > 0)) return;
+  const double area = m / n.surface_density;
+  const double held =
+      m / (h * h) + area * (drag(n.surface_density, n.settling_time) / h + n.anchor_stiffness.value_or(0));
+  v.advise(held >= advised_hold * k, "membrane_stiffness",
+           "is much for so light a net: a node's inertia and anchor are " + rounded(held / k) +
+               " of a spring in a step, and below 0.02 a stage takes more than a dozen iterations; make it "
+               "heavier or softer, "
+               "its settling_time shorter, or the step");
+}
+
+template <class V>
+void visit_net_touch(V& v, NetConfig& n) {
+  const double spacing = mean_edge_of(n.surface);
+  if (!n.thickness && spacing > 0) n.thickness = spacing;
+  v.value(Key{.name = "thickness",
+              .unit = "m",
+              .meaning = "twice the radius of the spheres with which nodes touch; 0: the net touches nothing",
+              .range = not_negative,
+              .otherwise = "the mean edge: neighbouring spheres meet"},
+          n.thickness);
+  visit_material(v, n.material);
+  const double t = n.thickness.value_or(0);
+  constexpr double rounding = 1e-9;
+  v.advise(t == 0 || t >= (1 - rounding) * spacing, "thickness",
+           "is below the mean edge of " + rounded(spacing) + " m: what is thinner than " +
+               rounded(2 * spacing / std::sqrt(3.0) - t) + " m passes between the nodes");
+}
+
+template <class V>
+void visit_net_held(V& v, NetConfig& n) {
+  const std::vector<bool> on_rim = rim_of(n.surface);
+  const bool open = std::ranges::find(on_rim, true) != on_rim.end();
+  v.value(Key{"rim", "", "vertices on the edge of an open surface are held"}, n.rim);
+  v.check(!n.rim || open || n.surface.vertices.empty(), "rim", "has no meaning here: the surface is closed");
+  if (!n.held_stiffness && n.membrane_stiffness > 0)
+    n.held_stiffness = held_stiffness_for(n.membrane_stiffness);
+  v.value(Key{.name = "held_stiffness",
+              .unit = "N/m",
+              .meaning = "of each held vertex, on the body or in the world",
+              .range = positive,
+              .otherwise = "8.66 E t: ten springs"},
+          n.held_stiffness);
+  v.tables(TableKey{"held", "A ball: vertices in it are held where they are."}, n.held,
+           [&](auto& t, HeldConfig& h) {
+             t.value(Key{"position", "m", "its centre in the net's frame"}, h.p_F);
+             t.value(Key{"radius", "m", "its radius", positive, true}, h.radius);
+             const bool holds = std::ranges::any_of(
+                 n.surface.vertices, [&](const Vec3& p_F) { return (p_F - h.p_F).norm() <= h.radius; });
+             t.check(holds || n.surface.vertices.empty(), "radius",
+                     "is too small: there is no vertex within");
+           });
+  v.advise(n.anchor_stiffness.value_or(1) > 0 || n.rim || !n.held.empty(), "",
+           "nothing holds net '" + n.name + "': give it anchor_stiffness, rim or [[net.held]]");
+}
+
+template <class V>
+void visit_net(V& v, const SceneConfig& scene, const std::vector<std::string>& bodies, std::size_t room,
+               NetConfig& n) {
+  visit_name(v, "name of the net", n.name);
+  visit_net_carrier(v, bodies, n);
+  visit_net_surface(v, room, n);
+  const double area = area_of(n.surface);
+  v.either(Key{"surface_density", "kg/m^2", "sigma; tissue: 1000 kg/m^3 times its thickness", positive, true},
+           Key{"mass", "kg", "of the whole net, instead", positive}, area > 0 ? 1 / area : 0, std::nullopt,
+           n.surface_density);
+  visit_net_springs(v, n);
+  visit_net_anchors(v, n);
+  advise_on_iterations(v, scene.step, n);
+  visit_net_touch(v, n);
+  visit_net_held(v, n);
+}
+
+/// Bodies and joints have been visited.
+template <class V>
+void visit_nets(V& v, SceneConfig& s) {
+  std::vector<std::string> bodies;
+  for (const BodyConfig& body : s.bodies) bodies.push_back(body.name);
+  std::set<std::string> names;
+  std::size_t nodes = 0, springs = 0;
+  v.tables(TableKey{"net",
+                    "A deformable surface of masses and springs, on a body or in the world; see Nets above."},
+           s.nets, [&](auto& t, NetConfig& n) {
+             visit_net(t, s, bodies, max_net_nodes - nodes, n);
+             t.check(names.insert(n.name).second, "name", "is the name of an earlier net");
+             t.check(std::ranges::find(bodies, n.name) == bodies.end(), "name", "is the name of a body");
+             nodes += n.surface.vertices.size();
+             springs += num_springs(n);
+             t.check(springs <= max_net_springs, "",
+                     "nets have " + std::to_string(springs) + " springs, and there is room for " +
+                         std::to_string(max_net_springs) + ": take a larger spacing, or bending = 0");
+           });
+}
+
+}  // namespace godobject

@@ -1,0 +1,312 @@
+// Every key of a scene file, once: name, unit, range, meaning and the member it stands for; those below
+// [device], [[joint]] and of contacts are in files of their own. See platform/scene/text/visit.h for what walks it.
+#pragma once
+
+#include <cmath>
+#include <set>
+
+#include <Eigen/Eigenvalues>
+
+#include "platform/scene/keys/contact.h"
+#include "platform/scene/keys/device.h"
+#include "platform/scene/keys/fault.h"
+#include "platform/scene/keys/hold.h"
+#include "platform/scene/keys/joint.h"
+#include "platform/scene/keys/net.h"
+#include "platform/scene/scene.h"
+#include "platform/scene/text/visit.h"
+
+namespace godobject {
+
+inline constexpr double default_damping_ratio = 1.4;  // the paper: 1.4 <= g / sqrt(m k) <= 2
+inline constexpr double min_advised_ratio = 1.4, max_advised_ratio = 2.0;
+inline constexpr double max_advised_step = 2e-3;  // s
+
+/// What a damping ratio of one means on this body: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
+struct Massiveness {
+  double mass = 1;     // kg
+  double inertia = 1;  // largest principal moment, kg m^2
+};
+
+inline double critical(double mass, double stiffness) { return std::sqrt(mass * stiffness); }
+
+template <class V>
+void advise_ratio(V& v, std::string_view key, double damping, double critical_damping) {
+  const double ratio = critical_damping > 0 ? damping / critical_damping : default_damping_ratio;
+  constexpr double rounding = 1e-6;
+  v.advise(ratio >= min_advised_ratio - rounding && ratio <= max_advised_ratio + rounding, key,
+           "damping ratio " + shortest(ratio) + " is outside the advised range " +
+               to_string(Range{min_advised_ratio, max_advised_ratio}));
+}
+
+/// The four gains; a gain that is not given is what it is on entry, or `ratio` where that is stated.
+template <class V>
+void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, CouplingConfig& c) {
+  const auto fallback = [&](double unit, double gain) { return ratio ? *ratio * unit : gain; };
+  const bool required = ratio.has_value();
+  v.value(Key{"stiffness", "N/m", "k of (2)", {0, 1e13}, required}, c.stiffness);
+  const double g_unit = critical(body.mass, c.stiffness);
+  v.either(
+      Key{"damping", "N s/m", "g of (2); or give `damping_ratio`", not_negative},
+      Key{"damping_ratio", "", "g / sqrt(m k); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}},
+      g_unit, fallback(g_unit, c.damping), c.damping);
+  v.value(Key{"rotational_stiffness", "N m/rad", "k_r of (2)", {0, 1e13}, required}, c.rotational_stiffness);
+  const double g_r_unit = critical(body.inertia, c.rotational_stiffness);
+  v.either(
+      Key{"rotational_damping", "N m s/rad", "g_r of (2); or give `rotational_damping_ratio`", not_negative},
+      Key{"rotational_damping_ratio",
+          "",
+          "g_r / sqrt(I_max k_r); 1.4 by default in a coupling, advised 1.4 to 2",
+          {0, 1e3}},
+      g_r_unit, fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
+}
+
+template <class V>
+void visit_coupling(V& v, const Massiveness& body, CouplingConfig& c) {
+  visit_gains(v, body, default_damping_ratio, c);
+  advise_ratio(v, "damping", c.damping, critical(body.mass, c.stiffness));
+  advise_ratio(v, "rotational_damping", c.rotational_damping, critical(body.inertia, c.rotational_stiffness));
+}
+
+template <class V>
+void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& coupling, FeedbackConfig& f) {
+  double scale = 0;
+  v.shorthand(
+      Key{"scale",
+          "",
+          "a stiffness not given here is this times the coupling's; damping is not taken over: sampled, it "
+          "needs as much damping in the device",
+          {0, 1e3}},
+      scale);
+  if (scale > 0)
+    f = {.stiffness = scale * coupling.stiffness,
+         .rotational_stiffness = scale * coupling.rotational_stiffness};
+  visit_gains(v, body, std::nullopt, f);
+}
+
+/// What is not given is that of the body named `like`, as numbers; but for name, place and velocity.
+template <class V>
+void visit_like(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
+  std::string like;
+  v.shorthand(
+      Key{"like", "",
+          "an earlier body: all that is not given here is as there (a damping ratio: the damping), but "
+          "for name, place and velocity. A list of tables is given as a whole"},
+      like);
+  if (like.empty()) return;
+  const auto earlier = std::ranges::find_if(
+      bodies, [&](const BodyConfig& other) { return &other != &b && other.name == like; });
+  v.check(earlier != bodies.end(), "like", "is \"" + like + "\", which is no earlier body");
+  if (earlier == bodies.end()) return;
+  const std::string name = b.name;
+  b = *earlier;
+  b.name = name;
+  b.X_WB = {};
+  b.V_WB = {};
+}
+
+template <class V>
+void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
+  visit_name(v, "name of the body: columns of traces and motions start with it", b.name);
+  visit_like(v, bodies, b);
+  const bool own = !v.has("like");
+  v.value(Key{"mass", "kg", "mass", {1e-12, 1e9}, own}, b.mass);
+  v.inertia(Key{"inertia", "kg m^2", "about the centre of mass in body axes", any_number, own}, b.inertia);
+  visit_pose(v, "position", "orientation_wxyz", "the centre of mass at t = 0", b.X_WB);
+  v.value(Key{"velocity", "m/s", "of the centre of mass at t = 0, world axes"}, b.V_WB.v);
+  v.value(Key{"angular_velocity", "rad/s", "at t = 0, world axes"}, b.V_WB.w);
+  const double I_max = b.inertia.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+  const Massiveness body{b.mass, I_max};
+  optional_table(
+      v,
+      TableKey{"coupling",
+               "Spring and damper (2) that pull the body to its target; without it the body is free."},
+      b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
+  optional_table(v,
+                 TableKey{"feedback",
+                          "The wrench (8) shown to the hand; without it there is no haptic feedback. Same "
+                          "keys as the coupling's, and `scale`."},
+                 b.feedback, [&](auto& t, FeedbackConfig& f) {
+                   t.check(b.coupling.has_value(), "", "feedback needs a coupling: add [body.coupling]");
+                   visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
+                 });
+  visit_spheres_and_shapes(v, b);
+}
+
+template <class V>
+void visit_header(V& v, SceneConfig& s) {
+  visit_name(v, "short name of the scene", s.name);
+  v.value(Key{"about", "", "one line on what the scene shows"}, s.about);
+  v.value(Key{"step", "s", "h, the fixed step and the period of the loop", {1e-6, 0.1}}, s.step);
+  v.advise(s.step <= max_advised_step, "step",
+           "is above 2 ms: a hand feels the delay, and feedback gains must be low");
+  v.value(Key{"duration",
+              "s",
+              "how long a run lasts unless --duration says otherwise",
+              {.min = 0, .max = 1e6, .min_open = true}},
+          s.duration);
+  choose(v,
+         Key{.name = "integrator",
+             .unit = "",
+             .meaning = "time-stepping scheme: \"implicit-euler\" or \"tr-bdf2\"",
+             .otherwise = "`\"tr-bdf2\"`; where bodies may touch each other `\"implicit-euler\"`"},
+         {integrator_names.begin(), integrator_names.end()}, s.integrator);
+  choose(v,
+         Key{"coupling", "",
+             "god-object: each [body.coupling] pulls; imposed: driven bodies are placed at their targets in "
+             "every "
+             "step"},
+         coupling_names, s.coupling);
+  v.value(Key{"gravity", "m/s^2", "world axes"}, s.gravity);
+  v.value(
+      Key{"net_iterations",
+          "",
+          "of conjugate gradients in a stage of nets, at most; what they leave is residual_N of the report",
+          {1, 1000}},
+      s.net_iterations);
+}
+
+template <class V>
+void visit_coordinate_motion(V& v, const std::vector<std::string>& device_joints, CoordinateMotion& m) {
+  choose(v, Key{.name = "coordinate", .unit = "", .meaning = "joint of the device", .required = true},
+         device_joints, m.coordinate);
+  v.value(Key{"offset", "rad or m", "q_0 of q(t) = q_0 + A sin(2 pi f t + phase)"}, m.offset);
+  v.value(Key{"amplitude", "rad or m", "A of the same"}, m.amplitude);
+  v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
+  v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
+}
+
+template <class V>
+void visit_motion(V& v, const SceneConfig& scene, const std::vector<std::string>& device_joints,
+                  MotionConfig& m) {
+  v.value(Key{"amplitude", "m", "A of p(t) = p_0 + A sin(2 pi f t + phase), per axis x, y, z"}, m.amplitude);
+  v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
+  v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
+  v.value(Key{"angle_amplitude", "rad", "the same form for three angles about z, y, x: q(t) = q_0 qz qy qx"},
+          m.angle_amplitude);
+  v.value(Key{"angle_frequency_hz", "Hz", "", {0, 1e3}}, m.angle_frequency_hz);
+  v.value(Key{"angle_phase", "rad", ""}, m.angle_phase);
+  visit_pose(v, "position", "orientation_wxyz", "the target at the centre of the motion: p_0, q_0", m.X_WD);
+  v.value(Key{"force_amplitude", "N",
+              "admittance devices: the hand's force F sin(2 pi f t + phase), f and phase as for p"},
+          m.force_amplitude);
+  v.value(Key{"torque_amplitude", "N m", "admittance devices: the hand's torque in the same form"},
+          m.torque_amplitude);
+  std::set<std::string> moved;
+  v.tables(
+      TableKey{
+          "joint",
+          "Motion of a joint of the device, instead of the target's pose; joints without a table rest at 0."},
+      m.joints, [&](auto& t, CoordinateMotion& q) {
+        visit_coordinate_motion(t, device_joints, q);
+        t.check(moved.insert(q.coordinate).second, "coordinate", "has an earlier table");
+      });
+  visit_holds(v, scene, m.holds);
+  v.check(m.joints.empty() || (m.amplitude.isZero(0) && m.angle_amplitude.isZero(0)), "joint",
+          "moves the device: remove 'amplitude' and 'angle_amplitude', which move the first target");
+}
+
+template <class V>
+void visit_wire(V& v, WireConfig& w) {
+  v.value(Key{"seed", "", "of the faults made by chance", {0, 9007199254740992.0}}, w.seed);
+  v.value(Key{"loss_probability", "", "that a frame is lost", probability}, w.loss_probability);
+  v.value(
+      Key{"corruption_probability", "", "that a frame is corrupted on the wire and sent again", probability},
+      w.corruption_probability);
+  v.value(Key{"delay", "s", "added to every frame", {0, 1}}, w.delay_s);
+}
+
+inline std::vector<std::string> device_joints(const SceneConfig& s) {
+  std::vector<std::string> names;
+  if (s.device && s.device->rig)
+    for (const DeviceJoint& joint : s.device->rig->tree.joints) names.push_back(joint.name);
+  return names;
+}
+
+/// An imposed joint finds its coordinates on the device.
+template <class V>
+void check_imposed(V& v, const SceneConfig& s) {
+  const std::vector<std::string> measured = device_joints(s);
+  for (const JointConfig& joint : s.joints) {
+    if (!joint.imposed) continue;
+    v.check(s.device && s.device->rig, "joint",
+            "'" + joint.name + "' is imposed: it needs a [device] whose joints are measured");
+    if (!s.device || !s.device->rig) continue;
+    for (const std::string& q : joint.coordinates)
+      v.check(std::ranges::find(measured, q) != measured.end(), "joint",
+              "'" + joint.name + "' is imposed, but the device has no joint '" + q + "': it has " +
+                  quoted(measured));
+  }
+}
+
+template <class V>
+void check_coupling_mode(V& v, const SceneConfig& s) {
+  if (s.coupling != CouplingMode::imposed) return;
+  const bool gives_a_pose = !(s.device && s.device->kind == DeviceKind::admittance);
+  v.check(
+      gives_a_pose, "scene",
+      "has coupling \"imposed\", but a device of kind \"admittance\" gives no pose to place bodies at: use "
+      "\"god-object\"");
+  v.check(std::ranges::any_of(s.bodies, [](const BodyConfig& b) { return b.coupling.has_value(); }), "scene",
+          "has coupling \"imposed\" and no body to place: add [body.coupling] to one");
+}
+
+/// Rules between tables.
+template <class V>
+void check_scene(V& v, const SceneConfig& s) {
+  const auto coupled = [](const BodyConfig& b) { return b.coupling.has_value(); };
+  check_imposed(v, s);
+  check_coupling_mode(v, s);
+  check_holding(v, s);
+  const auto with_feedback = [](const BodyConfig& b) { return b.feedback.has_value(); };
+  if (!s.device) return;
+  const bool feedback = std::ranges::any_of(s.bodies, with_feedback);
+  v.check(s.device->kind == DeviceKind::admittance || std::ranges::any_of(s.bodies, coupled), "device",
+          "drives no body: add [body.coupling] to the body it holds");
+  v.check(s.device->kind != DeviceKind::non_haptic || !feedback, "device",
+          "of kind \"non-haptic\" shows nothing: remove [body.feedback], or use kind \"impedance\"");
+  v.advise(!feedback || !s.device->rig || !s.device->rig->drives.empty(), "device",
+           "has no [[device.drive]]: the feedback is computed but cannot be shown");
+}
+
+template <class V>
+void visit_scene(V& v, SceneConfig& s, const FaultChecks& checks) {
+  plain_table(v, TableKey{"scene", "The scene as a whole.", true}, [&](auto& t) { visit_header(t, s); });
+  std::set<std::string> names;
+  v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true, max_tables_of_bodies}, s.bodies,
+           [&](auto& t, BodyConfig& b) {
+             visit_body(t, s.bodies, b);
+             t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
+             t.check(b.name != world_name, "name", "is what joints call the ground: choose another name");
+           });
+  visit_tool_joints(v, s);
+  visit_nets(v, s);
+  visit_contacts(v, s);
+  std::vector<BusParams> buses = s.device && s.device->rig ? s.device->rig->buses : std::vector<BusParams>{};
+  std::set<std::string> bus_names;
+  v.tables(TableKey{"bus", "A CAN bus."}, buses, [&](auto& t, BusParams& b) {
+    visit_name(t, "name of the bus", b.name);
+    t.check(bus_names.insert(b.name).second, "name", "is the name of an earlier bus");
+    t.value(Key{"bit_rate", "bit/s", "of the arbitration phase", {1e4, 1e6}}, b.bit_rate);
+    t.value(Key{"data_bit_rate", "bit/s", "of the data phase of CAN FD; 0: a classic bus", {0, 8e6}},
+            b.data_bit_rate);
+    t.check(b.data_bit_rate == 0 || b.data_bit_rate >= b.bit_rate, "data_bit_rate",
+            "is below bit_rate: must be 0, or bit_rate and above");
+  });
+  optional_table(v,
+                 TableKey{"device", "The device that drives the coupled bodies, and the rig it is made of."},
+                 s.device, [&](auto& t, DeviceConfig& d) { visit_device(t, s, buses, d); });
+  optional_table(v,
+                 TableKey{"motion", "Built-in motion of the target, used where no --motion file is given."},
+                 s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, s, device_joints(s), m); });
+  plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."},
+              [&](auto& t) { visit_wire(t, s.wire); });
+  v.tables(
+      TableKey{"fault",
+               "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md.",
+               false, 10'000},
+      s.faults, [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, checks, f); });
+  check_scene(v, s);
+}
+
+}  // namespace godobject

@@ -1,0 +1,30 @@
+// Where the nodes of nets are, as CSV: a row a frame, with t and for every node <net>.<number>.x y z. World frame, m. Numbers
+// are those of the net's surface, in the order of Engine::nets().
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "platform/scene/net/params.h"
+#include "platform/trace/csv_rows.h"
+
+namespace godobject {
+
+/// Not for the real-time thread.
+class NetTraceWriter {
+ public:
+  NetTraceWriter(CsvRows rows, const SceneNets& nets);
+
+  void row(double t, std::span<const Vec3> nodes);
+  /// Writes what is left. False when anything did not reach the file.
+  [[nodiscard]] bool close() { return file_.close(); }
+
+ private:
+  CsvRows file_;
+};
+
+/// The header line's columns.
+std::vector<std::string> net_trace_columns(const SceneNets& nets);
+
+}  // namespace godobject

@@ -1,0 +1,115 @@
+#include "platform/trace/trace.h"
+
+#include "platform/scene/contact/pairs.h"
+
+namespace godobject {
+
+namespace {
+
+bool has_contacts(const SceneConfig& scene) { return contact_scope(scene) != ContactScope::none; }
+
+/// Bodies with contact columns.
+std::vector<std::size_t> touchable_bodies(const SceneConfig& scene) {
+  std::vector<std::size_t> touchable;
+  for (std::size_t i = 0; has_contacts(scene) && i < scene.bodies.size(); ++i)
+    if (!scene.bodies[i].spheres.empty() || !scene.bodies[i].shapes.empty()) touchable.push_back(i);
+  return touchable;
+}
+
+}  // namespace
+
+std::vector<std::string> trace_columns(const SceneConfig& scene) {
+  std::vector<std::string> columns{"t"};
+  for (const BodyConfig& body : scene.bodies) {
+    for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"}) {
+      columns.push_back(body.name + "." + name);
+    }
+  }
+  for (const std::size_t body : driven_bodies(scene)) {
+    for (const char* which : {".coupling.", ".feedback."}) {
+      for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"}) {
+        columns.push_back(scene.bodies[body].name + which + name);
+      }
+    }
+  }
+  for (const std::size_t body : driven_bodies(scene)) {
+    for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz"}) {
+      columns.push_back(scene.bodies[body].name + ".target." + name);
+    }
+  }
+  for (const JointConfig& joint : scene.joints) {
+    for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"}) columns.push_back(joint.name + "." + name);
+  }
+  for (const std::size_t body : touchable_bodies(scene)) {
+    for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"})
+      columns.push_back(scene.bodies[body].name + ".contact." + name);
+  }
+  if (takes_hold(scene))
+    columns.insert(columns.end(), {"held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz"});
+  columns.push_back("penetration");
+  if (has_contacts(scene)) columns.insert(columns.end(), {"contacts", "contact_residual"});
+  if (!scene.nets.empty())
+    columns.insert(columns.end(),
+                   {"net_contacts", "net_penetration", "net_stretch", "net_iterations", "net_residual"});
+  columns.insert(columns.end(), {"energy", "energy_balance", "fault", "limited", "rig_fault"});
+  return columns;
+}
+
+TraceWriter::TraceWriter(CsvRows rows, const SceneConfig& scene)
+    : file_(std::move(rows)),
+      touchable_(touchable_bodies(scene)),
+      contacts_(has_contacts(scene)),
+      nets_(!scene.nets.empty()),
+      grips_(takes_hold(scene)) {
+  file_.header(trace_columns(scene));
+}
+
+void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
+                      std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits) {
+  file_.number(t);
+  for (const TraceBody& body : bodies) {
+    pose(body.X_WB);
+    file_.vector(body.V_WB.v);
+    file_.vector(body.V_WB.w);
+  }
+  for (const TraceDriven& d : driven) {
+    wrench(d.coupling);
+    wrench(d.feedback);
+  }
+  for (const TraceDriven& d : driven) pose(d.X_WD);
+  for (const Wrench& F : joints) wrench(F);
+  for (const std::size_t i : touchable_) wrench(bodies[i].contact);
+  if (grips_) {
+    file_.number(scene.held ? static_cast<double>(*scene.held) : -1);
+    wrench(scene.hand);
+  }
+  file_.number(scene.contacts.deepest);
+  if (contacts_) {
+    file_.number(static_cast<double>(scene.contacts.num_contacts));
+    file_.number(scene.contacts.residual);
+  }
+  if (nets_) {
+    file_.number(static_cast<double>(scene.nets.num_contacts));
+    file_.number(scene.nets.deepest);
+    file_.number(scene.net_stretch);
+    file_.number(scene.nets.iterations);
+    file_.number(scene.nets.residual);
+  }
+  file_.number(scene.energy);
+  file_.number(scene.energy_balance);
+  for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) file_.number(word);
+  file_.end_row();
+}
+
+void TraceWriter::pose(const Pose& X) {
+  file_.vector(X.p);
+  file_.number(X.q.w());
+  file_.vector(X.q.vec());
+}
+
+void TraceWriter::wrench(const Wrench& F) {
+  file_.vector(F.f);
+  file_.vector(F.tau);
+}
+
+}  // namespace godobject

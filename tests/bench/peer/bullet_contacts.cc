@@ -1,0 +1,146 @@
+// Bullet 3.24 in double precision with contacts: rigid bodies, sequential impulses, no sleeping.
+//
+// The coupling is a force that takes the end of the step into account,
+//   F = m (m + h g + h^2 k)^-1 (k (x_D - x - h v) + g (v_D - v)),
+// what an implicit step of the body alone would have: a soft row in Bullet's solver diverges. Turns alike.
+#define BT_USE_DOUBLE_PRECISION
+#include <btBulletDynamicsCommon.h>
+
+#include "tests/bench/peer/peer.h"
+
+namespace godobject::bench {
+namespace {
+
+btVector3 vector(const oracle::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
+oracle::Vector3d vector(const btVector3& a) { return {a.x(), a.y(), a.z()}; }
+btTransform transform(const oracle::RigidState& x) {
+  return btTransform(btQuaternion(x.q.x(), x.q.y(), x.q.z(), x.q.w()), vector(x.p));
+}
+
+/// What all bodies touch with.
+class BulletShape {
+ public:
+  explicit BulletShape(const ContactScene& scene) {
+    if (scene.half_extents) {
+      box_ = std::make_unique<btBoxShape>(vector(*scene.half_extents));
+      box_->setMargin(0.1 * scene.half_extents->minCoeff());  // part of the box; 4 cm if not set
+      return;
+    }
+    sphere_ = std::make_unique<btSphereShape>(scene.radius);
+    row_ = std::make_unique<btCompoundShape>();
+    for (const Vec3& c : scene.centres)
+      row_->addChildShape(btTransform(btQuaternion::getIdentity(), vector(c)), sphere_.get());
+  }
+  btCollisionShape* get() const {
+    return box_ ? static_cast<btCollisionShape*>(box_.get()) : static_cast<btCollisionShape*>(row_.get());
+  }
+
+ private:
+  std::unique_ptr<btBoxShape> box_;
+  std::unique_ptr<btSphereShape> sphere_;
+  std::unique_ptr<btCompoundShape> row_;
+};
+
+class BulletWorld {
+ public:
+  BulletWorld(const ContactScene& scene, BulletShape& shape) {
+    world_.setGravity(vector(scene.problem.gravity));
+    world_.getSolverInfo().m_numIterations = 10;
+    const double friction = std::sqrt(scene.law.mu);  // that of a pair is the product
+    ground_.setFriction(friction);
+    world_.addRigidBody(&ground_);
+    for (const oracle::Body& body : scene.problem.bodies) {
+      btRigidBody::btRigidBodyConstructionInfo info(body.m, nullptr, shape.get(),
+                                                    vector(body.I_B.diagonal()));
+      info.m_startWorldTransform = transform(body.start);
+      info.m_friction = friction;
+      bodies_.push_back(std::make_unique<btRigidBody>(info));
+      bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
+      world_.addRigidBody(bodies_.back().get());
+    }
+  }
+  ~BulletWorld() {
+    for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+    world_.removeRigidBody(&ground_);
+  }
+  BulletWorld(const BulletWorld&) = delete;
+  BulletWorld& operator=(const BulletWorld&) = delete;
+
+  btRigidBody& body(std::size_t i) { return *bodies_[i]; }
+  void step() { world_.stepSimulation(h, 0); }
+  std::size_t num_contacts() {
+    int num = 0;
+    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i)
+      num += dispatcher_.getManifoldByIndexInternal(i)->getNumContacts();
+    return static_cast<std::size_t>(num);
+  }
+
+ private:
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  btStaticPlaneShape plane_{btVector3(0, 0, 1), 0};
+  btRigidBody ground_{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane_)};
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+};
+
+class BulletContacts final : public ContactPeer {
+ public:
+  BulletContacts(const ContactScene& scene, const Targets& targets)
+      : scene_(scene), targets_(targets), shape_(scene) {
+    world_.emplace(scene_, shape_);
+  }
+
+  /// All anew: contacts keep impulses from step to step.
+  void restart() override { world_.emplace(scene_, shape_); }
+
+  void step(std::size_t n) override {
+    pull(targets_[n + 1].front());
+    world_->step();
+  }
+
+  oracle::RigidState pose(std::size_t i) const override {
+    const btRigidBody& body = world_->body(i);
+    const btQuaternion q = body.getOrientation();
+    oracle::RigidState x;
+    x.p = vector(body.getCenterOfMassPosition());
+    x.q = {q.w(), q.x(), q.y(), q.z()};
+    x.v = vector(body.getLinearVelocity());
+    x.w = vector(body.getAngularVelocity());
+    return x;
+  }
+  std::size_t num_contacts() const override { return world_->num_contacts(); }
+
+ private:
+  void pull(const oracle::RigidState& D) {
+    const oracle::Coupling& c = scene_.coupling();
+    const oracle::Body& body = scene_.problem.bodies.front();
+    const oracle::RigidState x = pose(0);
+    const double s = body.m / (body.m + h * c.g_t + h * h * c.k_t);
+    const oracle::Vector3d f = s * (c.k_t * (D.p - x.p - h * x.v) + c.g_t * (D.v - x.v));
+
+    const Eigen::AngleAxisd turn(D.q * x.q.conjugate());
+    const Mat3 R = x.q.toRotationMatrix();
+    const Mat3 I = R * body.I_B * R.transpose();
+    const Mat3 A = I + (h * c.g_r + h * h * c.k_r) * Mat3::Identity();
+    const oracle::Vector3d wanted = c.k_r * (turn.angle() * turn.axis() - h * x.w) + c.g_r * (D.w - x.w);
+    const oracle::Vector3d t = I * A.inverse() * wanted;
+    world_->body(0).applyCentralForce(vector(f));
+    world_->body(0).applyTorque(vector(t));
+  }
+
+  const ContactScene& scene_;
+  const Targets& targets_;
+  BulletShape shape_;
+  mutable std::optional<BulletWorld> world_;  // its getters are not const
+};
+
+}  // namespace
+
+std::unique_ptr<ContactPeer> make_bullet_contacts(const ContactScene& scene, const Targets& targets) {
+  return std::make_unique<BulletContacts>(scene, targets);
+}
+
+}  // namespace godobject::bench

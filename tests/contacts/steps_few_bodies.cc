@@ -1,8 +1,0 @@
-#include "tests/contacts/usual_scenes.h"
-
-namespace godobject {
-
-GODOBJECT_STEP_OF(FewBodies<ImplicitEuler>);
-GODOBJECT_STEP_OF(FewBodies<TrBdf2>);
-
-}  // namespace godobject

@@ -1,0 +1,12 @@
+// The scene of most tests of articulated tools, whose step is compiled once.
+#pragma once
+
+#include "tests/study/joint/tool.h"
+#include "tests/support/compiled_step.h"
+
+namespace godobject {
+
+extern GODOBJECT_STEP_OF(Articulated<ImplicitEuler>);
+extern GODOBJECT_STEP_OF(Articulated<TrBdf2>);
+
+}  // namespace godobject

@@ -1,0 +1,11 @@
+#include "tests/core/net/net_scene.h"
+#include "tests/support/compiled_step.h"
+
+namespace godobject {
+
+GODOBJECT_STEP_OF(NetScene<ImplicitEuler>);
+GODOBJECT_STEP_OF(NetScene<TrBdf2>);
+GODOBJECT_STEP_OF(JointedNetScene<ImplicitEuler>);
+GODOBJECT_STEP_OF(JointedNetScene<TrBdf2>);
+
+}  // namespace godobject

@@ -1,0 +1,14 @@
+// The scenes of most tests of nets, whose steps are compiled once.
+#pragma once
+
+#include "tests/core/net/net_scene.h"
+#include "tests/support/compiled_step.h"
+
+namespace godobject {
+
+extern GODOBJECT_STEP_OF(NetScene<ImplicitEuler>);
+extern GODOBJECT_STEP_OF(NetScene<TrBdf2>);
+extern GODOBJECT_STEP_OF(JointedNetScene<ImplicitEuler>);
+extern GODOBJECT_STEP_OF(JointedNetScene<TrBdf2>);
+
+}  // namespace godobject

@@ -1,0 +1,29 @@
+// Loader of the reference solutions: a folder with case.json, reference.csv and, where bodies are
+// coupled, motion.csv. The format is described in the README beside those folders.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "tests/oracle/case/case.h"
+#include "tests/oracle/solve.h"
+#include "tests/oracle/target.h"
+
+namespace godobject::oracle {
+
+struct ReferenceCase {
+  std::string about;
+  double duration = 0;  // s
+  Case problem;
+  Solution expected;  // reference.csv, bodies in the order of problem.bodies
+};
+
+/// Throws std::runtime_error for a file that is missing or malformed, and for a case with parts
+/// the oracle does not solve (contact): a reference must not be compared with another problem.
+ReferenceCase load_reference_case(const std::filesystem::path& folder);
+
+/// The motion of one body from the columns t, <body>.x y z qw qx qy qz of a motion file.
+std::shared_ptr<const Target> load_motion(const std::filesystem::path& file, const std::string& body);
+
+}  // namespace godobject::oracle

@@ -1,0 +1,41 @@
+// Error, penetration and energy against run time on the reference cases with contacts.
+#pragma once
+
+#include "tests/study/contact/case.h"
+#include "tests/study/error_study.h"
+
+namespace godobject::study {
+
+struct ContactErrorRow {
+  std::string scene;
+  std::string integrator;
+  double h = 0;  // s
+  // Largest differences from the reference at those of its times that are multiples of 2 ms:
+  double position = 0;     // m
+  double penetration = 0;  // m, of the deepest sphere
+  double energy = 0;       // J
+  double rise = 0;  // J, largest rise of the energy between any two steps; bounce, where nothing may raise it
+  std::optional<double> order{};                                   // of the position, from the row at 2 h
+  std::optional<double> restitution{};                             // bounce: of the first impact
+  std::optional<double> restitution_error{}, restitution_order{};  // from the exact one; from the row at 2 h
+  std::optional<double> flight_error{};  // bounce: worst share of any flight's height and time
+  double ns_per_step = 0;                // median
+
+  double ns_per_second() const { return ns_per_step / h; }  // of simulated time
+};
+
+struct ContactErrors {
+  std::vector<ContactErrorRow> rows;            // case, integrator, step; slowest first
+  std::optional<double> restitution_reference;  // of the law, where bounce was run
+};
+
+/// press at 2 to 0.125 ms, bounce at 2 to 1/32 ms, with both integrators.
+ContactErrors study_contact_errors(const std::vector<ContactCase>& cases, bool quick,
+                                   const Progress& progress);
+
+const ContactErrorRow* find(const std::vector<ContactErrorRow>& rows, const std::string& scene,
+                            const std::string& integrator, double h);
+
+void write_csv(const std::filesystem::path& file, const std::vector<ContactErrorRow>& rows);
+
+}  // namespace godobject::study

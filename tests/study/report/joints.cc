@@ -1,0 +1,141 @@
+#include <algorithm>
+
+#include "core/integrator_implicit_euler.h"
+#include "core/integrator_tr_bdf2.h"
+#include "tests/study/report/results.h"
+#include "tests/study/report/text.h"
+
+namespace godobject::study {
+namespace {
+
+/// Of the tools: error and drift against run time, at every step.
+void write_articulated_errors(std::ostream& out, const std::vector<ErrorRow>& rows) {
+  out << "S3 is a grasper of four bodies on four joints, S5 five equal links on ball joints; chain-5, five "
+         "links with an end "
+         "ten times heavier, and heavy-top are the reference cases of these names. All with the joints held "
+         "at the "
+         "prediction:\n\n"
+         "| scene | integrator | step, ms | m | rad | drift, m | drift, rad | ns/step | compute per "
+         "simulated s, us |\n"
+         "|---|---|---|---|---|---|---|---|---|\n";
+  for (const ErrorRow& r : rows) {
+    if (!r.errors.drift) continue;
+    out << "| " << r.scene << " | " << r.integrator << " | " << number(1e3 * r.h) << " | "
+        << number(r.errors.position) << " | " << number(r.errors.rotation) << " | "
+        << number(r.errors.drift->m, 2) << " | " << number(r.errors.drift->rad, 2) << " | "
+        << number(r.ns_per_step) << " | " << number(1e-3 * r.ns_per_second()) << " |\n";
+  }
+  out << '\n';
+}
+
+std::string drift_text(const JointRun& r) {
+  if (r.failed) return "failed after " + std::to_string(r.steps) + " steps | |";
+  return number(r.drift.m, 2) + " | " + number(r.drift.rad, 2) + " |";
+}
+
+/// The grasper's joints, a line for each scheme and step.
+void write_drift(std::ostream& out, const std::vector<JointRun>& rows) {
+  out << "What holds the joints, on S3 over 2 s:\n\n"
+         "| scheme | step, ms | drift, m | drift, rad | position error, m |\n|---|---|---|---|---|\n";
+  for (const JointRun& r : rows)
+    out << "| " << r.scheme << " | " << number(1e3 * r.h) << " | " << drift_text(r) << ' '
+        << (r.failed ? "" : number(r.errors.position, 2)) << " |\n";
+  out << "\n![joint drift](figures/joint-drift.png)\n\n";
+}
+
+void write_map(std::ostream& out, const std::vector<JointRun>& rows) {
+  out << "Over coupling stiffness and step, 1000 steps each:\n\n"
+         "| scheme | cells | failed | failed after, steps | worst drift, m | up to 1 ms "
+         "|\n|---|---|---|---|---|---|\n";
+  for (const std::string& scheme : joint_schemes()) {
+    std::size_t cells = 0, failed = 0, latest = 0;
+    double drift = 0, drift_1ms = 0;
+    for (const JointRun& r : rows) {
+      if (r.scheme != scheme) continue;
+      ++cells;
+      failed += r.failed ? 1 : 0;
+      if (r.failed) latest = std::max(latest, r.steps + 1);
+      drift = std::max(drift, r.drift.m);
+      if (r.h <= 1.001e-3) drift_1ms = std::max(drift_1ms, r.drift.m);
+    }
+    out << "| " << scheme << " | " << cells << " | " << failed << " | ";
+    if (failed > 0) out << "at most " << latest << " | - | - |\n";
+    else out << "- | " << number(drift, 2) << " | " << number(drift_1ms, 2) << " |\n";
+  }
+  out << "\n![joint stability](figures/joint-stability.png)\n\n";
+}
+
+const JointCostRow* find(const std::vector<JointCostRow>& rows, const std::string& composition,
+                         const std::string& motion) {
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const JointCostRow& r) {
+    return r.composition == composition && r.motion == motion;
+  });
+  return row == rows.end() ? nullptr : &*row;
+}
+
+void write_parts(std::ostream& out, const std::vector<PartBytes>& parts) {
+  out << "Bytes of a body, more than without:\n\n| part | params | state | scratch |\n|---|---|---|---|\n";
+  for (const PartBytes& p : parts)
+    out << "| " << p.part << " | " << p.params << " | " << p.state << " | " << p.scratch << " |\n";
+  out << '\n';
+}
+
+std::string counts(const JointCostRow* row) {
+  if (row == nullptr) return "not available | not available";
+  return whole(row->instructions) + " | " + whole(row->instructions_slow);
+}
+
+/// What a kind adds to two bodies that have none.
+std::string added(const JointCostRow* row, const JointCostRow* none) {
+  if (row == nullptr || none == nullptr || !row->instructions || !none->instructions) return "not available";
+  return std::to_string(std::lround(*row->instructions - *none->instructions));
+}
+
+void write_kinds(std::ostream& out, const std::vector<JointCostRow>& kinds) {
+  const std::string euler = std::string("pose-joints-2 ") + ImplicitEuler::name,
+                    second = std::string("pose-joints-2 ") + TrBdf2::name;
+  out << "Instructions of a step of two coupled bodies with one joint between them, each on a fast and on a "
+         "slow "
+         "motion:\n\n| joint | "
+      << ImplicitEuler::name << " | slow | more than free | " << TrBdf2::name
+      << " | slow | more than free |\n|---|---|---|---|---|---|---|\n";
+  for (const JointCostRow& r : kinds) {
+    if (r.composition != euler) continue;
+    const JointCostRow* const b = find(kinds, second, r.motion);
+    out << "| " << r.motion.substr(5) << " | " << counts(&r) << " | "
+        << added(&r, find(kinds, euler, "pair-free")) << " | " << counts(b) << " | "
+        << added(b, find(kinds, second, "pair-free")) << " |\n";
+  }
+  out << '\n';
+}
+
+void write_compositions(std::ostream& out, const std::vector<JointCostRow>& rows) {
+  out << "| composition | scene | params | state | scratch | code | constants | instr./step | slow | "
+         "instr./body |\n"
+         "|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const JointCostRow& r : rows) {
+    const double n = static_cast<double>(r.num_bodies);
+    out << "| " << r.composition << " | " << r.motion << " | " << r.params_bytes << " | " << r.state_bytes
+        << " | " << r.scratch_bytes << " | " << whole(r.code_bytes) << " | " << whole(r.constant_bytes)
+        << " | ";
+    if (r.instructions) out << counts(&r) << " | " << whole(*r.instructions / n) << " |\n";
+    else out << "- | - | - |\n";
+  }
+  out << "\nBytes; the number after the dash is how many bodies fit, and how many there are.\n\n";
+}
+
+}  // namespace
+
+void write_joints(std::ostream& out, const StudyResults& results) {
+  out << "### 4. Articulated tools\n\n";
+  write_articulated_errors(out, results.errors);
+  write_drift(out, results.joint_drift);
+  write_map(out, results.joint_stability);
+  out << "What joints cost. ";
+  write_parts(out, results.joint_costs.parts);
+  if (results.joint_costs.compositions.empty()) return;
+  write_kinds(out, results.joint_costs.kinds);
+  write_compositions(out, results.joint_costs.compositions);
+}
+
+}  // namespace godobject::study
