@@ -5,6 +5,9 @@
 // with contacts contacts and contact_residual, with nets net_contacts, net_penetration, net_stretch, net_iterations and
 // net_residual, then energy, energy_balance, then fault, limited and rig_fault.
 // World frame, SI; every number reads back as the same double.
+//
+// The room: contacts.h writes the contacts of a run to a file of their own, nets.h the nodes of its nets, csv_rows.h is how
+// numbers are written.
 #pragma once
 
 #include <cstdint>

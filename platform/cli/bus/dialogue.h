@@ -1,6 +1,6 @@
 // One bus of this machine, for a verb that asks something on it and waits for the answer.
 //
-// The room: node_dialogue.h asks a CANopen node by SDO, drive_dialogue.h a drive, drive_home.h and drive_move.h move one;
+// The room: node_dialogue.h asks a CANopen node by SDO;
 // message_decoder.h says frames in words and message_table.h counts them, candump_log.h keeps them; object_text.h,
 // canopen_texts.h and load_text.h are words alone.
 #pragma once

@@ -1,8 +1,7 @@
 // The view's server: HTTP and WebSockets on one thread of its own, for what a source shows. Nothing of it is in the loop.
 //
-// The room: tap.h and latest.h take records out of the loop; solids.h and scene_json.h say what a scene looks like, frame.h
-// what a period does; door.h who may see it; page.h what a browser is given; pointer.h the hand in the page as a device;
-// live.h puts them together for a run, recording.h for a trace; picture/ draws without a browser.
+// The room: door.h says who may see it, page.h is what a browser is given, foxglove.h what Foxglove is, latest.h the newest of
+// what the loop offers; absent.cc stands in for it all where there is no Boost.
 #pragma once
 
 #include <cstdint>
