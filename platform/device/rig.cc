@@ -1,5 +1,6 @@
 #include "platform/device/rig.h"
 
+#include <array>
 #include <cmath>
 
 #include "hal/rig/validate.h"
@@ -27,7 +28,11 @@ std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
 }
 
 RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link)
-    : params_(rig_of(scene)), joints_(scene), link_(std::move(link)), gather_ns_(gather_time(scene.step)) {
+    : params_(rig_of(scene)),
+      joints_(scene),
+      link_(std::move(link)),
+      swings_(params_.drives, scene.step),
+      gather_ns_(gather_time(scene.step)) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const std::optional<std::size_t>& target : driven_by_handles(scene))
     bodies_.push_back(driven[*target]);
@@ -36,7 +41,7 @@ RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link)
 
 void RigDevice::boot(Period& period) noexcept {
   static_cast<void>(exchange(period, true));
-  static_cast<void>(command(period, {}));
+  static_cast<void>(send(period, {}));
 }
 
 /// SYNC, and its answers: until all are in or their share of the period is over.
@@ -69,7 +74,25 @@ void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
   joints_.lead({.q = device.q, .q_dot = device.q_dot}, valid, samples);
 }
 
-CommandReport RigDevice::command(Period& period, std::span<const Wrench> F_hand_W) noexcept {
+/// The drives show it; what they are commanded is watched for swinging between its bounds.
+void RigDevice::command(Period& period, std::span<const Wrench> F_hand_W, Shown& shown) noexcept {
+  std::array<Wrench, max_handles> of_handles;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) of_handles[k] = F_hand_W[bodies_[k]];
+  shown.drives = send(period, std::span(of_handles).first(bodies_.size()));
+  const std::optional<std::size_t> drive = swings_.commands(*rig_, shown.drives);
+  if (drive) shown.oscillates = true;
+  if (shown.oscillates) rig_->force_oscillates(drive);
+  shown.faults = rig_->faults();
+}
+
+void RigDevice::tell(RunTrouble trouble) noexcept {
+  switch (trouble) {
+    case RunTrouble::energy_gained: return rig_->energy_gained();
+    case RunTrouble::deadlines_missed: return rig_->deadlines_missed();
+  }
+}
+
+CommandReport RigDevice::send(Period& period, std::span<const Wrench> F_hand_W) noexcept {
   const CommandReport report = rig_->command(F_hand_W, period.now);
   link_->end_cycle();
   return report;
@@ -86,7 +109,7 @@ void RigDevice::take_in(Period& period) noexcept {
 bool RigDevice::run_down(Period& period) noexcept {
   if (!commands_torque()) return false;
   static_cast<void>(exchange(period, false));
-  static_cast<void>(command(period, {}));
+  static_cast<void>(send(period, {}));
   return true;
 }
 
@@ -106,6 +129,7 @@ bool RigDevice::commands_torque() const noexcept {
 void RigDevice::restart() {
   earlier_rigs_ = counters();
   rig_.emplace(params_, link_->buses());
+  swings_.reset();
 }
 
 RigCounters RigDevice::counters() const noexcept {

@@ -7,6 +7,7 @@
 
 #include "hal/rig/link.h"
 #include "hal/rig/rig.h"
+#include "platform/device/drive_swings.h"
 #include "platform/device/hand_device.h"
 #include "platform/device/led_joints.h"
 
@@ -21,46 +22,46 @@ class RigDevice final : public HandDevice {
   /// later does but restart().
   RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link);
 
+  std::optional<double> boot_limit_s() const noexcept override { return 0; }  // its own is shorter
   void boot(Period& period) noexcept override;
   bool ready() const noexcept override { return rig_->state() == RigState::ready; }
   bool arm() noexcept override { return rig_->arm(); }
   bool failed() const noexcept override { return rig_->state() == RigState::fault; }
   void read(Period& period, std::span<BodySample> samples) noexcept override;
-  /// Shows the wrenches on the hand, one for each handle.
-  CommandReport command(Period& period, std::span<const Wrench> F_hand_W) noexcept;
+  void command(Period& period, std::span<const Wrench> F_hand_W, Shown& shown) noexcept override;
+  void tell(RunTrouble trouble) noexcept override;
 
-  /// Torque runs down from the next period on.
-  void disarm() noexcept { rig_->disarm(); }
-  /// One period of running down; false when no drive that can still be told otherwise is commanded torque.
-  bool run_down(Period& period) noexcept;
-  /// Drives are disabled, nodes go pre-operational: their frames leave in the periods of close().
-  void stop(Period& period) noexcept;
-  void close(Period& period) noexcept { take_in(period); }
-  /// A rig that knows nothing of what was: its nodes boot afresh. Allocates.
-  void restart();
+  bool makes_torque() const noexcept override { return true; }
+  void disarm() noexcept override { rig_->disarm(); }
+  void quick_stop() noexcept override { rig_->quick_stop(); }
+  bool run_down(Period& period) noexcept override;
+  void stop(Period& period) noexcept override;
+  void close(Period& period) noexcept override { take_in(period); }
+  void restart() override;
 
-  Rig& rig() noexcept { return *rig_; }
+  bool has_hold_button() const noexcept override { return rig_->has_button(ButtonUse::hold); }
+  bool hold_pressed() const noexcept override { return buttons_.hold && !buttons_before_.hold; }
+
   const Rig& rig() const noexcept { return *rig_; }
   RigLink& link() noexcept { return *link_; }
   const RigLink& link() const noexcept { return *link_; }
   std::span<CanBus* const> buses() const noexcept { return link_->buses(); }
   /// Sums over all rigs so far: see restart().
   RigCounters counters() const noexcept;
-  /// The body of each handle.
-  std::span<const std::size_t> bodies() const noexcept { return bodies_; }
-  bool hold_pressed() const noexcept override { return buttons_.hold && !buttons_before_.hold; }
 
  private:
   DeviceSample exchange(Period& period, bool starting) noexcept;
+  CommandReport send(Period& period, std::span<const Wrench> F_hand_W) noexcept;
   void take_in(Period& period) noexcept;
   bool commands_torque() const noexcept;
 
   RigParams params_;
-  std::vector<std::size_t> bodies_;
+  std::vector<std::size_t> bodies_;  // of each handle
   LedJoints joints_;
   std::unique_ptr<RigLink> link_;
   std::optional<Rig> rig_;
   RigCounters earlier_rigs_;
+  DriveSwings swings_;
   DeviceButtons buttons_, buttons_before_;  // pressed in this step and in the one before
   Nanoseconds gather_ns_ = 0;
 };

@@ -1,6 +1,14 @@
 #include "platform/device/trackers.h"
 
+#include <algorithm>
+
 namespace godobject {
+namespace {
+
+/// When the time of a tracker is over its last try may be going on: it says why it failed after that.
+constexpr double last_try_s = 2;
+
+}  // namespace
 
 TrackerDevice::TrackerDevice(const SceneConfig& scene, std::vector<std::unique_ptr<TrackerLink>> links,
                              Nanoseconds (*clock)() noexcept)
@@ -9,6 +17,13 @@ TrackerDevice::TrackerDevice(const SceneConfig& scene, std::vector<std::unique_p
   for (const TrackerParams& tracker : scene.device->trackers)
     for (const TrackedToolParams& tool : tracker.tools)
       bodies_.push_back(driven[driven_by_tool(scene, tool)]);
+}
+
+std::optional<double> TrackerDevice::boot_limit_s() const noexcept {
+  double slowest_s = 0;
+  for (std::size_t i = 0; i < poses_.num_trackers(); ++i)
+    slowest_s = std::max(slowest_s, poses_.params(i).boot_timeout_s + last_try_s);
+  return slowest_s;
 }
 
 void TrackerDevice::update(Period& period) noexcept {

@@ -16,6 +16,7 @@ class TrackerDevice final : public HandDevice {
   TrackerDevice(const SceneConfig& scene, std::vector<std::unique_ptr<TrackerLink>> links,
                 Nanoseconds (*clock)() noexcept);
 
+  std::optional<double> boot_limit_s() const noexcept override;
   void boot(Period& period) noexcept override { update(period); }
   bool ready() const noexcept override { return poses_.ready(); }
   bool failed() const noexcept override;

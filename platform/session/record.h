@@ -1,6 +1,7 @@
 // What one period of a run leaves for those who look on: traces, statistics, the status line.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,13 @@ struct PoseError {
   double m = 0;
   double rad = 0;
 };
+
+inline PoseError between(const Pose& a, const Pose& b) noexcept {
+  return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
+}
+inline PoseError worst(const PoseError& a, const PoseError& b) noexcept {
+  return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
+}
 
 /// What one cycle did. Records of one session have the same number of bodies: once a record is one of them,
 /// taking over another allocates nothing, so that a real-time thread can hand it to another.

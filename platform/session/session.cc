@@ -1,21 +1,9 @@
 #include "platform/session/session.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace godobject {
-namespace {
-
-PoseError difference(const Pose& a, const Pose& b) noexcept {
-  return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
-}
-
-PoseError worst(const PoseError& a, const PoseError& b) noexcept {
-  return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
-}
-
-}  // namespace
 
 // --- one period -----------------------------------------------------------------------------------
 
@@ -26,15 +14,15 @@ void Session::cycle(CycleRecord& record) noexcept {
   step(record);
   limit(record);
   command(record);
-  if (truth_) truth_->step(period_.t, samples_);
+  if (truth_) truth_->step(phases_.period().t, samples_);
   observe(record);
 }
 
 /// What the devices know of the hand.
 void Session::read() noexcept {
-  Period& period = begin_period();
+  Period& period = phases_.begin(motion_time());
   for (BodySample& sample : samples_) sample.valid = true;  // also of bodies of which no device speaks
-  for (HandDevice* const device : devices_) device->read(period, samples_);
+  for (HandDevice* const device : phases_.devices()) device->read(period, samples_);
 }
 
 /// What of it counts: one body at a time is held, what was let go is engaged anew, gaps are gaps.
@@ -57,35 +45,27 @@ void Session::step(CycleRecord& record) noexcept {
   record.contacts = report.contacts;
   record.nets = report.nets;
   record.on_hold = on_hold_ || deadlines_missed_;
-  if (has(report.fault, Fault::energy_gained) && rig_) rig_->rig().energy_gained();
+  if (!has(report.fault, Fault::energy_gained)) return;
+  for (HandDevice* const device : phases_.devices()) device->tell(RunTrouble::energy_gained);
 }
 
-/// What the hand feels of a body that it has taken hold of; bodies that are tied to a handle have been limited by the step.
+/// What the hand feels: of a body that it has taken hold of the wrench that all of them stand for, of bodies that are tied to a
+/// handle each its own, which the step has limited.
 void Session::limit(CycleRecord& record) noexcept {
   if (grip_) record.hand_W = grip_->feel(samples_[driven_.front()], *engine_, record.limited);
+  for (const std::size_t body : driven_) F_hand_W_[body] = grip_ ? record.hand_W : engine_->feedback(body);
 }
 
-/// The drives show it. What is shown is watched for swinging between its bounds: each wrench, and the motors' commands.
+/// The devices show it. What is shown is watched for swinging between its bounds.
 void Session::command(CycleRecord& record) noexcept {
-  if (rig_) {
-    std::array<Wrench, max_handles> F_hand_W;
-    const std::span<const std::size_t> bodies = rig_->bodies();
-    for (std::size_t k = 0; k < bodies.size(); ++k)
-      F_hand_W[k] = grip_ ? record.hand_W : engine_->feedback(bodies[k]);
-    record.drives = rig_->command(period_, std::span(F_hand_W).first(bodies.size()));
-  }
-  bool swings = false;
-  if (grip_) {
-    swings = swings_->shows(0, record.hand_W);
-  } else {
-    for (std::size_t i = 0; i < driven_.size(); ++i)
-      swings = swings_->shows(i, engine_->feedback(driven_[i])) || swings;
-  }
-  const std::optional<std::size_t> drive =
-      rig_ ? swings_->commands(rig_->rig(), record.drives) : std::optional<std::size_t>{};
-  record.force_oscillates = swings || drive;
-  if (record.force_oscillates && rig_) rig_->rig().force_oscillates(drive);
-  if (rig_) record.rig_faults = rig_->rig().faults();
+  Shown shown;
+  const std::size_t num_wrenches = grip_ ? 1 : driven_.size();
+  for (std::size_t i = 0; i < num_wrenches; ++i)
+    shown.oscillates = swings_->shows(i, F_hand_W_[driven_[i]]) || shown.oscillates;
+  for (HandDevice* const device : phases_.devices()) device->command(phases_.period(), F_hand_W_, shown);
+  record.drives = shown.drives;
+  record.force_oscillates = shown.oscillates;
+  record.rig_faults = shown.faults;
 }
 
 void Session::observe(CycleRecord& record) const noexcept {
@@ -99,36 +79,36 @@ void Session::observe(CycleRecord& record) const noexcept {
   record.num_touching = engine_->contacts(record.touching);
   engine_->net_nodes(record.net_nodes);
   record.net_stretch = engine_->net_stretch();
-  if (follows()) measure(record);
+  if (!follows()) return;
+  const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
+  const Followed followed_now{
+      .bodies = followed(), .samples = samples_, .by_an_offset = relative || grip_.has_value()};
+  record.following = record.sensing = record.exact_following = record.encoders = {};
+  for (const std::size_t body : followed_now.bodies) {
+    const BodyView& view = record.bodies[body];
+    const Pose& X_WD = followed_now.by_an_offset ? view.target.X_WD : samples_[body].target.X_WD;
+    record.following = worst(record.following, between(view.X_WB, X_WD));
+  }
+  if (truth_) truth_->measure(followed_now, record);
 }
 
-/// Where no truth is known the handles are where the samples say.
-void Session::measure(CycleRecord& record) const noexcept {
-  record.following = record.sensing = record.exact_following = record.encoders = {};
-  const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
-  const bool offset = relative || grip_;  // between handle and target
-  for (const std::size_t body : driven_) {
-    if (grip_ && !grip_->holds(body)) continue;
-    const BodyView& view = record.bodies[body];
-    const Pose& X_WH = truth_ ? truth_->handle(body) : samples_[body].target.X_WD;
-    record.following = worst(record.following, difference(view.X_WB, offset ? view.target.X_WD : X_WH));
-    if (!truth_) continue;
-    const BodyView exact = truth_->exact(body);
-    record.sensing = worst(record.sensing, difference(samples_[body].target.X_WD, X_WH));
-    record.exact_following =
-        worst(record.exact_following, difference(exact.X_WB, offset ? exact.target.X_WD : X_WH));
-    record.encoders = worst(record.encoders, difference(view.X_WB, exact.X_WB));
-  }
+/// The driven bodies; of those that can be held the one that is.
+std::span<const std::size_t> Session::followed() const noexcept {
+  if (!grip_) return driven_;
+  if (!grip_->body()) return {};
+  return std::span(driven_).subspan(
+      static_cast<std::size_t>(std::ranges::find(driven_, *grip_->body()) - driven_.begin()), 1);
 }
 
 /// All that can be held get the device's sample; engaged for the one that is.
 void Session::take_hold() noexcept {
   const BodySample device = samples_[driven_.front()];
-  const bool has_button = rig_ && rig_->rig().has_button(ButtonUse::hold);
-  HoldWish wish = motion_.hold(period_.t);
-  for (const HandDevice* const of : devices_) wish = of->hold().value_or(wish);
-  grip_->update(wish, !has_button && motion_.button(period_.t), device.target.X_WD.p, *engine_);
-  for (const HandDevice* const of : devices_)
+  const double t = phases_.period().t;
+  const bool has_button = std::ranges::any_of(phases_.devices(), &HandDevice::has_hold_button);
+  HoldWish wish = motion_.hold(t);
+  for (const HandDevice* const of : phases_.devices()) wish = of->hold().value_or(wish);
+  grip_->update(wish, !has_button && motion_.button(t), device.target.X_WD.p, *engine_);
+  for (const HandDevice* const of : phases_.devices())
     if (of->hold_pressed()) grip_->press(device.target.X_WD.p, *engine_);
   for (const std::size_t body : driven_) {
     samples_[body] = device;
@@ -140,12 +120,50 @@ void Session::take_hold() noexcept {
 /// the step.
 void Session::pass_missed_time() noexcept {
   if (let_go_ || cycle_ == 1) return;
-  const double periods = 1e-9 * static_cast<double>(period_.began - t_before_ns_) / scene_.step;
+  const Period& period = phases_.period();
+  const double periods = 1e-9 * static_cast<double>(period.began - period.began_before) / scene_.step;
   const double missed = std::floor(periods - 0.5);
   if (missed >= 1) engine_->pass_time(missed * scene_.step);
 }
 
-// --- before and after -------------------------------------------------------------------------------
+// --- from the first period to the last -------------------------------------------------------------------------------
+
+bool Session::advance(CycleRecord& record) noexcept {
+  if (phase() == RunPhase::running) {
+    cycle(record);
+    return true;
+  }
+  const bool first_boot = phase() == RunPhase::booting && cycle_ == 0;
+  phases_.advance(motion_time());
+  if (first_boot) motion_start_ns_ = bus_time_ns();
+  return false;
+}
+
+bool Session::boot(double limit_s) {
+  start(limit_s);
+  CycleRecord none;
+  while (phase() == RunPhase::booting) static_cast<void>(advance(none));
+  return phase() == RunPhase::running;
+}
+
+void Session::shut_down() noexcept {
+  stop();
+  while (phase() != RunPhase::ended) phases_.advance(motion_time());
+}
+
+void Session::deadlines_missed() noexcept {
+  deadlines_missed_ = true;
+  for (HandDevice* const device : phases_.devices()) device->tell(RunTrouble::deadlines_missed);
+}
+
+void Session::restart() {
+  if (phase() != RunPhase::ended) return;
+  phases_.restart();
+  on_hold_ = deadlines_missed_ = false;
+  if (!phases_.makes_torque()) return;
+  swings_->reset();
+  let_go_ = true;
+}
 
 CycleRecord Session::at_start() const {
   CycleRecord record;
@@ -168,7 +186,7 @@ std::optional<PoseError> Session::offset_at_start(std::size_t body) const noexce
   const std::size_t driven = static_cast<std::size_t>(std::ranges::find(driven_, body) - driven_.begin());
   const BodySample sample = handed_.sample(std::min(driven, motion_.num_bodies() - 1), 0);
   if (!sample.engaged) return std::nullopt;
-  return difference(scene_.bodies[body].X_WB, sample.target.X_WD);
+  return between(scene_.bodies[body].X_WB, sample.target.X_WD);
 }
 
 std::optional<JointTarget> Session::joints_at_start() const noexcept {

@@ -1,9 +1,9 @@
 // A running scene: an engine, and the devices that its bodies follow. advance() is what a real-time loop calls once per
 // period, from the first NMT command to the last; it does not allocate, and waits only for the answers of real buses.
 //
-// The room: hand_device.h is what a device is: rig_device.h, tracker_device.h, handed_motion.h; motion.h and curve.h the
-// hand's motion; grip.h which body is held; record.h, trace.h, contact_trace.h, net_trace.h what a period leaves; truth.h what only a
-// simulated run knows; passivity.h, force_swings.h whether what is shown is stable in a hand.
+// The room: set_up.cc is what a session is made of; grip.h says which body is held; record.h is what a period leaves; truth.h
+// what only a simulated run knows; passivity.h and wrench_swings.h whether what is shown is stable in a hand. What bodies follow,
+// and the phases of a run, are in ../device.
 #pragma once
 
 #include <memory>
@@ -13,13 +13,14 @@
 #include <vector>
 
 #include "platform/device/handed_motion.h"
+#include "platform/device/phases.h"
 #include "platform/device/rig.h"
 #include "platform/device/trackers.h"
 #include "platform/engine/engine.h"
-#include "platform/session/force_swings.h"
 #include "platform/session/grip.h"
 #include "platform/session/record.h"
 #include "platform/session/truth.h"
+#include "platform/session/wrench_swings.h"
 
 namespace godobject {
 
@@ -27,18 +28,6 @@ enum class BusChoice : std::uint8_t {
   sim,     // through simulated encoders, wires and drives, and simulated trackers
   direct,  // the motion is handed to the core as it is
   real,    // through the encoders and drives of a device, and its trackers
-};
-
-inline constexpr double shut_down_limit_s = 2;
-
-/// What a period is for. A run goes through them in this order; a fault or stop() leaves some out.
-enum class RunPhase : std::uint8_t {
-  off,
-  booting,       // the nodes come up, the hand of a simulated rig at rest
-  running,       // motion and steps
-  running_down,  // torque runs down to zero
-  closing,       // drives disabled, nodes pre-operational: their frames leave
-  ended,
 };
 
 /// What a device has, on this machine or simulated.
@@ -63,11 +52,11 @@ class Session {
   static Made make(const SceneConfig& scene, Motion motion, DeviceParts device);
 
   /// One more device, which writes over what the others say. Before start(); it outlives the session. Allocates.
-  void add(HandDevice& device) { devices_.push_back(&device); }
+  void add(HandDevice& device) { phases_.add(device); }
 
   /// off -> booting, given up after `limit_s` of bus time, or that of the slowest tracker; without a bus and a
   /// tracker -> running.
-  void start(double limit_s) noexcept;
+  void start(double limit_s) noexcept { phases_.start(limit_s); }
   /// One period, whatever it is for; real-time, for a record that comes from at_start(). True: it was a step,
   /// and the record is of it.
   bool advance(CycleRecord& record) noexcept;
@@ -79,11 +68,11 @@ class Session {
   void deadlines_missed() noexcept;
   bool missed_deadlines() const noexcept { return deadlines_missed_; }
   /// booting, running -> running_down; without a bus, or before start() -> ended.
-  void stop() noexcept;
+  void stop() noexcept { phases_.stop(); }
   /// stop() without running down: with the next period each drive gets rid of its torque by its own fastest means,
   /// then it is disabled.
-  void quick_stop() noexcept;
-  RunPhase phase() const noexcept { return phase_; }
+  void quick_stop() noexcept { phases_.quick_stop(); }
+  RunPhase phase() const noexcept { return phases_.phase(); }
   /// ended -> off, with a rig that knows nothing of what was: start() boots the nodes afresh. The engine stays
   /// as it is; what the device held is engaged anew, by the ramp. Allocates.
   void restart();
@@ -109,7 +98,7 @@ class Session {
   /// Where the motion is one of the device's joints.
   std::optional<JointTarget> joints_at_start() const noexcept;
   BusChoice bus() const noexcept {
-    if (!rig_ && !trackers_) return BusChoice::direct;
+    if (!phases_.boots()) return BusChoice::direct;
     return truth_ ? BusChoice::sim : BusChoice::real;
   }
   /// Null without a bus.
@@ -122,12 +111,10 @@ class Session {
   std::span<CanBus* const> host_buses() const noexcept {
     return rig_ ? rig_->buses() : std::span<CanBus* const>{};
   }
-  /// Mean load of each simulated bus so far, percent; empty without one.
-  std::vector<double> bus_load_percent() const {
-    return truth_ ? truth_->bus_load_percent() : std::vector<double>{};
-  }
+  /// Null where the device is none that is simulated.
+  const Truth* truth() const noexcept { return truth_.get(); }
   /// Time on the buses' and the trackers' clock at which this period began, or the last one; 0 without either.
-  Nanoseconds bus_time_ns() const noexcept { return period_.began; }
+  Nanoseconds bus_time_ns() const noexcept { return phases_.period().began; }
   /// The same at which the motion began, after the first boot.
   Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
   /// Steps are timed by this; by default they are not.
@@ -139,8 +126,6 @@ class Session {
   void set_bus_observer(const BusObserver& observer) noexcept {
     if (rig_) rig_->link().set_observer(observer);
   }
-  /// False when the motion left the workspace of the simulated device.
-  bool reachable() const noexcept { return !truth_ || truth_->reachable(); }
 
  private:
   Session(const SceneConfig& scene, Motion motion);
@@ -149,15 +134,6 @@ class Session {
   static Made build(const SceneConfig& scene, Motion motion, DeviceParts* device);
   void connect(DeviceParts device, std::vector<std::string>& errors);
 
-  // phases.cc
-  void boot_cycle() noexcept;
-  void run_down_cycle() noexcept;
-  void closing_cycle() noexcept;
-  void give_up_running() noexcept;
-  bool arm() noexcept;
-  bool failed() noexcept;
-  Period& begin_period() noexcept;
-
   // one period, in this order: see cycle()
   void read() noexcept;
   void check() noexcept;
@@ -165,7 +141,7 @@ class Session {
   void limit(CycleRecord& record) noexcept;
   void command(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
-  void measure(CycleRecord& record) const noexcept;
+  std::span<const std::size_t> followed() const noexcept;
 
   void take_hold() noexcept;
   void pass_missed_time() noexcept;
@@ -176,22 +152,19 @@ class Session {
   std::vector<std::size_t> driven_;  // bodies with a target
   std::unique_ptr<Engine> engine_;
   std::vector<BodySample> samples_;  // one per body, as the core gets them
+  std::vector<Wrench> F_hand_W_;     // likewise: what the hand feels of it
 
   // The devices, each writing over what those before it say.
   HandedMotion handed_;
   std::optional<RigDevice> rig_;
   std::optional<TrackerDevice> trackers_;
-  std::vector<HandDevice*> devices_;
+  DevicePhases phases_;
   std::optional<Grip>
       grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
 
-  std::optional<ForceSwings> swings_;
+  std::optional<WrenchSwings> swings_;
   std::unique_ptr<Truth> truth_;  // of a simulated device
-  Period period_;
-  Nanoseconds t_before_ns_ = 0;  // at which the period before this one began
-  RunPhase phase_ = RunPhase::off;
-  std::int64_t periods_left_ = 0;  // of this phase at most
-  bool let_go_ = false;            // for the next step: what was held is engaged anew
+  bool let_go_ = false;           // for the next step: what was held is engaged anew
   bool on_hold_ = false, deadlines_missed_ = false;
   bool lists_contacts_ = false, lists_net_nodes_ = false;
   bool real_ = false;  // the device is one, and time passes by itself

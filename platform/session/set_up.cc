@@ -25,10 +25,11 @@ Session::Session(const SceneConfig& scene, Motion motion)
       motion_(std::move(motion)),
       driven_(driven_bodies(scene)),
       samples_(scene.bodies.size()),
-      handed_(scene_, motion_) {
+      F_hand_W_(scene.bodies.size()),
+      handed_(scene_, motion_),
+      phases_(scene.step) {
   if (scene_.device && scene_.device->rig) scene_.device->rig = rig_of(scene);
-  period_.step = scene.step;
-  devices_.push_back(&handed_);
+  phases_.add(handed_);
 }
 
 Session::Made Session::make(const SceneConfig& scene, Motion motion) {
@@ -81,15 +82,14 @@ void Session::connect(DeviceParts device, std::vector<std::string>& errors) {
   if (has_rig) {
     for (const std::string& error : RigDevice::complaints(scene_)) errors.push_back(error);
     if (!device.buses) errors.push_back("the device of scene '" + scene_.name + "' has buses: give them");
-    if (errors.empty()) devices_.push_back(&rig_.emplace(scene_, std::move(device.buses)));
+    if (errors.empty()) phases_.add(rig_.emplace(scene_, std::move(device.buses)));
   }
   if (has_trackers) {
     const std::vector<TrackerParams>& trackers = scene_.device->trackers;
     for (std::size_t i = device.trackers.size(); i < trackers.size(); ++i)
       errors.push_back("tracker '" + trackers[i].name + "' of the scene has no port: give --tracker " +
                        trackers[i].name + "=PORT, or --tracker scene");
-    if (errors.empty())
-      devices_.push_back(&trackers_.emplace(scene_, std::move(device.trackers), device.clock));
+    if (errors.empty()) phases_.add(trackers_.emplace(scene_, std::move(device.trackers), device.clock));
   }
   truth_ = std::move(device.truth);
 }

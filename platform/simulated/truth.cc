@@ -40,6 +40,21 @@ void SimulatedTruth::step(double t, std::span<const BodySample> samples) noexcep
   static_cast<void>(engine_->step(samples_));
 }
 
+void SimulatedTruth::measure(const Followed& followed, CycleRecord& record) const noexcept {
+  record.following = {};
+  for (const std::size_t body : followed.bodies) {
+    const Pose &X_WH = samples_[body].target.X_WD, &X_WD = followed.samples[body].target.X_WD;
+    const BodyView &view = record.bodies[body], exact = engine_->view(body);
+    const auto following = [&](const BodyView& of) {
+      return between(of.X_WB, followed.by_an_offset ? of.target.X_WD : X_WH);
+    };
+    record.following = worst(record.following, following(view));
+    record.exact_following = worst(record.exact_following, following(exact));
+    record.sensing = worst(record.sensing, between(X_WD, X_WH));
+    record.encoders = worst(record.encoders, between(view.X_WB, exact.X_WB));
+  }
+}
+
 std::vector<double> SimulatedTruth::bus_load_percent() const {
   std::vector<double> loads;
   if (link_ != nullptr)

@@ -19,8 +19,7 @@ class SimulatedTruth final : public Truth {
 
   void start(std::span<const BodySample> samples) override;
   void step(double t, std::span<const BodySample> samples) noexcept override;
-  const Pose& handle(std::size_t body) const noexcept override { return samples_[body].target.X_WD; }
-  BodyView exact(std::size_t body) const noexcept override { return engine_->view(body); }
+  void measure(const Followed& followed, CycleRecord& record) const noexcept override;
   bool reachable() const noexcept override { return link_ == nullptr || link_->rig().reachable(); }
   std::vector<double> bus_load_percent() const override;
 

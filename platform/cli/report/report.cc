@@ -112,7 +112,8 @@ void add_trackers_not_ready(const RunReport& report, std::vector<FaultReport>& f
 
 std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig) {
   std::vector<BusReport> reports;
-  const std::vector<double> measured = run.session->bus_load_percent();
+  const Truth* const truth = run.session->truth();
+  const std::vector<double> measured = truth != nullptr ? truth->bus_load_percent() : std::vector<double>{};
   const std::vector<BusLoad> computed = bus_load(rig, usual_load(rig));
   for (std::size_t i = 0; i < computed.size(); ++i)
     reports.push_back({.computed = computed[i],
@@ -148,7 +149,8 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
     add_trackers_not_ready(report, report.faults);
     add_not_ready(report, report.faults);
   }
-  if (!session.reachable()) add_run_fault(RunFault::unreachable, report.faults);
+  if (session.truth() != nullptr && !session.truth()->reachable())
+    add_run_fault(RunFault::unreachable, report.faults);
   if (session.missed_deadlines() && !session.rig()) add_run_fault(RunFault::deadlines_missed, report.faults);
   if (result.statistics.force_oscillates && !session.rig())
     add_run_fault(RunFault::force_oscillates, report.faults);

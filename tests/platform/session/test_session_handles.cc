@@ -77,7 +77,7 @@ TEST(SessionHandles, EveryHandleDrivesItsBodyAndTheOthersRest) {
     EXPECT_LT((record.bodies[2].target.X_WD.p - device.X_WH(0).p).norm(), 3e-4) << k;
     EXPECT_EQ(record.bodies[1].target.X_WD.p, Vec3::Zero()) << k;
   }
-  EXPECT_TRUE(made.session->reachable());
+  EXPECT_TRUE(made.session->truth()->reachable());
 }
 
 TEST(SessionHandles, TheFeedbackOfEveryBodyReachesTheMotors) {

@@ -1,0 +1,112 @@
+#include "platform/device/phases.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace godobject {
+namespace {
+
+/// The last frames are no more than a few cycles': a command to each drive, a message to each node.
+constexpr std::int64_t closing_periods = 10;
+
+}  // namespace
+
+std::int64_t DevicePhases::periods(double time_s) const noexcept {
+  return std::llround(time_s / period_.step);
+}
+
+bool DevicePhases::makes_torque() const noexcept {
+  return std::ranges::any_of(devices_, &HandDevice::makes_torque);
+}
+
+bool DevicePhases::boots() const noexcept {
+  return std::ranges::any_of(devices_, [](const HandDevice* device) { return device->boot_limit_s().has_value(); });
+}
+
+void DevicePhases::start(double limit_s) noexcept {
+  if (phase_ != RunPhase::off) return;
+  phase_ = boots() ? RunPhase::booting : RunPhase::running;
+  for (const HandDevice* const device : devices_)
+    limit_s = std::max(limit_s, device->boot_limit_s().value_or(0));
+  periods_left_ = periods(limit_s);
+}
+
+void DevicePhases::advance(double t) noexcept {
+  switch (phase_) {
+    case RunPhase::booting:
+    case RunPhase::running_down:
+    case RunPhase::closing: begin(t); break;
+    case RunPhase::off:
+    case RunPhase::running:
+    case RunPhase::ended: return;
+  }
+  if (phase_ == RunPhase::booting) boot();
+  else if (phase_ == RunPhase::running_down) run_down();
+  else close();
+}
+
+Period& DevicePhases::begin(double t) noexcept {
+  period_.began_before = period_.began;
+  period_.t = t;
+  period_.has_begun = false;
+  return period_;
+}
+
+void DevicePhases::boot() noexcept {
+  for (HandDevice* const device : devices_) device->boot(period_);
+  if (arm()) {
+    phase_ = RunPhase::running;
+  } else if (std::ranges::any_of(devices_, &HandDevice::failed) || --periods_left_ <= 0) {
+    give_up_running();
+  }
+}
+
+/// None is armed before all are ready.
+bool DevicePhases::arm() noexcept {
+  return std::ranges::all_of(devices_, &HandDevice::ready) && std::ranges::all_of(devices_, &HandDevice::arm);
+}
+
+void DevicePhases::stop() noexcept {
+  if (phase_ == RunPhase::off) phase_ = RunPhase::ended;
+  if (phase_ == RunPhase::booting || phase_ == RunPhase::running) give_up_running();
+}
+
+void DevicePhases::quick_stop() noexcept {
+  stop();
+  if (phase_ != RunPhase::running_down) return;
+  for (HandDevice* const device : devices_) device->quick_stop();
+}
+
+void DevicePhases::give_up_running() noexcept {
+  if (!makes_torque()) {
+    phase_ = RunPhase::ended;
+    return;
+  }
+  for (HandDevice* const device : devices_) device->disarm();
+  phase_ = RunPhase::running_down;
+  periods_left_ = periods(shut_down_limit_s);
+}
+
+void DevicePhases::run_down() noexcept {
+  if (periods_left_-- > 0) {
+    bool goes_on = false;
+    for (HandDevice* const device : devices_) goes_on = device->run_down(period_) || goes_on;
+    if (goes_on) return;
+  }
+  for (HandDevice* const device : devices_) device->stop(period_);
+  phase_ = RunPhase::closing;
+  periods_left_ = closing_periods;
+}
+
+void DevicePhases::close() noexcept {
+  for (HandDevice* const device : devices_) device->close(period_);
+  if (--periods_left_ == 0) phase_ = RunPhase::ended;
+}
+
+void DevicePhases::restart() {
+  if (phase_ != RunPhase::ended) return;
+  phase_ = RunPhase::off;
+  for (HandDevice* const device : devices_) device->restart();
+}
+
+}  // namespace godobject
