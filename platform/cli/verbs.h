@@ -2,7 +2,7 @@
 //
 // The room: program.cc takes the command line apart; verb/ has a file for each verb; bus/ is what verbs do on one bus, drive/
 // on one drive, run/ the verb `run`, report/ what it says, simulate/ the verb `simulate`. check_text.h, fault_texts.h, limit_texts.h and time_to_zero.h say things in
-// words; option_*.h and named_address.h read what options give; command_documents.h makes the manual page and the
+// words; option_*.h read what options give; command_documents.h makes the manual page and the
 // completion.
 #pragma once
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "hal/canopen/sdo/sequence.h"
-#include "platform/cli/run/last_frames.h"
+#include "platform/rig/last_frames.h"
 #include "platform/rt/clock.h"
 
 namespace godobject {

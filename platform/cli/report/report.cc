@@ -117,7 +117,7 @@ std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig)
   const std::vector<BusLoad> computed = bus_load(rig, usual_load(rig));
   for (std::size_t i = 0; i < computed.size(); ++i)
     reports.push_back({.computed = computed[i],
-                       .address = run.link ? run.buses.texts[i] : "",
+                       .address = run.link ? run.buses.real.texts[i] : "",
                        .measured_percent = run.link ? std::nullopt : std::optional(measured[i]),
                        .counters = run.session->host_buses()[i]->counters()});
   return reports;
@@ -142,7 +142,7 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
     report.buses = bus_reports(run, params);
     add_recoveries(result.recoveries, report.faults);
     const std::vector<std::string> troubles =
-        run.link ? bus_troubles(*run.link, run.buses, params) : std::vector<std::string>{};
+        run.link ? bus_troubles(*run.link, run.buses.real, params) : std::vector<std::string>{};
     add_rig_faults(*rig, troubles, report.faults);
   }
   if (!result.ready && (session.rig() || session.trackers())) {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "platform/cli/report/status_line.h"
-#include "platform/cli/run/last_frames.h"
+#include "platform/rig/last_frames.h"
 #include "platform/rt/clock.h"
 #include "platform/rt/stop_signals.h"
 
@@ -126,7 +126,7 @@ class RealtimeRun {
  public:
   /// real: null for simulated buses.
   RealtimeRun(Session& session, const RunPlan& plan, RunFiles& files, const StopSignals& signals,
-              RunEvents& events, BackgroundFile& console, const RunLink* real)
+              RunEvents& events, BackgroundFile& console, const RigOnBuses* real)
       : session_(session),
         files_(files),
         signals_(signals),
@@ -208,7 +208,7 @@ class RealtimeRun {
   RunFiles& files_;
   const StopSignals& signals_;
   BackgroundFile& console_;
-  const RunLink* real_;
+  const RigOnBuses* real_;
   Ring<CycleEntry> cycles_;
   Ring<BusFrame> frames_;
   Drain drain_;
@@ -271,7 +271,7 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
 }
 
 std::optional<RunResult> run_realtime(Session& session, const RunPlan& plan, RunFiles& files,
-                                      const RunLink* real) {
+                                      const RigOnBuses* real) {
   const StopSignals stop(Suspension::stops);
   BackgroundFile console(STDERR_FILENO, console_bytes);
   RunEvents events(session, console);

@@ -35,6 +35,6 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files);
 /// From the first boot cycle to the last of shut-down on a thread of its own. real: the session's buses where
 /// they are real, open; else null. Nothing where no thread can be started.
 std::optional<RunResult> run_realtime(Session& session, const RunPlan& plan, RunFiles& files,
-                                      const RunLink* real);
+                                      const RigOnBuses* real);
 
 }  // namespace godobject

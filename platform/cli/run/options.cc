@@ -209,7 +209,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
                      .clock = []() noexcept { return MonotonicClock{}.now(); },
                      .truth = nullptr};
   if (has_rig(scene)) {
-    auto link = make_link(run.buses, *scene.device->rig, scene.step, !options.files.record.empty());
+    auto link = make_link(run.buses.real, *scene.device->rig, scene.step, !options.files.record.empty());
     run.link = link.get();
     device.buses = std::move(link);
   }

@@ -1,28 +1,14 @@
-// What goes on while no loop runs: the buses are opened, the nodes set up, and, with --rearm auto, both again
-// after a fault.
+// What goes on while no loop runs: with --rearm auto, after a fault, the buses are opened and the nodes set up again.
 #pragma once
 
 #include <atomic>
 #include <string>
 #include <vector>
 
-#include "hal/canopen/commissioning.h"
-#include "platform/cli/run/buses.h"
 #include "platform/cli/run/cycle.h"
+#include "platform/rig/bring_up.h"
 
 namespace godobject {
-
-/// The real buses of a run.
-struct RunLink {
-  LinuxLink& link;
-  const BusPlan& plan;
-  const RigParams& rig;
-  const RigProfiles& profiles;
-};
-
-/// Waits for the other end of what has one (a pseudo-terminal), then sets up the nodes that have a profile. One
-/// line for each that could not be; none where `stop` ended it.
-std::vector<std::string> bring_up(const RunLink& real, const std::atomic<bool>& stop);
 
 /// A fault of the rig, and how the run went on.
 struct Recovery {
@@ -39,7 +25,7 @@ struct Recovery {
 class Recoveries {
  public:
   /// real: null for simulated buses, whose time stands still meanwhile.
-  Recoveries(Session& session, RunCycle& cycle, const RunPlan& plan, const RunLink* real,
+  Recoveries(Session& session, RunCycle& cycle, const RunPlan& plan, const RigOnBuses* real,
              const std::atomic<bool>& stop, RunEvents& events)
       : session_(session), cycle_(cycle), plan_(plan), real_(real), stop_(stop), events_(events) {}
 
@@ -55,7 +41,7 @@ class Recoveries {
   Session& session_;
   RunCycle& cycle_;
   RunPlan plan_;
-  const RunLink* real_;
+  const RigOnBuses* real_;
   const std::atomic<bool>& stop_;
   RunEvents& events_;
   std::vector<Recovery> list_;

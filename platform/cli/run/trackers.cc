@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "platform/cli/named_address.h"
+#include "platform/linux/bus/named_address.h"
 #include "platform/scene/text/diagnostics.h"
 
 namespace godobject {

@@ -9,7 +9,7 @@
 #include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"
 
-#include "platform/cli/named_address.h"
+#include "platform/linux/bus/named_address.h"
 
 namespace godobject {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "platform/cli/bus/message_table.h"
-#include "platform/cli/named_address.h"
+#include "platform/linux/bus/named_address.h"
 #include "platform/cli/option_checks.h"
 #include "platform/cli/verbs.h"
 #include "platform/linux/bus/bus.h"

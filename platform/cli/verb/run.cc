@@ -72,12 +72,12 @@ ExitCode run(RunOptions options) {
     return ExitCode::usage;
   }
   Session& session = *prepared.session;
-  std::optional<RunLink> real;
+  std::optional<RigOnBuses> real;
   if (session.bus() == BusChoice::real || prepared.spacemouse || (options.view && !options.fast))
     options.realtime = true;
   if (prepared.link) {
-    real.emplace(RunLink{*prepared.link, prepared.buses, *session.scene().device->rig, prepared.profiles});
-    const std::vector<std::string> closed = open_buses(real->link, real->plan, real->rig);
+    real.emplace(RigOnBuses{*prepared.link, prepared.buses.real, *session.scene().device->rig, prepared.profiles});
+    const std::vector<std::string> closed = open_buses(real->link, real->where, real->rig);
     print_lines(stderr, "", closed);
     if (!closed.empty()) return ExitCode::not_available;
   }

@@ -88,13 +88,13 @@ class RunOnBuses : public ProgramTest {
     Session::Made made = Session::make(scene_, motion_, std::move(link));
     if (!made.session) throw std::runtime_error(made.errors.front());
     session_ = std::move(made.session);
-    if (!open_buses(*link_, plan_, rig()).empty()) throw std::runtime_error("a cable does not open");
+    if (!open_buses(*link_, where_, rig()).empty()) throw std::runtime_error("a cable does not open");
   }
   RunResult run(const RunPlan& plan, const std::string& record = "") {
     RunFileNames names;
     names.record = record;
     RunFiles files(names, scene_, 0);
-    const RunLink real{*link_, plan_, rig(), profiles_};
+    const RigOnBuses real{*link_, where_, rig(), profiles_};
     const std::optional<RunResult> result = run_realtime(*session_, plan, files, &real);
     player_->stop();
     EXPECT_THAT(files.close(), IsEmpty());
@@ -105,8 +105,7 @@ class RunOnBuses : public ProgramTest {
   SceneConfig scene_ = patient_scene();
   Motion motion_{scene_};
   static constexpr BusBackend cable_kind{.name = "cable", .where = "NUMBER"};
-  BusPlan plan_{.choice = BusChoice::real,
-                .addresses = {{.backend = &cable_kind, .where = "0"}, {.backend = &cable_kind, .where = "1"}},
+  RigAddresses where_{.addresses = {{.backend = &cable_kind, .where = "0"}, {.backend = &cable_kind, .where = "1"}},
                 .texts = {"cable:0", "cable:1"}};
   RigProfiles profiles_{.encoders = std::vector<std::optional<NodeProfile>>(rig().encoders.size()),
                         .drives = std::vector<std::optional<NodeProfile>>(rig().drives.size())};

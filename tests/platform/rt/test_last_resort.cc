@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "platform/cli/run/last_frames.h"
+#include "platform/rig/last_frames.h"
 #include "platform/rt/last_resort.h"
 #include "platform/rt/stop_signals.h"
 #include "platform/scene/toml.h"

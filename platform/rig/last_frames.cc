@@ -1,4 +1,4 @@
-#include "platform/cli/run/last_frames.h"
+#include "platform/rig/last_frames.h"
 
 #include "hal/rig/rig.h"
 

@@ -1,4 +1,4 @@
-#include "platform/linux/bus/rig_filters.h"
+#include "platform/rig/filters.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "platform/linux/bus/rig_filters.h"
+#include "platform/rig/filters.h"
 
 #include "hal/canopen/canopen.h"
 #include "hal/drive/link.h"

@@ -1,0 +1,66 @@
+#include "platform/rig/bring_up.h"
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "hal/canopen/commissioning.h"
+#include "hal/rig/rig.h"
+#include "platform/rt/clock.h"
+
+namespace godobject {
+namespace {
+
+constexpr std::chrono::milliseconds stop_poll{20}, commissioning_poll{1};
+
+/// A pseudo-terminal is down until its other end is opened, by whoever plays the device.
+bool wait_for_other_ends(const RigOnBuses& real, const std::atomic<bool>& stop) {
+  for (std::size_t i = 0; i < real.link.num_buses(); ++i)
+    if (real.has_other_end(i))
+      std::fprintf(stderr, "bus %s: waiting for the other end of %s\n", real.rig.buses[i].name.c_str(),
+                   real.link.bus(i).name().c_str());
+  const auto one_waits = [&] {
+    drain(real.link);
+    for (std::size_t i = 0; i < real.link.num_buses(); ++i)
+      if (real.has_other_end(i) && is_cut_off(real.link.bus(i).state())) return true;
+    return false;
+  };
+  while (one_waits())
+    if (!pause(0, stop)) return false;
+  return true;
+}
+
+}  // namespace
+
+void drain(LinuxLink& link) {
+  ReceivedFrame ignored;
+  for (CanBus* bus : link.buses()) {
+    int left = Rig::max_frames_per_receive;
+    while (left > 0 && bus->try_receive(ignored)) --left;
+  }
+}
+
+bool pause(double s, const std::atomic<bool>& stop) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(s);
+  do {
+    std::this_thread::sleep_for(stop_poll);
+  } while (!stop && std::chrono::steady_clock::now() < end);
+  return !stop;
+}
+
+std::vector<std::string> commission(const RigOnBuses& real, const std::atomic<bool>& stop) {
+  Commissioning nodes(real.rig, real.profiles, real.link.buses());
+  const MonotonicClock clock;
+  while (!nodes.done() && !stop) {
+    nodes.poll(clock.now());
+    std::this_thread::sleep_for(commissioning_poll);
+  }
+  return nodes.failed() ? nodes.errors() : std::vector<std::string>{};
+}
+
+std::vector<std::string> bring_up(const RigOnBuses& real, const std::atomic<bool>& stop) {
+  if (!wait_for_other_ends(real, stop)) return {};
+  return commission(real, stop);
+}
+
+}  // namespace godobject

@@ -1,0 +1,136 @@
+#include "platform/rig/buses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/canopen/canopen.h"
+#include "hal/drive/link.h"
+#include "platform/linux/bus/named_address.h"
+#include "platform/rig/filters.h"
+
+namespace godobject {
+namespace {
+
+/// What addresses are given by, in messages.
+struct Given {
+  const SceneConfig& scene;
+  const std::string& option;
+
+  std::string complaint(const std::string& what) const {
+    return (option.empty() ? "" : option + ": ") + what;
+  }
+  std::string how_to() const {
+    std::string text;
+    for (const BusParams& bus : scene.device->rig->buses)
+      text += (option.empty() ? " " : " " + option + " ") + bus.name + "=ADDRESS";
+    return text;
+  }
+};
+
+/// Index of the bus that `given` means; none, with the reason in errors.
+std::optional<std::size_t> bus_of(const NamedAddress& given, const Given& by,
+                                  std::vector<std::string>& errors) {
+  const std::vector<BusParams>& buses = by.scene.device->rig->buses;
+  if (given.name.empty() && buses.size() == 1) return 0;
+  if (given.name.empty()) {
+    if (std::string error; !parse_bus_address(given.address, error)) errors.push_back(by.complaint(error));
+    errors.push_back(by.complaint("'" + given.address + "' names no bus of the scene, which has " +
+                                  quoted_names(buses) + ": give" + by.how_to()));
+    return std::nullopt;
+  }
+  const auto named = std::ranges::find(buses, given.name, &BusParams::name);
+  if (named != buses.end()) return static_cast<std::size_t>(named - buses.begin());
+  errors.push_back(by.complaint("scene '" + by.scene.name + "' has no bus '" + given.name +
+                                "': its buses are " + quoted_names(buses)));
+  return std::nullopt;
+}
+
+/// `pty` alone stands for one of each bus.
+std::vector<std::string> with_names(std::span<const std::string> given, const std::vector<BusParams>& buses) {
+  std::vector<std::string> named;
+  for (const std::string& text : given) {
+    std::string ignored;
+    const std::optional<BusAddress> address = parse_bus_address(text, ignored);
+    if (address && address->backend->makes_terminal)
+      for (const BusParams& bus : buses) named.push_back(bus.name + "=" + text);
+    else named.push_back(text);
+  }
+  return named;
+}
+
+/// A SYNC or a command of the last cycle is worth nothing in this one. What finds no slot waits in the queue of
+/// the rest, as do commands with extended identifiers (moteus).
+void add_slots(LinuxLink& link, const RigParams& rig, Nanoseconds period) {
+  for (std::size_t i = 0; i < rig.buses.size(); ++i)
+    static_cast<void>(link.add_slot(i, canopen::make_sync().id, period / 2));
+  for (const DriveParams& drive : rig.drives) {
+    const auto command_id = bus_protocol(drive.protocol).command_id;
+    if (command_id != nullptr) static_cast<void>(link.add_slot(drive.bus, command_id(drive.node_id), period));
+  }
+}
+
+std::string trouble_of(LinuxLink& link, const RigAddresses& where, const RigParams& rig, std::size_t i) {
+  return "bus " + rig.buses[i].name + " (" + where.texts[i] + "): " + link.bus(i).trouble();
+}
+
+}  // namespace
+
+RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig& scene,
+                           const std::string& option, std::vector<std::string>& errors) {
+  const Given by{scene, option};
+  RigAddresses where;
+  const std::vector<BusParams>& buses = scene.device->rig->buses;
+  std::vector<std::optional<BusAddress>> addresses(buses.size());
+  where.texts.resize(buses.size());
+  for (const std::string& text : with_names(given, buses)) {
+    const NamedAddress bus = split_name(text, ':');
+    const std::optional<std::size_t> index = bus_of(bus, by, errors);
+    if (!index) continue;
+    if (!where.texts[*index].empty())
+      errors.push_back(by.complaint("bus '" + buses[*index].name + "' is given twice"));
+    std::string error;
+    addresses[*index] = parse_bus_address(bus.address, error);
+    if (!addresses[*index]) errors.push_back(by.complaint(error));
+    where.texts[*index] = bus.address;
+  }
+  for (std::size_t i = 0; i < addresses.size(); ++i) {
+    if (addresses[i]) where.addresses.push_back(*addresses[i]);
+    if (where.texts[i].empty() && errors.empty())
+      errors.push_back(
+          by.complaint("bus '" + buses[i].name + "' of the scene has no address: give" + by.how_to()));
+  }
+  return where;
+}
+
+std::unique_ptr<LinuxLink> make_link(const RigAddresses& where, const RigParams& rig, double step,
+                                     bool everything) {
+  const std::vector<std::vector<CanFilter>> filters = rig_filters(rig);
+  std::vector<std::unique_ptr<LinuxBus>> buses;
+  for (std::size_t i = 0; i < where.addresses.size(); ++i) {
+    BusSettings settings{
+        .bit_rate = rig.buses[i].bit_rate, .data_bit_rate = rig.buses[i].data_bit_rate, .filters = {}};
+    if (!everything) settings.filters = filters[i];
+    buses.push_back(make_bus(where.addresses[i], settings));
+  }
+  const Nanoseconds period = to_ns(step);
+  auto link = std::make_unique<LinuxLink>(std::move(buses), period);
+  add_slots(*link, rig, period);
+  return link;
+}
+
+std::vector<std::string> open_buses(LinuxLink& link, const RigAddresses& where, const RigParams& rig) {
+  std::vector<std::string> errors;
+  for (std::size_t i = 0; i < link.num_buses(); ++i)
+    if (link.bus(i).state() == BusState::closed && !link.bus(i).open())
+      errors.push_back(trouble_of(link, where, rig, i));
+  return errors;
+}
+
+std::vector<std::string> bus_troubles(LinuxLink& link, const RigAddresses& where, const RigParams& rig) {
+  std::vector<std::string> troubles;
+  for (std::size_t i = 0; i < link.num_buses(); ++i)
+    if (!link.bus(i).trouble().empty()) troubles.push_back(trouble_of(link, where, rig, i));
+  return troubles;
+}
+
+}  // namespace godobject
