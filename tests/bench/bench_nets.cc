@@ -1,4 +1,5 @@
-// Our step on nets: S6, the tube pressed on a bar, of 100 to 10 000 nodes; and the hanging net, which the peers have, too.
+// Our step on nets: S6, the tube pressed on a bar, of 100 to 10 000 nodes; and S6 hanging, 1024 nodes into which a ball is
+// pressed, with the peers beside it.
 #include <memory>
 
 #include "core/setup.h"
@@ -122,7 +123,7 @@ void run_hanging(benchmark::State& state, const std::string& who, Peer& peer, bo
     }
     known->stretch_error = stretch_error([&](std::uint32_t n) { return peer.node(n); });
   }
-  Row row{.scene = "hanging",
+  Row row{.scene = "S6 hanging",
           .who = who,
           .num_bodies = HangingNet::num_nodes,
           .peer = is_peer,
@@ -146,7 +147,7 @@ void add_hanging(int max_iterations = usual_iterations) {
   const auto known = std::make_shared<std::optional<NetQuality>>();
   std::string who = name_of<S>();
   if (max_iterations != usual_iterations) who = std::to_string(max_iterations) + " it, " + who;
-  add("hanging/" + who, long_scene, [=](benchmark::State& state) {
+  add("S6 hanging/" + who, long_scene, [=](benchmark::State& state) {
     HangingRun<S> run(max_iterations);
     if (!run.is_valid()) return state.SkipWithError("the net is not valid");
     run_hanging(state, who, run, false, *known);
@@ -156,7 +157,7 @@ void add_hanging(int max_iterations = usual_iterations) {
 template <class Make>
 [[maybe_unused]] void add_peer(const std::string& who, const Effort& effort, Make make) {
   const auto known = std::make_shared<std::optional<NetQuality>>();
-  add("hanging/" + who, effort, [=](benchmark::State& state) {
+  add("S6 hanging/" + who, effort, [=](benchmark::State& state) {
     const std::unique_ptr<NetPeer> peer = make();
     run_hanging(state, who, *peer, true, *known);
   });

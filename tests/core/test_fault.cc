@@ -22,7 +22,7 @@ void append(Numbers& all, Quat& q) { all.insert(all.end(), {q.w(), q.x(), q.y(),
 void append(Numbers& all, Pose& X) { append(all, X.p), append(all, X.q); }
 void append(Numbers& all, Twist& V) { append(all, V.w), append(all, V.v); }
 void append(Numbers& all, Wrench& F) { append(all, F.tau), append(all, F.f); }
-void append(Numbers& all, PoseDevice::Input& in) { append(all, in.X_WD), append(all, in.V_WD); }
+void append(Numbers& all, PoseDevice::Input& in) { append(all, in.target.X_WD), append(all, in.target.V_WD); }
 void append(Numbers& all, RelativeDevice::Input& in) { append(all, in.dp_W), append(all, in.dphi_W); }
 void append(Numbers& all, AdmittanceDevice::Input& in) { append(all, in.F_WB); }
 template <int slot>
@@ -31,8 +31,10 @@ void append(Numbers& all, TrBdf2::Memory& x) { append(all, x.a_W), append(all, x
 
 void move(PoseDevice::Input& in, Real t) {
   const Real a = 0.3 * std::sin(3 * t);
-  in.X_WD = {.p = 0.1 * Vec3(std::sin(2 * t), 1, std::cos(t)), .q = Quat(std::cos(a), 0, std::sin(a), 0)};
-  in.V_WD = {.w = Vec3(0, 1.8 * std::cos(3 * t), 0), .v = 0.1 * Vec3(2 * std::cos(2 * t), 0, -std::sin(t))};
+  in.target.X_WD = {.p = 0.1 * Vec3(std::sin(2 * t), 1, std::cos(t)),
+                    .q = Quat(std::cos(a), 0, std::sin(a), 0)};
+  in.target.V_WD = {.w = Vec3(0, 1.8 * std::cos(3 * t), 0),
+                    .v = 0.1 * Vec3(2 * std::cos(2 * t), 0, -std::sin(t))};
 }
 void move(RelativeDevice::Input& in, Real t) {
   in.dp_W = 1e-4 * Vec3(std::sin(t), 1, 0);

@@ -39,7 +39,7 @@ void disturb(Empty&, int) {}
 void disturb(AdmittanceDevice::Input& in, int n) { in.F_WB.f.x() = n % 17; }
 void disturb(RelativeDevice::Input& in, int n) { in.dp_W.x() = n % 1000 == 0 ? std::nan("") : 1e-4; }
 void disturb(PoseDevice::Input& in, int n) {
-  in.X_WD.p.x() = n % 1000 == 0 ? std::nan("") : 1e-3 * (n % 100);
+  in.target.X_WD.p.x() = n % 1000 == 0 ? std::nan("") : 1e-3 * (n % 100);
   in.valid = n % 7 != 0;
   in.engaged = n % 500 > 20;
 }

@@ -14,7 +14,8 @@ RUN_S = 60
 def main():
     program, scene, example = sys.argv[1:]
     with simulated_rig(program, scene) as addresses:
-        result = subprocess.run([example, scene, *addresses.values()], text=True, capture_output=True, timeout=RUN_S)
+        buses = [f"{bus}={address}" for bus, address in addresses.items()]
+        result = subprocess.run([example, scene, *buses], text=True, capture_output=True, timeout=RUN_S)
     print(result.stdout + result.stderr)
     return result.returncode
 

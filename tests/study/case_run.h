@@ -15,8 +15,7 @@ inline Target target_of(const oracle::RigidState& D) {
 
 /// What the devices say at the end of a step in which the target moved from D_0 to D_1.
 inline void set_input(const oracle::RigidState&, const oracle::RigidState& D_1, PoseDevice::Input& in) {
-  const Target target = target_of(D_1);
-  in = {.X_WD = target.X_WD, .V_WD = target.V_WD};
+  in = {.target = target_of(D_1)};
 }
 inline void set_input(const oracle::RigidState& D_0, const oracle::RigidState& D_1,
                       RelativeDevice::Input& in) {

@@ -8,8 +8,8 @@ namespace {
 
 /// Fills in a random sample: poses up to 1 m and half a turn apart from step to step.
 void randomise(Random& random, PoseDevice::Input& in) {
-  in.X_WD = {.p = random.vector(), .q = random.rotation()};
-  in.V_WD = {.w = random.vector(), .v = random.vector()};
+  in.target.X_WD = {.p = random.vector(), .q = random.rotation()};
+  in.target.V_WD = {.w = random.vector(), .v = random.vector()};
 }
 void randomise(Random& random, RelativeDevice::Input& in) {
   in.dp_W = 0.01 * random.vector();

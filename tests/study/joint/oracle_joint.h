@@ -1,7 +1,7 @@
 // The joints of a case of the oracle in the core's terms.
 #pragma once
 
-#include "core/joint/joint.h"
+#include "core/joint/list.h"
 #include "core/math/so3.h"
 #include "tests/oracle/case/case.h"
 

@@ -126,8 +126,8 @@ class Pile : public Running<S> {
   /// The device of body i goes on to p within a step.
   void lead_to(std::size_t i, const Vec3& p_WD) {
     auto& device = this->in.devices[i];
-    device.V_WD.v = (p_WD - device.X_WD.p) / this->par.h;
-    device.X_WD.p = p_WD;
+    device.target.V_WD.v = (p_WD - device.target.X_WD.p) / this->par.h;
+    device.target.X_WD.p = p_WD;
   }
 };
 

@@ -48,7 +48,7 @@ TYPED_TEST_SUITE(HoldingJoints, BothIntegrators);
 TYPED_TEST(HoldingJoints, LiftsALidAndLetsItFall) {
   const auto box = std::make_unique<LiddedBox<TypeParam>>();
   auto& device = box->in.devices[1];
-  device.X_WD.p = Vec3(0.05, 0.01, 0.04);  // anywhere: it is held as it is
+  device.target.X_WD.p = Vec3(0.05, 0.01, 0.04);  // anywhere: it is held as it is
   ASSERT_TRUE(box->run(0.2));
   const Real closed = box->end_of_lid().z();
 
@@ -62,24 +62,24 @@ TYPED_TEST(HoldingJoints, LiftsALidAndLetsItFall) {
 
   // the hand goes up on the circle of the lid's middle
   const Vec3 hinge = Vec3(-brick_half.x(), 0, 2 * brick_half.z());
-  const Vec3 start = box->p(1) - hinge, from = device.X_WD.p;
+  const Vec3 start = box->p(1) - hinge, from = device.target.X_WD.p;
   Real apart = 0;
   const int steps = 400;
   for (int i = 1; i <= steps; ++i) {
     const Real angle = Real(0.8) * i / steps;
     const Eigen::AngleAxis<Real> turn(-angle, Vec3::UnitY());
-    const Quat before = device.X_WD.q;
-    const Vec3 p_before = device.X_WD.p;
+    const Quat before = device.target.X_WD.q;
+    const Vec3 p_before = device.target.X_WD.p;
     // the device is led as if it were fixed on the lid
-    device.X_WD = {.p = hinge + turn * (from - hinge), .q = Quat(turn)};
-    device.V_WD.v = (device.X_WD.p - p_before) / h;
-    const Eigen::AngleAxis<Real> step(device.X_WD.q * before.conjugate());
-    device.V_WD.w = step.axis() * (step.angle() / h);
+    device.target.X_WD = {.p = hinge + turn * (from - hinge), .q = Quat(turn)};
+    device.target.V_WD.v = (device.target.X_WD.p - p_before) / h;
+    const Eigen::AngleAxis<Real> step(device.target.X_WD.q * before.conjugate());
+    device.target.V_WD.w = step.axis() * (step.angle() / h);
     box->step();
     EXPECT_EQ(box->out.fault, Fault::none);
     apart = std::max(apart, box->apart());
   }
-  device.V_WD = {};
+  device.target.V_WD = {};
   ASSERT_TRUE(box->run(0.3));
   const Vec3 held = hinge + Eigen::AngleAxis<Real>(-0.8, Vec3::UnitY()) * start;
   EXPECT_LT((box->p(1) - held).norm(), 5e-4);  // it hangs by its weight

@@ -252,7 +252,7 @@ TEST(TouchingLaws, AHeldBrickIsPlacedOnAnother) {
       pile->add_brick({.X_WB = at(Vec3(0.002, 0.001, 0.03), Vec3(0, 0, 0.1)), .V_WB = {}});
   pile->par.bodies[held].coupling = spring(pile->par.bodies[held].body, 200, 0.05);
   auto& device = pile->in.devices[held];
-  device.X_WD = at(Vec3(0.1, 0.2, 0.3), Vec3(1, 0, 0));
+  device.target.X_WD = at(Vec3(0.1, 0.2, 0.3), Vec3(1, 0, 0));
   device.engaged = true;
   for (int n = 1; n <= 1000; ++n) {
     pile->lead_to(held, Vec3(0.1, 0.2, 0.3 - 0.018 * std::min(n / 800.0, 1.0)));
