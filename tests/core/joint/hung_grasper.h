@@ -182,8 +182,8 @@ class HungGrasper {
     all_->x = {};
     for (std::size_t i = 0; i < 4; ++i) {
       const PoseDevice::Input& D = all_->in.devices[i];
-      place(all_->x, i, Start{.X_WB = D.X_WD, .V_WB = D.V_WD});
-      engage_at(all_->x, i, Target{.X_WD = D.X_WD, .V_WD = D.V_WD});
+      place(all_->x, i, Start{.X_WB = D.target.X_WD, .V_WB = D.target.V_WD});
+      engage_at(all_->x, i, D.target);
     }
   }
   void step() { godobject::step(all_->par, all_->in, all_->x, all_->w, all_->out); }
