@@ -114,10 +114,6 @@ inline bool is_valid(const ContactLaw& law) noexcept {
   return is_gain(law.k) && is_gain(law.c) && is_gain(law.mu) && is_gain(law.k_t) && is_gain(law.c_t) &&
          is_gain(law.push_out) && holds;
 }
-inline bool is_equal(const ContactLaw& a, const ContactLaw& b) noexcept {
-  return a.k == b.k && a.c == b.c && a.mu == b.mu && a.k_t == b.k_t && a.c_t == b.c_t &&
-         a.push_out == b.push_out;
-}
 
 /// Contacts of bodies numbered below num_bodies. on_bodies: surfaces may be, too.
 /// is_there(i): i is the number of a body or node.
@@ -146,7 +142,7 @@ Invalid validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, s
   }
   for (std::size_t a = 0; a < max_materials; ++a)
     for (std::size_t b = 0; b <= a; ++b)
-      if (!is_valid(par.laws[a][b]) || !is_equal(par.laws[a][b], par.laws[b][a])) return Invalid::contact_law;
+      if (!is_valid(par.laws[a][b]) || par.laws[a][b] != par.laws[b][a]) return Invalid::contact_law;
   return Invalid::nothing;
 }
 

@@ -87,7 +87,7 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
     const BodyStage& stage = w.stages[i];
     system.set(i,
                {.ww = stage.A_ww + body.A.ww, .wv = body.A.wv, .vv = Block::identity() * stage.M + body.A.vv},
-               {.w = stage.b_w + body.F.w, .v = stage.b_v + body.F.v});
+               stage.b + body.F);
   });
   w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
     if (!pair.touches) return;

@@ -31,15 +31,7 @@ void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Con
 
 template <class Contacts, std::size_t N, class F>
 void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
-  w.graph.each_body(island, [&](std::uint32_t, const TouchingBody& body) noexcept {
-    for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) f(w.packs[p]);
-  });
-  w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
-    for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) f(w.packs[p]);
-  });
-  if constexpr (Contacts::has_net)
-    if (island.has_net)
-      for (std::size_t p = 0; p < w.net.num_packs; ++p) f(w.net.packs[p]);
+  each_pack(w.x.V, island, w, [&](ContactPack& c, const auto&) noexcept { f(c); });
 }
 
 /// The slope of E along a line in velocities, at t: slope + t curvature with the modes that were solved for, and what

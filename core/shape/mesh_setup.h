@@ -177,7 +177,6 @@ inline MeshReport fill_grid(TriangleMesh& mesh, const MeshStorage& to) noexcept 
   const std::size_t room =
       std::min(to.cell_triangles.size(), std::size_t(std::numeric_limits<std::uint32_t>::max()));
   if (entries > room) return {MeshInvalid::cell_triangles_full, entries};
-  grid.max_in_cell = *std::ranges::max_element(start);
 
   // From counts to the end of each cell, which filling from the back turns into its start.
   for (std::size_t c = 1; c <= cells; ++c) start[c] += start[c - 1];

@@ -4,6 +4,7 @@
 
 #include "tests/articulated/grasper_tool.h"
 #include "tests/articulated/usual_scene.h"
+#include "tests/support/stabilisation.h"
 
 namespace godobject::test_stabilisation {
 namespace {

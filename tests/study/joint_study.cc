@@ -9,6 +9,7 @@
 #include "tests/study/csv_writer.h"
 #include "tests/study/grid.h"
 #include "tests/study/reference_solution.h"
+#include "tests/support/stabilisation.h"
 
 namespace godobject::study {
 namespace {
