@@ -74,7 +74,7 @@ class EnergyBalance {
     energy_ = T + U;
     work_ += W;
     watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
-                   floor + Real(1e-12) * std::abs(energy_), par.h);
+                   floor + gain_rounding * std::abs(energy_), par.h);
   }
 
   Real energy() const noexcept { return energy_; }           // E, J

@@ -16,6 +16,7 @@
 #include "core/joint/joint.h"
 #include "core/math/block.h"
 #include "core/shape/list.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -31,7 +32,6 @@ struct ContactLaw {
   bool operator==(const ContactLaw&) const = default;
 };
 
-inline constexpr std::size_t max_materials = 8;
 using MaterialId = std::uint8_t;  // < max_materials
 
 /// A sphere fixed on a body.

@@ -79,7 +79,7 @@ Real where_flat(Real most, Real enough, Slope slope_at) noexcept {
     } else {
       hi = t;
     }
-    t -= (at.slope + enough / 2) / at.curvature;
+    t -= (at.slope + line_aim * enough) / at.curvature;
     if (!(t > lo && t < hi)) t = lo + (hi - lo) / 2;
   }
   return lo;
@@ -142,11 +142,11 @@ Real scale_velocities(Real h, const Island& island, const System& system,
     Vb.add(x.V[u], b[u]);
   });
   find_leaving(
-      2, island, w, [](const ContactPack&) noexcept { return Pack(0); },
+      max_scale, island, w, [](const ContactPack&) noexcept { return Pack(0); },
       [](const ContactPack& c) noexcept { return c.n.dot(c.v); });
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
-  const Real s =
-      where_flat(2, scale_tolerance * VAV, [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
+  const Real s = where_flat(max_scale, scale_tolerance * VAV,
+                            [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
   system.each([&](auto u) noexcept { x.V[u] = x.V[u] * s; });
   each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
   return largest_left(s, system, w);

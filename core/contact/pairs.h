@@ -107,7 +107,7 @@ struct BodyContactScratch {
   static constexpr std::size_t max_packs = max_pairs > 0 ? max_contacts : max_contacts / 4 + N;
   static constexpr std::size_t room = Contacts::max_blocks > 0 ? Contacts::max_blocks
                                       : max_pairs + max_terms > 0
-                                          ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
+                                          ? std::max(N, std::min(blocks_per_body* N, N*(N - 1) / 2 + 1))
                                           : N;
   static constexpr std::size_t max_entries = std::max<std::size_t>(
       max_pairs + max_terms + (Contacts::jointed ? N : 0) + Contacts::template max_net_pairs<N>, 1);
