@@ -11,26 +11,25 @@ inline Real kinetic_energy(const RigidBodyParams& par, const RigidBodyState& x) 
   return Real(0.5) * (par.m * x.v_W.squaredNorm() + x.w_B.dot(par.I_B * x.w_B));
 }
 
-/// The wrench (2) of the coupling on body i at the end of the last step, and the energy in its spring.
+/// The coupling of a body at the end of the last step.
+struct CouplingAt {
+  SpringParams spring;  // during the ramp
+  Wrench F_WB;          // (2)
+  Real energy = 0;      // in its spring
+};
 template <Scene S>
-Wrench coupling_wrench(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+CouplingAt coupling_at(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
   const BodyState<S>& body = x.bodies[i];
   const Target& target = body.device.last;
   const SpringParams spring = ramped(par.bodies[i].coupling, body.device.ramp.s);
   const Quat& q = body.x.X_WB.q;
   const Vec3 phi_B = rotation_error(q, target.X_WD.q, body.coupling.phi_B).phi_B;
-  return {.tau = spring.g_r * (target.V_WD.w - to_world(q, body.x.w_B)) + spring.k_r * to_world(q, phi_B),
-          .f = spring.g * (target.V_WD.v - body.x.v_W) + spring.k * (target.X_WD.p - body.x.X_WB.p)};
-}
-
-template <Scene S>
-Real coupling_energy(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
-  const BodyState<S>& body = x.bodies[i];
-  const Target& target = body.device.last;
-  const SpringParams spring = ramped(par.bodies[i].coupling, body.device.ramp.s);
-  const Vec3 phi_B = rotation_error(body.x.X_WB.q, target.X_WD.q, body.coupling.phi_B).phi_B;
   const Vec3 e_W = target.X_WD.p - body.x.X_WB.p;
-  return Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm());
+  return {.spring = spring,
+          .F_WB = {.tau = spring.g_r * (target.V_WD.w - to_world(q, body.x.w_B)) +
+                          spring.k_r * to_world(q, phi_B),
+                   .f = spring.g * (target.V_WD.v - body.x.v_W) + spring.k * e_W},
+          .energy = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm())};
 }
 
 }  // namespace godobject

@@ -74,7 +74,7 @@ class EnergyBalance {
     energy_ = T + U;
     work_ += W;
     watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
-                   floor + Real(1e-12) * std::abs(energy_), par.h);
+                   floor + gain_rounding * std::abs(energy_), par.h);
   }
 
   Real energy() const noexcept { return energy_; }           // E, J
@@ -85,34 +85,20 @@ class EnergyBalance {
 
  private:
   /// A body with its coupling at the end of a step.
-  struct Coupled {
+  struct Coupled : CouplingAt {
     bool pulls = false;  // it has a coupling
     Pose X_WB;
     Target target;
-    SpringParams spring;
-    Wrench F_WB;
-    Real energy = 0, s = 0;  // s: of the ramp
+    Real s = 0;  // of the ramp
   };
 
   static Coupled coupled([[maybe_unused]] const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
-    const BodyState<S>& body = x.bodies[i];
-    Coupled c;
     if constexpr (uses<typename S::Coupling>) {
-      const SpringParams& gains = par.bodies[i].coupling;
-      if (!godobject::pulls(gains)) return c;
-      c.pulls = true;
-      c.X_WB = body.x.X_WB;
-      c.target = body.device.last;
-      c.s = body.device.ramp.s;
-      c.spring = ramped(gains, c.s);
-      const Quat& q = body.x.X_WB.q;
-      const Vec3 phi_B = rotation_error(q, c.target.X_WD.q, body.coupling.phi_B).phi_B;
-      const Vec3 e_W = c.target.X_WD.p - body.x.X_WB.p, w_W = to_world(q, body.x.w_B);
-      c.F_WB = {.tau = c.spring.g_r * (c.target.V_WD.w - w_W) + c.spring.k_r * to_world(q, phi_B),
-                .f = c.spring.g * (c.target.V_WD.v - body.x.v_W) + c.spring.k * e_W};
-      c.energy = Real(0.5) * (c.spring.k * e_W.squaredNorm() + c.spring.k_r * phi_B.squaredNorm());
+      const BodyState<S>& body = x.bodies[i];
+      if (godobject::pulls(par.bodies[i].coupling))
+        return {coupling_at(par, x, i), true, body.x.X_WB, body.device.last, body.device.ramp.s};
     }
-    return c;
+    return {};
   }
 
   static Real kinetic(const Params<S>& par, const State<S>& x) noexcept {

@@ -6,22 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/math/types.h"
+#include "core/tuning.h"
 
 namespace godobject {
-
-/// What share of the energy at work a scene may gain within the window, in which numbers are of second order only.
-inline constexpr Real gain_allowed = 0.01;
-/// J, which no hand feels: less is no gain.
-inline constexpr Real gain_floor = 1e-12;
-/// Share of what the springs of nets hold: less is no gain. Their iteration ends at a tolerance, and so do their contacts'
-/// forces: a net that is held pressed moves by it, back and forth.
-inline constexpr Real net_gain_floor = 1e-3;
-/// Steps: what a scene has lost or gained for fewer is no loss and no gain. A step that a blow, or a snap of joints, is too fast
-/// for errs by its order, to either side, and the next ones take it back.
-inline constexpr std::size_t gain_steps = 8;
-/// s, at most: gains that are older are forgotten. At least half of it is remembered.
-inline constexpr Real gain_window = 1;
 
 /// Says when E - W rises. Energy at work: the largest kinetic energy in the window, and the work done in it, by gravity too.
 class GainWatch {

@@ -24,55 +24,27 @@ class Hash {
   void add(const Quat& q) noexcept {
     for (const Real c : {q.w(), q.x(), q.y(), q.z()}) add(c);
   }
-  void add(const Pose& X) noexcept {
-    add(X.p);
-    add(X.q);
-  }
-  void add(const Twist& V) noexcept {
-    add(V.w);
-    add(V.v);
-  }
-  void add(const Wrench& F) noexcept {
-    add(F.tau);
-    add(F.f);
-  }
-  void add(const Target& t) noexcept {
-    add(t.X_WD);
-    add(t.V_WD);
-  }
-  void add(const RigidBodyState& x) noexcept {
-    add(x.X_WB);
-    add(x.v_W);
-    add(x.w_B);
-  }
-  void add(const TrBdf2::Memory& x) noexcept {
-    add(x.a_W);
-    add(x.alpha_B);
-    add(std::uint64_t{x.known});
-  }
-  void add(const RampState& x) noexcept {
-    add(x.s);
-    add(std::uint64_t{x.engaged});
-  }
+  template <class... A>
+  requires(sizeof...(A) > 1) void add(const A&... all) noexcept { (add(all), ...); }
+  void add(const Pose& X) noexcept { add(X.p, X.q); }
+  void add(const Twist& V) noexcept { add(V.w, V.v); }
+  void add(const Wrench& F) noexcept { add(F.tau, F.f); }
+  void add(const Target& t) noexcept { add(t.X_WD, t.V_WD); }
+  void add(const RigidBodyState& x) noexcept { add(x.X_WB, x.v_W, x.w_B); }
+  void add(const TrBdf2::Memory& x) noexcept { add(x.a_W, x.alpha_B, std::uint64_t{x.known}); }
+  void add(const RampState& x) noexcept { add(x.s, std::uint64_t{x.engaged}); }
   void add(const DampedSpring::State& x) noexcept { add(x.phi_B); }
   void add(const LimitedFeedback::State& x) noexcept {
     add(x.F_D);
     if (x.force_then == 0 && x.torque_then == 0) return;  // there was no gap
-    add(x.force_then);
-    add(x.torque_then);
+    add(x.force_then, x.torque_then);
   }
   void add(const DeviceState& x) noexcept {
-    add(x.last);
-    add(x.ramp);
-    add(x.held);
+    add(x.last, x.ramp, x.held);
     if (x.calm == 0) return;  // not after a gap
-    add(x.calm);
-    add(std::uint64_t{x.again});
+    add(x.calm, std::uint64_t{x.again});
   }
-  void add(const HoldingState& x) noexcept {
-    add(static_cast<const DeviceState&>(x));
-    add(x.X_DB);
-  }
+  void add(const HoldingState& x) noexcept { add(static_cast<const DeviceState&>(x), x.X_DB); }
   template <class J>
   requires requires(const J& x) { x.F_C; }
   void add(const J& x) noexcept {
@@ -89,17 +61,12 @@ class Hash {
     add(std::uint64_t{x.size});
     for (std::size_t i = 0; i < x.size; ++i) {
       const ContactMemory& m = x.list[i];
-      add(m.key);
-      for (const Vec3* a : {&m.xi_W, &m.xi_dot_W, &m.F_W, &m.n_W}) add(*a);
-      add(m.e);
-      add(m.pressed);
+      add(m.key, m.xi_W, m.xi_dot_W, m.F_W, m.n_W, m.e, m.pressed);
     }
   }
   template <class Memory>
   void add(const NodeStateOf<Memory>& x) noexcept {
-    add(x.p_W);
-    add(x.v_W);
-    add(x.memory);
+    add(x.p_W, x.v_W, x.memory);
   }
   template <int slot>
   void add(const Absent<slot>&) noexcept {}
@@ -116,12 +83,7 @@ std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
   hash.add(x.tick);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const BodyState<S>& body = x.bodies[i];
-    hash.add(body.x);
-    hash.add(body.memory);
-    hash.add(body.device);
-    hash.add(body.coupling);
-    hash.add(body.feedback);
-    hash.add(body.joint);
+    hash.add(body.x, body.memory, body.device, body.coupling, body.feedback, body.joint);
   }
   hash.add(x.contacts);
   if constexpr (uses<NodesOf<S>>)

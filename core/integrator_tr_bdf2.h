@@ -213,13 +213,13 @@ struct TrBdf2 {
     return {.X_WB = moved<T>(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
   }
 
-  /// h |w| <= max_turn: the gyroscopic term is resolved; 1 / 2 sqrt(I_max / I_min) where a coupling without a damper would
+  /// h |w| <= max_turn: the gyroscopic term is resolved; max_swing / sqrt(I_max / I_min) where a coupling without a damper would
   /// keep what a step gains.
   template <Scene S>
   static bool turn_is_small(const BodyParams<S>& par, const Vec3& w_B, Real h) noexcept {
     Real max_turn = uses<NetOf<S>> ? std::min(par.body.max_turn, max_carrier_turn) : par.body.max_turn;
     if constexpr (uses<typename S::Coupling>) {
-      if (!(par.coupling.g_r > 0) && par.coupling.k_r > 0) max_turn = Real(0.5) / par.body.anisotropy;
+      if (!(par.coupling.g_r > 0) && par.coupling.k_r > 0) max_turn = max_swing / par.body.anisotropy;
     }
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
   }
@@ -245,7 +245,7 @@ struct TrBdf2 {
       const BodyState<S>& y = x.bodies[i];
       const Real h_sq = par.h * par.h;
       smooth = smooth && (y.memory.known || x.tick == 0) && turn_is_small<S>(par.bodies[i], y.x.w_B, par.h) &&
-               4 * h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= 1;
+               h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= max_swing_change * max_swing_change;
       known = known && y.memory.known;
       if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
     }
@@ -260,7 +260,7 @@ struct TrBdf2 {
     bool may = starts_itself<S>;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const RigidBodyParams& body = par.bodies[i].body;
-      may = may && 2 * par.h * body.anisotropy * x.bodies[i].x.w_B.norm() <= 1;
+      may = may && par.h * body.anisotropy * x.bodies[i].x.w_B.norm() <= max_swing;
       if constexpr (uses<typename S::Coupling>) {
         const SpringParams& spring = par.bodies[i].coupling;
         may = may && d * par.h * (spring.g + d * par.h * spring.k) <= body.m;

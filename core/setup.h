@@ -54,8 +54,7 @@ inline RigidBodyParams rigid_body(Real m, const Mat3& I_B) noexcept {
   const Vec3 moments = principal_moments(I_B);
   const Real anisotropy = std::sqrt(moments.z() / moments.x());
   // a body that is nearly a ball may turn farther
-  const Real max_turn =
-      std::max(max_extrapolated_turn / nutation(moments), 2 * max_extrapolated_turn / anisotropy);
+  const Real max_turn = std::max(max_extrapolated_turn / nutation(moments), max_swing / anisotropy);
   return {.m = m, .I_B = I_B, .anisotropy = anisotropy, .max_turn = max_turn};
 }
 
@@ -77,7 +76,7 @@ inline bool is_valid(const FeedbackParams& par) noexcept {
 
 inline bool is_valid(const JointFrame& X) noexcept {
   const Real off = (X.R.transpose() * X.R - Mat3::Identity()).norm() + std::abs(X.R.determinant() - 1);
-  return off <= Real(1e-9) && X.p.sum() - X.p.sum() == 0;
+  return off <= rotation_tolerance && X.p.sum() - X.p.sum() == 0;
 }
 /// turn: the coordinate is an angle.
 inline bool is_valid(const StopParams& par, bool turn) noexcept {
@@ -114,10 +113,6 @@ inline bool is_valid(const ContactLaw& law) noexcept {
   return is_gain(law.k) && is_gain(law.c) && is_gain(law.mu) && is_gain(law.k_t) && is_gain(law.c_t) &&
          is_gain(law.push_out) && holds;
 }
-inline bool is_equal(const ContactLaw& a, const ContactLaw& b) noexcept {
-  return a.k == b.k && a.c == b.c && a.mu == b.mu && a.k_t == b.k_t && a.c_t == b.c_t &&
-         a.push_out == b.push_out;
-}
 
 /// Contacts of bodies numbered below num_bodies. on_bodies: surfaces may be, too.
 /// is_there(i): i is the number of a body or node.
@@ -146,7 +141,7 @@ Invalid validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, s
   }
   for (std::size_t a = 0; a < max_materials; ++a)
     for (std::size_t b = 0; b <= a; ++b)
-      if (!is_valid(par.laws[a][b]) || !is_equal(par.laws[a][b], par.laws[b][a])) return Invalid::contact_law;
+      if (!is_valid(par.laws[a][b]) || par.laws[a][b] != par.laws[b][a]) return Invalid::contact_law;
   return Invalid::nothing;
 }
 
@@ -179,10 +174,10 @@ Invalid validate(const Params<S>& par) noexcept {
     const BodyParams<S>& b = par.bodies[i];
     const Mat3& I = b.body.I_B;
     if (!(b.body.m > 0 && b.body.m - b.body.m == 0)) return Invalid::mass_not_positive;
-    if (!((I - I.transpose()).norm() <= Real(1e-9) * I.norm() && principal_moments(I).x() > 0))
+    if (!((I - I.transpose()).norm() <= symmetry_tolerance * I.norm() && principal_moments(I).x() > 0))
       return Invalid::inertia_not_positive;
     const Vec3 moments = principal_moments(I);
-    if (!(b.body.anisotropy * b.body.anisotropy * moments.x() >= Real(0.999) * moments.z()))
+    if (!(b.body.anisotropy * b.body.anisotropy * moments.x() >= anisotropy_share * moments.z()))
       return Invalid::anisotropy_too_small;
     if (!is_valid(b.coupling) || !is_valid(b.feedback) || !is_valid(b.device)) return Invalid::gain_negative;
     if constexpr (uses<typename S::Joints>) {

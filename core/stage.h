@@ -30,8 +30,7 @@ void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) 
 template <Scene S, class T>
 void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
                  const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
-                 [[maybe_unused]] const Vector3<T>& F_W, Real h, Scratch<S>& w,
-                 Real max_turn = max_predicted_turn) noexcept {
+                 [[maybe_unused]] const Vector3<T>& F_W, Real h, Real max_turn, Scratch<S>& w) noexcept {
   const TreePlaceOf<T> at = place<T>(Vector3<T>::Zero(), predicted(base, h, max_turn));
   const Matrix3<T>& R = at.R_WB;
   const Matrix3<T> A_W = R * rotation.A_B * R.transpose();
@@ -58,7 +57,7 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
     auto& owned = w.contacts.finder.owned[i];
     owned.tree = static_cast<std::uint32_t>(i);
     w.contacts.stages[i] = {
-        .A_ww = {{A_0[j], A_1[j], A_2[j]}}, .M = lane(translation.M, j), .b_w = b_w_W[j], .b_v = b_v_W[j]};
+        .A_ww = {{A_0[j], A_1[j], A_2[j]}}, .M = lane(translation.M, j), .b = {.w = b_w_W[j], .v = b_v_W[j]}};
     w.contacts.x.V[i] = {.w = w_0[j], .v = v_0[j]};
     w.contacts.x.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
     owned.pulled = {.w = w_0[j].vec() - place.V.w, .v = v_0[j].vec() - place.V.v};
@@ -79,7 +78,7 @@ void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
     contacts.finder.owned[u].tree = u;
     contacts.finder.owned[u].pulled = {};
     contacts.stages[u] = {
-        .A_ww = Block::identity(), .M = m, .b_w = Column(Pack(0)), .b_v = Column(Vec3(m * v_W))};
+        .A_ww = Block::identity(), .M = m, .b = {.w = Column(Pack(0)), .v = Column(Vec3(m * v_W))}};
     contacts.x.V[u] = contacts.x.V_0[u] = {.w = Column(Pack(0)), .v = Column(v_W)};
   }
 }
@@ -168,19 +167,15 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
     const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // where the stage starts
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
-    const auto led = [&]() noexcept -> RigidBodyStateOf<T> {
-      return {base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
+    constexpr Real max_turn = which == Solve::again ? max_iterated_turn : max_predicted_turn;
+    const auto led = [&]() noexcept -> decltype(auto) {
+      if constexpr (which != Solve::again) return (base);
+      else return RigidBodyStateOf<T>{base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
     };
     if constexpr (uses<ContactsOf<S>>) {
-      if constexpr (which == Solve::again)
-        load_bodies(par, g, led(), translation, rotation, F_0, h, w, max_iterated_turn);
-      else load_bodies(par, g, base, translation, rotation, F_0, h, w);
+      load_bodies(par, g, led(), translation, rotation, F_0, h, max_turn, w);
     } else if constexpr (uses<typename S::Joints>) {
-      if constexpr (which == Solve::again) {
-        load(par, g, led(), translation, rotation, F_0, h, w.tree, max_iterated_turn);
-      } else {
-        load(par, g, base, translation, rotation, F_0, h, w.tree);
-      }
+      load(par, g, led(), translation, rotation, F_0, h, max_turn, w.tree);
     } else {
       w.velocities[g] = {.v_W = translation.b_W * T(1 / translation.M),
                          .w_B = solve3<T>(rotation.A_B, rotation.b_B)};

@@ -1,7 +1,9 @@
 // Every number of the solver that physics does not give: what it means, its unit, and what chose it.
 //
-// A scene's own numbers (stiffness, push_out, limits, capacities) are its parameters and not here. To change one of
-// these, change it here and run the tests named beside it; all of them draw their cases at random.
+// A scene's own numbers (stiffness, push_out, limits, capacities) are its parameters and not here, nor are those of
+// mathematics: pi, coefficients of schemes and polynomials. To change one of these, change it here and run the tests named beside
+// it, which draw their cases at random. Where no sweep chose a number, its comment says what it follows from.
+// tests/docs/check_tuning.py refuses others elsewhere in core.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +12,19 @@
 
 namespace godobject {
 
-// The second-order scheme (core/integrator_tr_bdf2.h).
+// How a body turns in a stage (core/body, core/math/rotation_error.h), and the second-order scheme
+// (core/integrator_tr_bdf2.h).
+
+/// rad, of h |w| sqrt(I_max / I_min): beyond it a stage takes less of Newton's gyroscopic term. No choice but the end of the proof,
+/// docs/theory/stage.md: with more, that term could do work. What TR-BDF2 does not damp, or does not know the acceleration of,
+/// is of second order up to it. tests/core/test_stability.cc.
+inline constexpr Real max_swing = 0.5;
+/// rad, of h^2 |w'|: a step that begins with a change of more in its turn is taken as implicit Euler stages. As max_swing, without a
+/// sweep of its own.
+inline constexpr Real max_swing_change = 0.5;
+/// (16), |cos(alpha / 2)|: nearer than that to the half turn an attitude error keeps its side. 0.1 rad: more than a tracked hand
+/// trembles, and a side that is kept holds 6 % more energy than the shorter one at most (docs/theory/stage.md). No sweep.
+inline constexpr Real half_turn_band = 0.05;
 
 /// rad: a step in which a body, or its angular velocity, turns farther is taken as implicit Euler stages: an extrapolation
 /// along a straight line means nothing. tests/core/test_stability.cc; docs/decisions/045.
@@ -24,13 +38,14 @@ inline constexpr Real max_carrier_turn = 0.1;
 /// rad: a stage that turns a body farther has its joints and contacts where it starts. tests/articulated, spins to
 /// 10 000 rad/s.
 inline constexpr Real max_predicted_turn = 0.5;
-/// (39), of the distance from the joint: what turns may leave a joint violated by before a stage is iterated, how often it
-/// is, and in how many parts it is taken where that does not do: more by this factor each time. The farthest turn, rad, in
-/// an iteration. tests/core/joint/test_heavy_ends.cc.
+/// (39), of the distance from the joint: what turns may leave a joint violated by before a stage is iterated. This and the next
+/// four: tests/core/joint/test_heavy_ends.cc; docs/decisions/035.
 inline constexpr Real max_bend = 1e-5;
+/// How often a stage is iterated, and in how many parts it is taken where that does not do: more by this factor each time.
 inline constexpr int max_joint_iterations = 8, part_ratio = 4, max_parts = 16;
+/// rad: the farthest turn in an iteration.
 inline constexpr Real max_iterated_turn = 3;
-/// After more of these iterations TR-BDF2 forgets its acceleration. The same tests, heavy ends.
+/// After more of these iterations TR-BDF2 forgets its acceleration.
 inline constexpr int max_calm_iterations = 1;
 /// rad, and of the lever: a joint that is farther apart where a step starts lets its stages be solved once.
 inline constexpr Real max_apart = 1e-4;
@@ -69,9 +84,10 @@ inline constexpr Real same_normal = 0.995;
 /// The sine between edges below which they are parallel.
 inline constexpr Real min_edge_sine = 0.01;
 
-/// What moves farther in a stage than it is large is swept: steps of its way, and what is in touch, of the radius or of the
-/// reach of edges. tests/core/contact/test_tunnelling.cc.
+/// What moves farther in a stage than it is large is swept, in so many steps of its way at most. tests/core/contact/test_tunnelling.cc,
+/// with the next two.
 inline constexpr int max_advances = 32;
+/// What is in touch there: of the radius of a sphere, and of the reach of edges.
 inline constexpr Real sweep_tolerance = 0.01, edge_touch = 0.2;
 /// Share of the thinnest half extent: boxes that are deeper in each other are sunk, and part along one axis.
 /// test_touching_overlap.cc, sunk pairs.
@@ -87,6 +103,18 @@ inline constexpr Real max_relaxation = 30;
 /// winds up. Against the world it falls on. test_touching_overlap.cc.
 inline constexpr Real max_pushed_steps = 3;
 
+// Room: what is fixed for all scenes.
+
+/// Blocks beside the diagonal for each body or node of a scene's capacity, where it says no number: those of the bricks of S4 in a
+/// heap; what has no room is iterated (28). docs/decisions/022; with a tenth of it: test_few_blocks.cc.
+inline constexpr std::size_t blocks_per_body = 8;
+/// Pairs of bodies, for each body, of which the nodes that one carries touch the other: without a place a pair is left to the
+/// iteration. A net is held by two jaws and lies on one or two bodies more; no sweep.
+inline constexpr std::size_t net_pairs_per_body = 4;
+
+/// Materials of a scene, with a law for each two: tissues, an instrument's parts and the table. 64 laws are 3 kB.
+inline constexpr std::size_t max_materials = 8;
+
 // Newton's method over the modes of contacts (29).
 
 /// With fewer some piles gain energy. Bodies on joints need twice as many: what joints take back (18) presses stiff
@@ -97,6 +125,11 @@ inline constexpr int max_newton_iterations = 16, max_newton_iterations_on_joints
 inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;
 /// Steps of either search: each halves the interval at worst.
 inline constexpr int max_line_steps = 16;
+/// Share of what may be left that a step of either search aims at: so rounding does not leave it above. No sweep: the middle.
+inline constexpr Real line_aim = 0.5;
+/// The multiple of V up to which the least E is sought: with the modes as they were solved for it is at 1, and a search that ends here is
+/// taken up by the next iteration. No sweep.
+inline constexpr Real max_scale = 2;
 
 /// How far friction is sought: iterations by tangents (25), then by secants (24); the rest leave it as it is, which cannot
 /// drive. The tolerances are parts of the largest normal force.
@@ -108,6 +141,7 @@ struct FrictionAgainstTheWorld {
   static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
   static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
 };
+/// The same among bodies, without tangents.
 struct FrictionAmongBodies {
   static constexpr bool tangents = false;
   static constexpr int by_tangent = 0, by_secant = 5;
@@ -153,5 +187,60 @@ inline constexpr Real max_given_back = 0.05;
 inline constexpr Real velocity_tolerance = 1e-3;
 /// Iterations of conjugate gradients in a Newton iteration: few while friction is still sought.
 inline constexpr int max_iterations_seeking = 3, max_iterations = 8;
+/// A Newton iteration of a system with nets may take one in so many of the iterations that are left: contacts may leave their modes,
+/// and the next one is to have some. tests/core/net/test_stability.cc.
+inline constexpr int iteration_parts = 2;
+/// (45)  With less than this share of V^T A V in its deformation a net moves with its carrier but for rounding.
+inline constexpr Real least_deforming = 1e-12;
+
+// Gaps in a device's samples (core/device). tests/core/contact/test_sample_gaps.cc; docs/decisions/026.
+
+/// Steps without a valid sample that are bridged: the target goes on as it moved. What a late answer or a spike costs.
+inline constexpr int bridged_steps = 3;
+/// s after a longer gap in which the feedback does not grow, at least (the ramp, if that takes longer), and in which it
+/// then grows: what the softest of the swept couplings takes to catch up.
+inline constexpr Real quiet_after_gap = 0.25, growth_after_gap = 0.25;
+/// s: a gap of up to so many leaves what the device held where it had it in the hand, which has gone no farther than the ramp makes
+/// good.
+inline constexpr Real grip_lasts = 0.1;
+/// After a gap that was bridged the feedback may not grow for this many times the gap: meanwhile what the bridge was off
+/// by dies down in the coupling, to 3 % of it.
+inline constexpr Real calm_per_gap = 30;
+
+// The balance of energy (38). tests/platform/session/test_energy_gained.cc, test_attack_scenes.cc,
+// tests/core/contact/test_energy_of_contacts.cc; docs/decisions/039, 053.
+
+/// Share of the energy at work that a scene may gain within the window, in which numbers are of second order only.
+inline constexpr Real gain_allowed = 0.01;
+/// J, which no hand feels; and the share of E that it is rounded by: less is no gain.
+inline constexpr Real gain_floor = 1e-12, gain_rounding = 1e-12;
+/// Share of what the springs of nets hold: less is no gain. Their iteration ends at a tolerance, and so do their contacts'
+/// forces: a net that is held pressed moves by it, back and forth. tests/core/net/test_stability.cc.
+inline constexpr Real net_gain_floor = 1e-3;
+/// Steps: what a scene has lost or gained for fewer is no loss and no gain. A step that a blow, or a snap of joints, is too fast
+/// for errs by its order, to either side, and the next ones take it back.
+inline constexpr std::size_t gain_steps = 8;
+/// s, at most: gains that are older are forgotten. At least half of it is remembered.
+inline constexpr Real gain_window = 1;
+
+// What differs from what it should be by rounding alone: checks of parameters and inputs, and geometry. These are far above the
+// rounding of a double and far below what a hand or a solver feels; no sweep has chosen one.
+
+/// The square of a quaternion's length may be so far from 1, in a scene and in a sample: its length by half of it.
+inline constexpr Real unit_tolerance = 1e-6, sample_unit_tolerance = 2e-6;
+/// A joint's frame may be so far from a rotation, and of an inertia this share not symmetric.
+inline constexpr Real rotation_tolerance = 1e-9, symmetry_tolerance = 1e-9;
+/// The share of I_max / I_min that the square of a body's anisotropy is at least.
+inline constexpr Real anisotropy_share = 0.999;
+/// Two axes are opposite where 1 + z . u is less.
+inline constexpr Real opposite_axes = 1e-12;
+/// m: shorter vectors have no direction, since their squares leave the range of normal numbers.
+inline constexpr Real min_length = 1e-150;
+/// A share of a triangle's size: nearer than that to it, the direction from its nearest point is rounding error.
+inline constexpr Real touching_triangle = 1e-12;
+/// Triangles of less height than this share of their longest edge are none; sums of unit normals that are shorter cancel each other.
+inline constexpr Real degenerate_height = 1e-9, cancelled_normals = 1e-9;
+/// The square of the radius of the sphere round a cell, in edges of the cell: (sqrt(3) / 2)^2, and what is rounded.
+inline constexpr Real cell_radius_sq = 0.75001;
 
 }  // namespace godobject

@@ -72,7 +72,8 @@ RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const Sp
   const T hk = h * spring.k_r;
 
   // rho h |w| sqrt(I_max / I_min) <= 1/2
-  const T swing_sq = 4 * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm();
+  const T swing_sq =
+      1 / (max_swing * max_swing) * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm();
   const T rho = select(swing_sq <= 1, T(1), T(1 / swing_sq));
   const Vector3<T> hw = T(rho * h) * w_B;
 

@@ -87,7 +87,7 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
     const BodyStage& stage = w.stages[i];
     system.set(i,
                {.ww = stage.A_ww + body.A.ww, .wv = body.A.wv, .vv = Block::identity() * stage.M + body.A.vv},
-               {.w = stage.b_w + body.F.w, .v = stage.b_v + body.F.v});
+               stage.b + body.F);
   });
   w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
     if (!pair.touches) return;
@@ -147,10 +147,10 @@ struct Solving {
   int most_iterations = 0;              // in all Newton iterations
   Real tolerance = velocity_tolerance;  // m/s
 
-  /// In the next Newton iteration, after so many: half of what is left, as contacts may leave their modes.
+  /// In the next Newton iteration, after so many: a part of what is left, as contacts may leave their modes.
   int allowed(int iterations) const noexcept {
     const int left = most_iterations - iterations;
-    return has_contacts ? (left + 1) / 2 : left;
+    return has_contacts ? (left + iteration_parts - 1) / iteration_parts : left;
   }
 };
 

@@ -16,6 +16,7 @@
 #include "core/joint/joint.h"
 #include "core/math/block.h"
 #include "core/shape/list.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -27,9 +28,10 @@ struct ContactLaw {
   Real k_t = 0;          // N/m, of a contact point that sticks
   Real c_t = 0;          // N s/m; k_t and c_t are not both zero where mu is not
   Real push_out = 0.05;  // m/s, depenetration velocity: the rest penetration is relaxed at it
+
+  bool operator==(const ContactLaw&) const = default;
 };
 
-inline constexpr std::size_t max_materials = 8;
 using MaterialId = std::uint8_t;  // < max_materials
 
 /// A sphere fixed on a body.

@@ -22,7 +22,7 @@ void begin_terms(const typename Contacts::Terms::Params& par, Real h,
         if constexpr (Contacts::jointed) w_W -= w.graph.joints.V_p[u].w;
         const Block K = block_of(lever_stiffness<Real>(r.vec(), h * h * F.vec()));
         w.stages[u].A_ww += K;
-        w.stages[u].b_w += K * w_W;
+        w.stages[u].b.w += K * w_W;
       });
       if constexpr (Contacts::jointed) kind.shift(w.graph.joints.V_p, stage);
       w.graph.terms[w.graph.num_terms++] = {stage.ends};

@@ -18,17 +18,13 @@ struct OnJoints : Contacts {
   static constexpr bool jointed = true;
 };
 
-/// What a stage is told of the joints, and what it says of them. Scratch: undefined between steps.
+/// The joints of bodies that touch, in a stage. Scratch: undefined between steps.
 template <std::size_t N, class Joints>
-struct TouchingJoints {
+struct TouchingJoints : JointsInStage<N, Joints> {
   struct Node {
     Wrench F_C;
   };
   std::array<Node, N> nodes;
-  std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
-  bool is_stiff =
-      false;  // a stop or a force of a joint may have turned something round within the last stage
-  bool stop_acts = false;  // a coordinate was within a stop in the last stage
 };
 
 /// The same with its anchor at a_W.
@@ -125,60 +121,41 @@ JointTwists set_edge(const typename Joints::Params& par, const Led& led, std::si
   using Stabilisation = typename Joints::Stabilisation;
   static_assert(!Stabilisation::uses_base, "bodies that touch have their joints at the prediction");
   JointTwists twists;
-  with_joint(par.kind, [&](auto kind) {
-    using Kind = decltype(kind);
-    const auto with_motion = [&](const auto& m) noexcept {
-      const Twist beta = Stabilisation::beta(m, now.V, par.C.p.squaredNorm(), h), V_across = across(m, now.V);
-      set_axes(m, edge);
-      if constexpr (uses<typename Joints::Stops>) {
-        if constexpr (requires { Kind::coordinates(now.X); })
-          set_stops(par.stop.stops, m, Kind::coordinates(now.X), beta, h, edge);
-      }
-      twists = {.across = across(m, beta), .along = {.w = now.V.w - V_across.w, .v = now.V.v - V_across.v}};
-    };
-    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(now.X, led[i]); }) {
-      if (par.lead.imposed) return with_motion(FixedJoint::motion(Kind::at(now.X, led[i])));
+  with_motion<Joints>(par, led, i, [&]([[maybe_unused]] auto kind, auto motion) noexcept {
+    const auto m = motion(now.X);
+    const Twist beta = Stabilisation::beta(m, now.V, par.C.p.squaredNorm(), h), V_across = across(m, now.V);
+    set_axes(m, edge);
+    if constexpr (uses<typename Joints::Stops>) {
+      if constexpr (requires { kind.coordinates(now.X); })
+        set_stops(par.stop.stops, m, kind.coordinates(now.X), beta, h, edge);
     }
-    with_motion(Kind::motion(now.X));
+    twists = {.across = across(m, beta), .along = {.w = now.V.w - V_across.w, .v = now.V.v - V_across.v}};
   });
   return twists;
 }
 
-/// (21), (40)  Into the stages of the bodies of joint i, w_P the parent's predicted angular velocity. touched: something
-/// bore a contact in the step before. What joints bear jumps then, and the pull along their levers alone is taken.
+/// (21), (40)  Into the stages of the bodies of joint i, V_P the parent's predicted twist. touched: something bore a contact in
+/// the step before. What joints bear jumps then, and the pull along their levers alone is taken.
 template <class Contacts, std::size_t N>
-void stiffen(JointKind kind, std::size_t i, const Vec3& w_P, const Wrench& F_C, Real h, bool touched,
+void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Wrench& F_C, Real h, bool touched,
              bool& is_stiff, BodyContactScratch<Contacts, N>& w) noexcept {
   const auto& all = w.graph.joints;
   const JointEdge& edge = all.edges[i];
   const bool hangs = edge.on_body();
   const Column d = hangs ? edge.a_W - all.edges[edge.parent].a_W : Column(Pack(0));
+  BodyStage &child = w.stages[i], &parent = w.stages[hangs ? edge.parent : i];
   if (touched) {
     if (!hangs) return;
-    BodyStage& parent = w.stages[edge.parent];
     const Block K = pull_stiffness(d, -h * h * F_C.f);
     parent.A_ww += K;
-    parent.b_w += K * Column(w_P);
+    parent.b.w += K * Column(V_P.w);
     return;
   }
-  const Vec3 r = (all.p[i] - edge.a_W).vec();
-  BodyStage& child = w.stages[i];
-  const Real A_child = mean_of(child.A_ww),
-             A_parent = hangs ? mean_of(w.stages[edge.parent].A_ww) : std::numeric_limits<Real>::max();
-  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return;
+  const StiffenedBody<Real> on_child{child.A_ww, child.M, child.b, w.finder.at[i].V},
+      on_parent{parent.A_ww, parent.M, parent.b, V_P};
   with_joint(kind, [&](auto of_kind) noexcept {
-    using Motion = decltype(of_kind.motion(JointFrames{}));
-    const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, child.M);
-    is_stiff |= K.is_stiff;
-    const TreePlace& at = w.finder.at[i];
-    child.A_ww += Block::identity() * K.turn;
-    child.M += K.shift;
-    child.b_w += Column(at.V.w) * K.turn;
-    child.b_v += Column(at.V.v) * K.shift;
-    if (!hangs) return;
-    BodyStage& parent = w.stages[edge.parent];
-    parent.A_ww += K.parent;
-    parent.b_w += K.parent * Column(w_P);
+    stiffen<decltype(of_kind.motion(JointFrames{}))>(d, (all.p[i] - edge.a_W).vec(), F_C, h, hangs, on_parent,
+                                                     on_child, is_stiff);
   });
 }
 
@@ -205,10 +182,10 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
     all.joined[parent] = true;
     w.finder.owned[i].tree = w.finder.owned[parent].tree;
   }
-  stiffen(par.bodies[i].joint.kind, i, P.V.w, F_C, h, touched, tree.is_stiff, w);
+  stiffen(par.bodies[i].joint.kind, i, P.V, F_C, h, touched, tree.is_stiff, w);
   each_stop(i, all, [&](const SpatialVector& F) noexcept {
-    add_impulse(F, w.stages[i]);
-    if (edge.on_body()) add_impulse(moved_wrench(F, all.p[i] - all.p[parent]) * -1, w.stages[parent]);
+    w.stages[i].b += F;
+    if (edge.on_body()) w.stages[parent].b -= moved_wrench(F, all.p[i] - all.p[parent]);
   });
 }
 
@@ -243,7 +220,7 @@ void begin_joints(const Params<S>& par, const State<S>& x, bool first, Real h,
       begin_joint(par, i, first ? x.bodies[i].joint.F_C : Wrench(tree.nodes[i].F_C), x.contacts.size > 0, h,
                   tree, w);
   for (std::size_t i = 0; i < num_bodies(par); ++i)
-    if (all.joined[i]) add_impulse(times(w.stages[i], all.V_p[i]) * -1, w.stages[i]);
+    if (all.joined[i]) w.stages[i].b -= times(w.stages[i], all.V_p[i]);
 }
 
 /// The contact points of an island begin with the velocities of V.
@@ -270,8 +247,8 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     if (!all.joined[i]) continue;
     const BodyStage& stage = w.stages[i];
     const Wrench& on_contacts = w.wrenches[i];
-    F[i] = times(stage, w.x.V[i]) - SpatialVector{.w = stage.b_w + Column(on_contacts.tau) * h,
-                                                  .v = stage.b_v + Column(on_contacts.f) * h};
+    F[i] = times(stage, w.x.V[i]) -
+           (stage.b + SpatialVector{.w = Column(on_contacts.tau), .v = Column(on_contacts.f)} * h);
     if (all.edges[i].kind == JointKind::free) continue;
     for (std::size_t k = 0; k < 2; ++k) {
       const Real D = all.edges[i].stop_D[k];

@@ -31,15 +31,7 @@ void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Con
 
 template <class Contacts, std::size_t N, class F>
 void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
-  w.graph.each_body(island, [&](std::uint32_t, const TouchingBody& body) noexcept {
-    for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) f(w.packs[p]);
-  });
-  w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
-    for (std::uint32_t p = pair.first_pack; p < pair.end_pack; ++p) f(w.packs[p]);
-  });
-  if constexpr (Contacts::has_net)
-    if (island.has_net)
-      for (std::size_t p = 0; p < w.net.num_packs; ++p) f(w.net.packs[p]);
+  each_pack(w.x.V, island, w, [&](ContactPack& c, const auto&) noexcept { f(c); });
 }
 
 /// The slope of E along a line in velocities, at t: slope + t curvature with the modes that were solved for, and what
@@ -87,7 +79,7 @@ Real where_flat(Real most, Real enough, Slope slope_at) noexcept {
     } else {
       hi = t;
     }
-    t -= (at.slope + enough / 2) / at.curvature;
+    t -= (at.slope + line_aim * enough) / at.curvature;
     if (!(t > lo && t < hi)) t = lo + (hi - lo) / 2;
   }
   return lo;
@@ -150,11 +142,11 @@ Real scale_velocities(Real h, const Island& island, const System& system,
     Vb.add(x.V[u], b[u]);
   });
   find_leaving(
-      2, island, w, [](const ContactPack&) noexcept { return Pack(0); },
+      max_scale, island, w, [](const ContactPack&) noexcept { return Pack(0); },
       [](const ContactPack& c) noexcept { return c.n.dot(c.v); });
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
-  const Real s =
-      where_flat(2, scale_tolerance * VAV, [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
+  const Real s = where_flat(max_scale, scale_tolerance * VAV,
+                            [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
   system.each([&](auto u) noexcept { x.V[u] = x.V[u] * s; });
   each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
   return largest_left(s, system, w);

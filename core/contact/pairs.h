@@ -60,15 +60,11 @@ struct WithNet : Contacts {
 struct BodyStage {
   Block A_ww;
   Real M = 0;
-  Column b_w, b_v;
+  SpatialVector b;
 };
 
 inline SpatialVector times(const BodyStage& stage, const SpatialVector& V) noexcept {
   return {.w = stage.A_ww * V.w, .v = V.v * stage.M};
-}
-inline void add_impulse(const SpatialVector& F, BodyStage& stage) noexcept {
-  stage.b_w += F.w;
-  stage.b_v += F.v;
 }
 
 /// Near contacts [first, end) of a pair of bodies, or of a body and the world.
@@ -111,7 +107,7 @@ struct BodyContactScratch {
   static constexpr std::size_t max_packs = max_pairs > 0 ? max_contacts : max_contacts / 4 + N;
   static constexpr std::size_t room = Contacts::max_blocks > 0 ? Contacts::max_blocks
                                       : max_pairs + max_terms > 0
-                                          ? std::max(N, std::min(8 * N, N*(N - 1) / 2 + 1))
+                                          ? std::max(N, std::min(blocks_per_body* N, N*(N - 1) / 2 + 1))
                                           : N;
   static constexpr std::size_t max_entries = std::max<std::size_t>(
       max_pairs + max_terms + (Contacts::jointed ? N : 0) + Contacts::template max_net_pairs<N>, 1);
@@ -219,6 +215,32 @@ struct GroupLaw {
   }
 };
 
+/// (24) of a near contact, in lane j of a pack, r from where the velocity of what it is of is taken. side: -1 where that is its b.
+/// Inlined: a call passes what it begins with through memory.
+template <std::size_t max_contacts, class Contacts, std::size_t N>
+[[gnu::always_inline]] inline BegunContact begin_contact(const NearContact& near, const GroupLaw& law,
+                                                         bool on_world, Real side, const Vec3& r, Real h,
+                                                         Recall<max_contacts>& of_step,
+                                                         Recall<max_contacts>& of_stage,
+                                                         BodyContactScratch<Contacts, N>& w,
+                                                         ContactPack& pack, std::size_t j) noexcept {
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
+  const Real d_0 = near.d + h * near.v_n;
+  const BegunContact begun = recalled(
+      *law.of, w.stage, of_step.find(near.key), w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
+      {.d_0 = d_0,
+       .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
+       .max_relaxed = Contacts::between_bodies ? law.max_relaxed : infinity,
+       .most = on_world ? infinity : law.most(w.stage),
+       .max_stored_penetration = law.max_stored_penetration});
+  w.report.found += begun.found;
+  const Vec3 n_W = side * near.n_W;
+  set_contact(law.stage, begun.e, d_0, r, n_W, side * begun.xi_W, pack, j);
+  set_lane(pack.F, j, n_W * foreseen(begun, pack.F_0[j] - pack.eta_n[j] * near.v_n));
+  return begun;
+}
+
 /// (24) of a group of near contacts, four to a pack, from pack `first` on.
 template <class Contacts, std::size_t N>
 std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
@@ -229,29 +251,13 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
   const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
   const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
   const Vec3& p_W = w.finder.at[one.a].p_W;
-  constexpr Real infinity = std::numeric_limits<Real>::infinity();
-  const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
   GroupLaw law(law_of(par, one), m, h);
   std::uint32_t n = 0;
   for (std::uint32_t i = group.first; i < group.end; ++i, ++n) {
     const NearContact& near = w.near.list[i];
     if (const ContactLaw& its = law_of(par, near); &its != law.of) law = GroupLaw(its, m, h);
-    const Real d_0 = near.d + h * near.v_n;
-    const BegunContact& begun = w.begun[i] =
-        recalled(*law.of, w.stage, of_step.find(near.key),
-                 w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
-                 {.d_0 = d_0,
-                  .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
-                  .max_relaxed = Contacts::between_bodies ? law.max_relaxed : infinity,
-                  .most = on_world ? infinity : law.most(w.stage),
-                  .max_stored_penetration = law.max_stored_penetration});
-    w.report.found += begun.found;
-    ContactPack& pack = w.packs[first + n / 4];
-    const std::size_t j = n % 4;
-    const Real side = near.a == one.a ? 1 : -1;
-    const Vec3 n_W = side * near.n_W;
-    set_contact(law.stage, begun.e, d_0, near.p_W - p_W, n_W, side * begun.xi_W, pack, j);
-    set_lane(pack.F, j, n_W * foreseen(begun, pack.F_0[j] - pack.eta_n[j] * near.v_n));
+    w.begun[i] = begin_contact(near, law, on_world, near.a == one.a ? 1 : -1, near.p_W - p_W, h, of_step,
+                               of_stage, w, w.packs[first + n / 4], n % 4);
   }
   for (; n % 4 != 0; ++n) put_nothing(w.packs[first + n / 4], n % 4);
   return first + n / 4;

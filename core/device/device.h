@@ -10,19 +10,9 @@
 #include "core/body/target.h"
 #include "core/fault.h"
 #include "core/scene.h"
+#include "core/tuning.h"
 
 namespace godobject {
-
-/// Steps without a valid sample that are bridged: the target goes on as it moved.
-inline constexpr int bridged_steps = 3;
-/// s after a longer gap in which the feedback does not grow, at least (the ramp, if that takes longer), and in which it
-/// then grows.
-inline constexpr Real quiet_after_gap = 0.25, growth_after_gap = 0.25;
-/// A gap of up to so many s leaves what the device held where it had it in the hand.
-inline constexpr Real grip_lasts = 0.1;
-/// After a gap that was bridged the feedback may not grow for this many times the gap: meanwhile what the bridge was off
-/// by dies down in the coupling.
-inline constexpr Real calm_per_gap = 30;
 
 struct RampParams {
   Real rise = 0.5;  // s from engaging to full coupling; 0: at once

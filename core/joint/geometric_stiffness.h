@@ -10,8 +10,7 @@
 #include <limits>
 
 #include "core/joint/joint.h"
-#include "core/math/block.h"
-#include "core/math/simd4.h"
+#include "core/math/spatial.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -114,6 +113,37 @@ inline bool is_felt(const Column& d, const Vec3& r, const Wrench& F_C, Real h, R
   return hh * hh *
              std::max(F_C.f.squaredNorm() * std::max(dot(d, d), r.squaredNorm()), F_C.tau.squaredNorm()) >
          A * A;
+}
+
+/// A body of a joint in its stage, about its anchor or centre of mass. Mass: a number, or a block.
+template <class Mass>
+struct StiffenedBody {
+  Block& A_ww;
+  Mass& A_vv;
+  SpatialVector& b;
+  const Twist& V;  // predicted
+};
+inline Real mean_of(Real M) noexcept { return M; }
+inline void add_to_all(Real shift, Real& M) noexcept { M += shift; }
+inline void add_to_all(Real shift, Block& A) noexcept { A += Block::identity() * shift; }
+
+/// (21), (40)  Into the stages of a joint's bodies: A is that much more than it would be, and b as much as that where the
+/// velocities are those predicted. hangs: on a parent, not on the world.
+template <class Motion, class Mass>
+void stiffen(const Column& lever, const Vec3& r, const Wrench& F_C, Real h, bool hangs,
+             const StiffenedBody<Mass>& parent, const StiffenedBody<Mass>& child, bool& is_stiff) noexcept {
+  const Column d = hangs ? lever : Column(Pack(0));
+  const Real A_child = mean_of(child.A_ww),
+             A_parent = hangs ? mean_of(parent.A_ww) : std::numeric_limits<Real>::max();
+  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return;
+  const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, mean_of(child.A_vv));
+  is_stiff |= K.is_stiff;
+  child.A_ww += Block::identity() * K.turn;
+  add_to_all(K.shift, child.A_vv);
+  child.b += {.w = Column(child.V.w) * K.turn, .v = Column(child.V.v) * K.shift};
+  if (!hangs) return;
+  parent.A_ww += K.parent;
+  parent.b.w += K.parent * Column(parent.V.w);
 }
 
 }  // namespace godobject

@@ -30,7 +30,8 @@ inline Vec3 left(const Vec3& g, Real most) noexcept {
 /// (18)  L V+ = L V^ - g / h, all of it at the pose the stage is predicted to end at: dead-beat, and second order.
 /// A joint that is far apart comes together over some stages, since a stage that turns a body far is linear in vain.
 struct AtPrediction {
-  static constexpr bool uses_base = false;
+  static constexpr bool uses_base =
+      false;  // others ask where the stage starts: tests/support/stabilisation.h
 
   /// lever_sq: zero for an anchor in the centre of mass, which turns nothing.
   template <class M>
@@ -47,26 +48,5 @@ struct AtPrediction {
     return {.w = V_hat.w - e.w * (1 / h), .v = V_hat.v - e.v * (1 / h)};
   }
 };
-
-/// (5) at acceleration level, g'' = -(a / h) g' - (b / h^2) g with g and g' where the stage starts, a = A / 100. The
-/// velocity products of g'' are in L at the predicted pose:  L^ V+ = (1 - a) L V - (b / h) g.
-template <int A, int B>
-struct Baumgarte {
-  static constexpr bool uses_base = true;
-  static constexpr Real a = Real(A) / 100, b = Real(B) / 100;
-
-  template <class M>
-  static Twist beta(const M&, const Twist&, Real h, const M& base, const Twist& V_base) noexcept {
-    const Twist V = across(base, V_base);
-    return {.w = (1 - a) * V.w - base.e_w * (b / h), .v = (1 - a) * V.v - base.e_v * (b / h)};
-  }
-};
-
-/// (5) as the paper has it, g'' + (2/h) g' + g/h^2 = 0, with g and g' of the new state: the error halves each step.
-using BaumgarteImplicit = Baumgarte<75, 25>;
-/// The same with g and g' of the old state, positions advanced by the new velocity: diverges, always. For studies.
-using BaumgarteDiverging = Baumgarte<200, 100>;
-/// Velocity level where the stage starts: L V+ = -g / h.
-using AtBase = Baumgarte<100, 100>;
 
 }  // namespace godobject

@@ -45,6 +45,20 @@ struct TreeJoints {
   };
 };
 
+/// f(kind, motion) of joint i: motion(X) is what it allows at frames X, which is nothing where the device leads it.
+template <class Joints, class Led, class F>
+void with_motion(const typename Joints::Params& par, [[maybe_unused]] const Led& led,
+                 [[maybe_unused]] std::size_t i, F f) noexcept {
+  with_joint(par.kind, [&](auto kind) {
+    using Kind = decltype(kind);
+    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(JointFrames{}, led[i]); }) {
+      if (par.lead.imposed)
+        return f(kind, [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, led[i])); });
+    }
+    f(kind, [](const JointFrames& X) { return Kind::motion(X); });
+  });
+}
+
 /// Where a body of the tree is, and how it moves.
 template <class T>
 struct TreePlaceOf {
@@ -82,17 +96,22 @@ struct TreeNode {
   Wrench F_C;
 };
 
-/// Nodes of the bodies, then of the world.
+/// What a stage is told of joints, and what it says of them. Scratch: undefined between steps.
 template <std::size_t N, class Joints>
-struct Tree {
-  std::array<TreeNode, N> nodes;
-  TreeNode ground;
-  // places where the stage starts
-  std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
+struct JointsInStage {
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
   bool is_stiff =
       false;  // a stop or a force of a joint may have turned something round within the last stage
   bool stop_acts = false;  // a coordinate was within a stop in the last stage
+};
+
+/// Nodes of the bodies, then of the world.
+template <std::size_t N, class Joints>
+struct Tree : JointsInStage<N, Joints> {
+  std::array<TreeNode, N> nodes;
+  TreeNode ground;
+  // places where the stage starts
+  std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
 
   TreeNode& parent(const JointParams& par) noexcept {
     return par.parent == world ? ground : nodes[par.parent];  // cppcheck-suppress returnTempReference
@@ -101,8 +120,7 @@ struct Tree {
 
 /// Where the velocities of the base lead to in a time h.
 template <class T>
-RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h,
-                              Real max_turn = max_predicted_turn) noexcept {
+RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h, Real max_turn) noexcept {
   const T turn_sq = h * h * base.w_B.squaredNorm();
   const T move = select(turn_sq <= max_turn * max_turn, T(1), T(0));
   return {.X_WB = moved<T>(base.X_WB, base.v_W, base.w_B, move * h),
@@ -115,8 +133,8 @@ RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h,
 template <Scene S, class T>
 void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
           const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
-          const Vector3<T>& F_W, Real h, Tree<S::max_bodies, typename S::Joints>& tree,
-          Real max_turn = max_predicted_turn) noexcept {
+          const Vector3<T>& F_W, Real h, Real max_turn,
+          Tree<S::max_bodies, typename S::Joints>& tree) noexcept {
   const Group<T> group(g, num_bodies(par));
   const Vector3<T>& p_C =
       gathered(group, [&](std::size_t i) -> const Vec3& { return par.bodies[i].joint.C.p; });
@@ -178,52 +196,24 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
     if (hangs) hang_mass(a, child.d, parent.body);
   } else {
     set_off(a, child.beta);
-    int c = 0;
-    constexpr int last = Motion::num_turns + Motion::num_slides - 1;
-    const auto along = [&]([[maybe_unused]] Real rate) noexcept {
+    std::size_t c = 0;
+    constexpr std::size_t last = Motion::num_turns + Motion::num_slides - 1;
+    const auto axis = [&]<bool turns>(std::bool_constant<turns>, const Vec3& s) noexcept {
+      AxisTerms along;
       if constexpr (uses<typename Joints::Stops>)
-        return stop_terms(par.stop.stops[static_cast<std::size_t>(c)], q[c], rate, h);
-      return AxisTerms{};
-    };
-    const auto watch = [&]([[maybe_unused]] const AxisTerms& t) noexcept {
+        along =
+            stop_terms(par.stop.stops[c], q[static_cast<Eigen::Index>(c)], s.dot(turns ? beta.w : beta.v), h);
+      eliminate_axis<turns>(a, Column(s), along, child.axis[c], hangs || c < last);
       if constexpr (uses<typename Joints::Stops>) {
-        is_stiff |= t.D * child.axis[static_cast<std::size_t>(c)].D_inverse > stiff_stop_share;
-        stop_acts |= t.D > 0;
+        is_stiff |= along.D * child.axis[c].D_inverse > stiff_stop_share;
+        stop_acts |= along.D > 0;
       }
       ++c;
     };
-    for (const Vec3& s : m.turn) {
-      const AxisTerms t = along(s.dot(beta.w));
-      eliminate_turn(a, Column(s), t, child.axis[static_cast<std::size_t>(c)], hangs || c < last);
-      watch(t);
-    }
-    for (const Vec3& s : m.slide) {
-      const AxisTerms t = along(s.dot(beta.v));
-      eliminate_slide(a, Column(s), t, child.axis[static_cast<std::size_t>(c)], hangs || c < last);
-      watch(t);
-    }
+    for (const Vec3& s : m.turn) axis(std::true_type{}, s);
+    for (const Vec3& s : m.slide) axis(std::false_type{}, s);
     if (hangs) add_to_parent(a, child.d, parent.body);
   }
-}
-
-/// (21), (40)  A is that much more than it would be, and b as much as that where the velocities are those predicted.
-template <class Motion>
-void stiffen(bool hangs, const Wrench& F_C, Real h, TreeNode& child, TreeNode& parent,
-             bool& is_stiff) noexcept {
-  ArticulatedBody &a = child.body, &p = parent.body;
-  const Column d = hangs ? child.d : Column(Pack(0));
-  const Vec3 r = child.at.p_W - child.at.a_W;
-  const Real A_child = mean_of(a.A.ww), A_parent = hangs ? mean_of(p.A.ww) : std::numeric_limits<Real>::max();
-  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return;
-  const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, mean_of(a.A.vv));
-  is_stiff |= K.is_stiff;
-  a.A.ww += Block::identity() * K.turn;
-  a.A.vv += Block::identity() * K.shift;
-  a.b.w += Column(child.at.V.w) * K.turn;
-  a.b.v += Column(child.at.V.v) * K.shift;
-  if (!hangs) return;
-  p.A.ww += K.parent;
-  p.b.w += K.parent * Column(parent.at.V.w);
 }
 
 /// The twist of a child, and the wrench its joint needs, F = A_a X V_parent - b_a.
@@ -257,35 +247,31 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& 
                Tree<N, Joints>& tree) noexcept {
   TreeNode& child = tree.nodes[i];
   TreeNode& parent = tree.parent(par);
-  with_joint(par.kind, [&](auto kind) {
-    using Kind = decltype(kind);
+  with_motion<Joints>(par, tree.led, i, [&](auto kind, auto motion) {
     const JointAt joint = joint_at(par, parent.at, child.at);
     child.d = Column(Vec3(child.at.a_W - parent.at.a_W));
-    const auto with_motion = [&](auto motion_of) {
-      const auto m = motion_of(joint.X);
-      using Stabilisation = typename Joints::Stabilisation;
-      Twist beta;
-      if constexpr (Stabilisation::uses_base) {
-        const std::size_t p = par.parent == world ? N : par.parent;
-        const JointAt base = joint_at(par, tree.bases[p], tree.bases[i]);
-        beta = Stabilisation::beta(m, joint.V, h, motion_of(base.X), base.V);
-      } else {
-        beta = Stabilisation::beta(m, joint.V, par.C.p.squaredNorm(), h);
-      }
-      if constexpr (decltype(m)::num_turns == 3) beta.w.setZero();
-      child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
-      JointCoordinates q = JointCoordinates::Zero();
-      if constexpr (uses<typename Joints::Stops> && requires { Kind::coordinates(joint.X); })
-        q = Kind::coordinates(joint.X);
-      stiffen<decltype(m)>(par.parent != world, F_C, h, child, parent, tree.is_stiff);
-      eliminate<Joints>(par, m, q, h, child, parent, tree.is_stiff, tree.stop_acts);
-    };
-    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(joint.X, tree.led[i]); }) {
-      if (par.lead.imposed)
-        return with_motion(
-            [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, tree.led[i])); });
+    const auto m = motion(joint.X);
+    using Motion = std::remove_const_t<decltype(m)>;
+    using Stabilisation = typename Joints::Stabilisation;
+    Twist beta;
+    if constexpr (Stabilisation::uses_base) {
+      const std::size_t p = par.parent == world ? N : par.parent;
+      const JointAt base = joint_at(par, tree.bases[p], tree.bases[i]);
+      beta = Stabilisation::beta(m, joint.V, h, motion(base.X), base.V);
+    } else {
+      beta = Stabilisation::beta(m, joint.V, par.C.p.squaredNorm(), h);
     }
-    with_motion([](const JointFrames& X) { return Kind::motion(X); });
+    if constexpr (Motion::num_turns == 3) beta.w.setZero();
+    child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
+    JointCoordinates q = JointCoordinates::Zero();
+    if constexpr (uses<typename Joints::Stops> && requires { kind.coordinates(joint.X); })
+      q = kind.coordinates(joint.X);
+    const bool hangs = par.parent != world;
+    ArticulatedBody &a = child.body, &p = parent.body;
+    const StiffenedBody<Block> on_child{a.A.ww, a.A.vv, a.b, child.at.V},
+        on_parent{p.A.ww, p.A.vv, p.b, parent.at.V};
+    stiffen<Motion>(child.d, child.at.p_W - child.at.a_W, F_C, h, hangs, on_parent, on_child, tree.is_stiff);
+    eliminate<Joints>(par, m, q, h, child, parent, tree.is_stiff, tree.stop_acts);
   });
 }
 
@@ -295,13 +281,8 @@ StageVelocity solve_back(const typename Joints::Params& par, std::size_t i, Real
                          Tree<N, Joints>& tree) noexcept {
   TreeNode& node = tree.nodes[i];
   if (par.kind == JointKind::free) node.V = solved(node.body.A, node.body.b);
-  with_joint(par.kind, [&](auto kind) {
-    using Motion = decltype(kind.motion(JointFrames{}));
-    const bool hangs = par.parent != world;
-    if constexpr (uses<typename Joints::Imposed>) {
-      if (par.lead.imposed) return solve_back<JointMotion<0, 0>>(hangs, h, tree.parent(par), node);
-    }
-    solve_back<Motion>(hangs, h, tree.parent(par), node);
+  with_motion<Joints>(par, tree.led, i, [&](auto, auto motion) {
+    solve_back<decltype(motion(JointFrames{}))>(par.parent != world, h, tree.parent(par), node);
   });
   const Vec3 w_W = node.V.w.vec();
   return {.v_W = node.V.v.vec() + w_W.cross(node.at.p_W - node.at.a_W),

@@ -52,9 +52,17 @@ inline void set_off_shift(ArticulatedBody& a, const Column& beta_v) noexcept {
   a.b.v -= a.A.vv * beta_v;
 }
 
-/// Takes the rest of (7) for one axis, b - U tau / D and A - U T / D; with nothing to hang on, b alone is asked for.
-inline void reduce(ArticulatedBody& a, const Column& U_w, const Column& U_v, const EliminatedAxis& j,
-                   bool hangs) noexcept {
+/// (7) for one axis s, a turn about it or a slide along it: U = A S, T = S^T A, b - U tau / D and A - U T / D. along: what
+/// acts on the coordinate itself, a stop. hangs: A_a is needed; with nothing to hang on, b alone is asked for.
+template <bool turns>
+void eliminate_axis(ArticulatedBody& a, const Column& s, const AxisTerms& along, EliminatedAxis& j,
+                    bool hangs) noexcept {
+  const Column U_w = (turns ? a.A.ww : a.A.wv) * s, U_v = (turns ? a.A.vw : a.A.vv) * s;
+  j.s = s;
+  j.T_w = times_transposed(turns ? a.A.ww : a.A.vw, s);
+  j.T_v = times_transposed(turns ? a.A.wv : a.A.vv, s);
+  j.tau = dot(s, turns ? a.b.w : a.b.v) + along.tau;
+  j.D_inverse = 1 / (dot(s, turns ? U_w : U_v) + along.D);
   const Column P_w = U_w * j.D_inverse, P_v = U_v * j.D_inverse;
   a.b.w -= P_w * j.tau;
   a.b.v -= P_v * j.tau;
@@ -63,30 +71,6 @@ inline void reduce(ArticulatedBody& a, const Column& U_w, const Column& U_v, con
   a.A.vw -= outer(P_v, j.T_w);
   a.A.wv -= outer(P_w, j.T_v);
   a.A.vv -= outer(P_v, j.T_v);
-}
-
-/// Eliminates a turn about s. along: what acts on the coordinate itself, a stop. hangs: A_a is needed.
-inline void eliminate_turn(ArticulatedBody& a, const Column& s, const AxisTerms& along, EliminatedAxis& j,
-                           bool hangs) noexcept {
-  const Column U_w = a.A.ww * s, U_v = a.A.vw * s;
-  j.s = s;
-  j.T_w = times_transposed(a.A.ww, s);
-  j.T_v = times_transposed(a.A.wv, s);
-  j.tau = dot(s, a.b.w) + along.tau;
-  j.D_inverse = 1 / (dot(s, U_w) + along.D);
-  reduce(a, U_w, U_v, j, hangs);
-}
-
-/// Eliminates a slide along s.
-inline void eliminate_slide(ArticulatedBody& a, const Column& s, const AxisTerms& along, EliminatedAxis& j,
-                            bool hangs) noexcept {
-  const Column U_w = a.A.wv * s, U_v = a.A.vv * s;
-  j.s = s;
-  j.T_w = times_transposed(a.A.vw, s);
-  j.T_v = times_transposed(a.A.vv, s);
-  j.tau = dot(s, a.b.v) + along.tau;
-  j.D_inverse = 1 / (dot(s, U_v) + along.D);
-  reduce(a, U_w, U_v, j, hangs);
 }
 
 /// Eliminates all turns: w = y - Y v with v the velocity of the anchor. What is left of the body is a mass, A_vv and

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/math/so3.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -28,11 +29,8 @@ T error_curvature(const std::type_identity_t<T>& w) noexcept {
   return min(polynomial<T>(c, z), T(Real(0.1959) - Real(0.1716) * z));
 }
 
-/// Half-turn hysteresis: |cos(alpha/2)| below this keeps the side of the previous error, so the torque
-/// changes sides only 0.1 rad behind the half turn and a target held there cannot make it chatter.
-inline constexpr Real half_turn_band = 0.05;
-
-/// (16)  alpha u = log(q_WB^-1 q_WD) on the shorter way round; within the band on the side of `previous`.
+/// (16)  alpha u = log(q_WB^-1 q_WD) on the shorter way round; within the band on the side of `previous`, so the torque changes
+/// sides only 0.1 rad behind the half turn and a target held there cannot make it chatter.
 template <class T = Real>
 RotationErrorOf<T> rotation_error(const Quaternion<T>& q_WB, const Quaternion<T>& q_WD,
                                   const Vector3<T>& previous_B) noexcept {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/math/polynomial.h"
-#include "core/math/types.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -97,9 +97,8 @@ Vector3<T> to_world(const Quaternion<T>& q, const Vector3<T>& a) noexcept {
 /// bits, but decomposes a matrix for opposite vectors: 10 s of every compilation that mentions it.
 inline Quat turn_from_z(const Vec3& axis) noexcept {
   // q = (c/2, z x u / c),  c = sqrt(2 (1 + z.u)) = 2 cos(alpha/2)
-  constexpr Real opposite = 1e-12;  // of 1 + z.u
   const Vec3 u = axis.normalized();
-  if (u.z() < opposite - 1) return {0, 1, 0, 0};
+  if (u.z() < opposite_axes - 1) return {0, 1, 0, 0};
   const Real c = std::sqrt(2 * (1 + u.z())), inv_c = 1 / c;
   return {c / 2, -u.y() * inv_c, u.x() * inv_c, 0};
 }

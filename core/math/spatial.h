@@ -14,17 +14,16 @@ struct SpatialVector {
   Column w, v;
 
   static SpatialVector zero() noexcept { return {.w = Column(Pack(0)), .v = Column(Pack(0))}; }
+
+  SpatialVector& operator+=(const SpatialVector& b) noexcept { return w += b.w, v += b.v, *this; }
+  SpatialVector& operator-=(const SpatialVector& b) noexcept { return w -= b.w, v -= b.v, *this; }
+  friend SpatialVector operator+(SpatialVector a, const SpatialVector& b) noexcept { return a += b; }
+  friend SpatialVector operator-(SpatialVector a, const SpatialVector& b) noexcept { return a -= b; }
+  friend SpatialVector operator*(const SpatialVector& a, Real s) noexcept {
+    return {.w = a.w * s, .v = a.v * s};
+  }
 };
 
-inline SpatialVector operator+(const SpatialVector& a, const SpatialVector& b) noexcept {
-  return {.w = a.w + b.w, .v = a.v + b.v};
-}
-inline SpatialVector operator-(const SpatialVector& a, const SpatialVector& b) noexcept {
-  return {.w = a.w - b.w, .v = a.v - b.v};
-}
-inline SpatialVector operator*(const SpatialVector& a, Real s) noexcept {
-  return {.w = a.w * s, .v = a.v * s};
-}
 inline Real dot(const SpatialVector& a, const SpatialVector& b) noexcept {
   return dot(a.w, b.w) + dot(a.v, b.v);
 }

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "core/math/types.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -63,7 +63,7 @@ inline TrianglePoint nearest_on_triangle(const Corners& t, const Vec3& n, const 
 /// Nearer to the triangle than this, the direction from its nearest point to p is rounding error.
 inline bool is_touching(const Corners& t, const Vec3& p, Real distance) noexcept {
   const Real size = p.cwiseAbs().maxCoeff() + (t[1] - t[0]).cwiseAbs().maxCoeff();
-  return !(distance > Real(1e-12) * size);
+  return !(distance > touching_triangle * size);
 }
 
 }  // namespace godobject

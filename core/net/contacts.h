@@ -47,7 +47,6 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
                         Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& of = w.net;
   Recall of_step(net.before), of_stage(of.memories[of.last]);
-  const Real moved = w.stage.t_0 + w.stage.t_1;
   of.num_packs = (of.near.size + 3) / 4;
   of.num_pairs = 0;
   for (std::size_t i = 0; i < of.near.size; ++i) {
@@ -56,22 +55,9 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     Real m = net.par.nodes[near.a].m;
     if (!on_world) m = std::min(m, w.stages[near.b].M);
     const GroupLaw law(law_of<Contacts, typename Contacts::Net>(par, net.par, near), m, h);
-    const Real d_0 = near.d + h * near.v_n;
-    constexpr Real infinity = std::numeric_limits<Real>::infinity();
-    const BegunContact& begun = of.begun[i] =
-        recalled(*law.of, w.stage, of_step.find(near.key),
-                 w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
-                 {.d_0 = d_0,
-                  .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
-                  .max_relaxed = law.max_relaxed,
-                  .most = on_world ? infinity : law.most(w.stage),
-                  .max_stored_penetration = law.max_stored_penetration});
-    w.report.found += begun.found;
-    of.carrier[i] = net.par.nodes[near.a].body;
-    ContactPack& pack = of.packs[i / 4];
     const Vec3 r = on_world ? Vec3(Vec3::Zero()) : Vec3(near.p_W - w.finder.at[near.b].p_W);
-    set_contact(law.stage, begun.e, d_0, r, near.n_W, begun.xi_W, pack, i % 4);
-    set_lane(pack.F, i % 4, near.n_W * foreseen(begun, pack.F_0[i % 4] - pack.eta_n[i % 4] * near.v_n));
+    of.begun[i] = begin_contact(near, law, on_world, 1, r, h, of_step, of_stage, w, of.packs[i / 4], i % 4);
+    of.carrier[i] = net.par.nodes[near.a].body;
     if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[near.a].body), near.b, of);
   }
   for (std::size_t i = of.near.size; i % 4 != 0; ++i) put_nothing(of.packs[i / 4], i % 4);

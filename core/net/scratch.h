@@ -35,7 +35,7 @@ struct NetPair {
 template <class Net, std::size_t N>
 struct NetStage {
   static constexpr std::size_t max_nodes = Net::max_nodes, max_packs = (Net::max_contacts + 3) / 4;
-  static constexpr std::size_t max_runs = N + 1, max_pairs = 4 * N;
+  static constexpr std::size_t max_runs = N + 1, max_pairs = net_pairs_per_body * N;
 
   std::array<NetRun, max_runs> runs;
   std::size_t num_runs = 0, num_nodes = 0;

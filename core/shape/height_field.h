@@ -55,14 +55,6 @@ inline Real surface_height(const HeightField& field, Real x, Real y) noexcept {
   return t[0].z() + u * (t[1].z() - t[0].z()) + v * (t[2].z() - t[1].z());
 }
 
-/// The most triangles a query within `reach` (m) looks at.
-constexpr Real max_visits(const HeightField& field, Real reach) noexcept {
-  const auto along = [&](std::uint32_t points) {
-    return std::min(2 * reach / field.spacing + 2, Real(points) - 1);
-  };
-  return 2 * along(field.columns) * along(field.rows);
-}
-
 struct HeightFieldShape {
   static constexpr ShapeKind kind = ShapeKind::height_field;
 
@@ -75,7 +67,7 @@ struct HeightFieldShape {
     return nearest(*par.height_field, p, reach, visited);
   }
 
-  /// visited: increased by the triangles looked at, by max_visits() at most.
+  /// visited: increased by the triangles looked at, two in each cell within reach along x and y.
   static SurfacePoint nearest(const HeightField& field, const Vec3& p, Real reach,
                               std::uint32_t& visited) noexcept {
     const Real x = std::clamp(p.x(), Real(0), (field.columns - 1) * field.spacing);

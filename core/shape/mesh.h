@@ -26,7 +26,6 @@ struct MeshGrid {
   std::array<std::uint32_t, 3> num{};    // cells along x, y, z
   std::span<const std::uint32_t> start;  // of each cell in `triangles`, and one past the last
   std::span<const std::uint32_t> triangles;
-  std::uint32_t max_in_cell = 0;  // triangles in the fullest cell
 
   /// Index along an axis of the cell that holds x; the first or last one for an x outside.
   std::uint32_t along(std::size_t axis, Real x) const noexcept {
@@ -64,13 +63,6 @@ struct TriangleMesh {
   }
 };
 
-/// The most triangles a query within `reach` (m) looks at; one in several cells counts in each.
-inline Real max_visits(const MeshGrid& grid, Real reach) noexcept {
-  Real cells = 1;
-  for (const std::uint32_t num : grid.num) cells *= std::min(2 * reach / grid.spacing + 2, Real(num));
-  return cells * grid.max_in_cell;
-}
-
 struct MeshShape {
   static constexpr ShapeKind kind = ShapeKind::mesh;
 
@@ -83,7 +75,7 @@ struct MeshShape {
     return nearest(*par.mesh, p, reach, visited);
   }
 
-  /// visited: increased by the triangles looked at, by max_visits() at most.
+  /// visited: increased by the triangles looked at, those of the cells within reach.
   static SurfacePoint nearest(const TriangleMesh& mesh, const Vec3& p, Real reach,
                               std::uint32_t& visited) noexcept {
     Nearest best{.point = {.distance_sq = reach * reach}};

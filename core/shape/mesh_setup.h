@@ -50,7 +50,7 @@ inline MeshReport check_triangles(const TriangleMesh& mesh) noexcept {
     const Corners c = mesh.corners(t);
     const Vec3 a = c[1] - c[0], b = c[2] - c[0];
     const Real longest_sq = std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()});
-    if (!(a.cross(b).norm() > Real(1e-9) * longest_sq)) return {MeshInvalid::degenerate_triangle, t};
+    if (!(a.cross(b).norm() > degenerate_height * longest_sq)) return {MeshInvalid::degenerate_triangle, t};
   }
   return {};
 }
@@ -58,7 +58,7 @@ inline MeshReport check_triangles(const TriangleMesh& mesh) noexcept {
 /// Normalises a sum of unit normals; false if they cancel.
 inline bool normalise(Vec3& n) noexcept {
   const Real length = n.norm();
-  if (!(length > Real(1e-9))) return false;
+  if (!(length > cancelled_normals)) return false;
   n /= length;
   return true;
 }
@@ -131,8 +131,7 @@ void for_each_cell_of(const TriangleMesh& mesh, std::size_t triangle, F&& f) noe
   const MeshGrid& grid = mesh.grid;
   const Corners t = mesh.corners(triangle);
   const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-  // (sqrt(3) / 2 spacing)^2, and rounding
-  const Real radius_sq = Real(0.75001) * grid.spacing * grid.spacing;
+  const Real radius_sq = cell_radius_sq * grid.spacing * grid.spacing;
   for_each_cell(grid, low, high, [&](auto i, auto j, auto k) {
     const Vec3 centre = grid.lower_corner(i, j, k) + Vec3::Constant(grid.spacing / 2);
     const TrianglePoint q = nearest_on_triangle(t, mesh.face_normals[triangle], centre);
@@ -177,7 +176,6 @@ inline MeshReport fill_grid(TriangleMesh& mesh, const MeshStorage& to) noexcept 
   const std::size_t room =
       std::min(to.cell_triangles.size(), std::size_t(std::numeric_limits<std::uint32_t>::max()));
   if (entries > room) return {MeshInvalid::cell_triangles_full, entries};
-  grid.max_in_cell = *std::ranges::max_element(start);
 
   // From counts to the end of each cell, which filling from the back turns into its start.
   for (std::size_t c = 1; c <= cells; ++c) start[c] += start[c - 1];

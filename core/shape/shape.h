@@ -40,9 +40,6 @@ struct SurfacePoint {
   Vec3 n = Vec3::UnitZ();  // unit, outward
 };
 
-/// Shorter vectors (m) have no direction: their squares leave the range of normal numbers.
-inline constexpr Real min_length = 1e-150;
-
 /// a / length for a of this length; `otherwise` if a has no direction.
 inline Vec3 direction(const Vec3& a, Real length, const Vec3& otherwise) noexcept {
   return length > min_length ? Vec3(a / length) : otherwise;

@@ -39,7 +39,7 @@ struct Running {
 
   Real kinetic() const { return kinetic_energy(par.bodies[0].body, x.bodies[0].x); }
   /// Of body and spring.
-  Real energy() const { return kinetic() + coupling_energy(par, x, 0); }
+  Real energy() const { return kinetic() + coupling_at(par, x, 0).energy; }
 };
 
 inline bool is_finite(const RigidBodyState& x) {

@@ -56,7 +56,7 @@ template <class S>
 Real energy_norm(const Running<S>& run) {
   State<S> x = run.x;
   x.bodies[0].x.X_WB.p -= run.par.bodies[0].body.m / run.par.bodies[0].coupling.k * run.par.gravity_W;
-  return std::sqrt(run.kinetic() + coupling_energy(run.par, x, 0));
+  return std::sqrt(run.kinetic() + coupling_at(run.par, x, 0).energy);
 }
 
 /// Runs a case whose target rests; fails if energy grows in any step by more than rounding.

@@ -49,7 +49,7 @@ struct Probe {
   static Real energy(const Params<S>& par, const State<S>& x) noexcept {
     Real E = kinetic_energy(par.bodies[0].body, x.bodies[0].x);
     if constexpr (uses<typename S::Coupling>)
-      E += coupling_energy(par, x, 0) + coupling_wrench(par, x, 0).f.x();
+      E += coupling_at(par, x, 0).energy + coupling_at(par, x, 0).F_WB.f.x();
     return E;
   }
 };

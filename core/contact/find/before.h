@@ -17,9 +17,6 @@ inline std::uint64_t touch_key(std::uint32_t sphere, std::uint32_t touched) noex
 inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
   return static_cast<std::uint32_t>(key) & 0x7fff;
 }
-inline std::uint32_t touched_of(std::uint64_t key) noexcept {
-  return static_cast<std::uint32_t>(key >> 15) & 0x7fff;
-}
 
 /// Key of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
 inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::uint32_t edges) noexcept {

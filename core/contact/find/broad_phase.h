@@ -10,39 +10,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <utility>
 
 #include "core/contact/find/sphere_pack.h"
+#include "core/math/bit_set.h"
 #include "core/math/merge_sort.h"
 
 namespace godobject {
-
-/// For each body a set of bodies with a higher number.
-template <std::size_t max_bodies>
-struct BodyPairs {
-  static constexpr std::size_t words_per_row = (max_bodies + 63) / 64;
-  std::array<std::array<std::uint64_t, words_per_row>, max_bodies> rows;
-  std::size_t num_bodies = 0;
-
-  void clear(std::size_t n) noexcept {
-    num_bodies = n;
-    for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t word = a / 64; word < (n + 63) / 64; ++word) rows[a][word] = 0;
-  }
-  /// a != b.
-  void insert(std::uint32_t a, std::uint32_t b) noexcept {
-    if (b < a) std::swap(a, b);
-    rows[a][b / 64] |= std::uint64_t(1) << (b % 64);
-  }
-  /// f(b) for every pair (a, b), a < b, in the order of b.
-  template <class F>
-  void for_each_of(std::uint32_t a, F f) const noexcept {
-    for (std::uint32_t word = a / 64; word < (num_bodies + 63) / 64; ++word) {
-      for (std::uint64_t left = rows[a][word]; left != 0; left &= left - 1)
-        f(64 * word + static_cast<std::uint32_t>(std::countr_zero(left)));
-    }
-  }
-};
 
 /// Aabb round the spheres of a body, along the axes of the world.
 struct Aabb {
@@ -65,8 +38,8 @@ struct BroadPhaseScratch {
   std::array<Aabb, max_bodies> boxes;
   std::array<Entry, max_bodies> entries, merged;
   std::array<AabbPack, (max_bodies + 3) / 4> sorted;
-  BodyPairs<max_bodies> pairs;  // the result
-  std::size_t num_entries = 0;  // bodies with spheres, all of them finite
+  std::array<BitSet<max_bodies>, max_bodies> near;  // the result: of each body those with a higher number
+  std::size_t num_entries = 0;                      // bodies with spheres, all of them finite
 };
 
 /// Bit j: sphere j of the pack, larger by so much, reaches into the box.
@@ -133,7 +106,7 @@ void sweep(const BroadPhaseScratch<max_bodies>& w, int axis, F f) noexcept {
   }
 }
 
-/// Pairs of entries whose boxes overlap and of which may_touch(a, b), in w.pairs.
+/// The bodies whose boxes overlap and of which may_touch(a, b), in w.near.
 template <std::size_t max_bodies, class MayTouch>
 void find_overlaps(std::size_t num_bodies, BroadPhaseScratch<max_bodies>& w, MayTouch may_touch) noexcept {
   const int axis = widest_axis(w);
@@ -142,10 +115,10 @@ void find_overlaps(std::size_t num_bodies, BroadPhaseScratch<max_bodies>& w, May
   merge_sort(w.entries.data(), w.merged.data(), w.num_entries,
              [](const Entry& a, const Entry& b) noexcept { return a.lo < b.lo; });
   pack_boxes(w);
-  w.pairs.clear(num_bodies);
+  for (std::size_t a = 0; a < num_bodies; ++a) w.near[a] = {};
   sweep(w, axis, [&](std::size_t k, std::size_t l) {
     const std::uint32_t a = w.entries[k].body, b = w.entries[l].body;
-    if (may_touch(a, b)) w.pairs.insert(a, b);
+    if (may_touch(a, b)) w.near[std::min(a, b)].insert(std::max(a, b));
   });
 }
 

@@ -35,12 +35,13 @@ inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
 
 /// Box b as box a sees it. Lane j: axis j of b; the fourth is undefined.
 struct BoxOnBox {
-  Vec3 h_a, h_b;             // half extents
+  Vec3 h_a;                  // half extents
+  Pack h_B;                  // those of b
   Pack p_A, p_B;             // from a to b: in the frame of a; of b
   std::array<Pack, 3> R, E;  // rows of R_AB, and their absolute values
 
   BoxOnBox(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB) noexcept
-      : h_a(a.half_extents), h_b(b.half_extents) {
+      : h_a(a.half_extents), h_B(Column(b.half_extents).p) {
     const std::array<Pack, 3> a_W = rows(R_WA), b_W = rows(R_WB);
     const Vec3 p_W = b.X_WS.p - a.X_WS.p;
     p_A = a_W[0] * p_W[0] + a_W[1] * p_W[1] + a_W[2] * p_W[2];
@@ -65,8 +66,8 @@ struct LeastFace {
   Vec3 n_A;
 };
 inline LeastFace least_face(const BoxOnBox& w) noexcept {
-  const Column h_A(w.h_a), h_B(w.h_b);
-  const Pack of_b = h_B.p + w.E[0] * w.h_a[0] + w.E[1] * w.h_a[1] + w.E[2] * w.h_a[2] - abs(w.p_B);
+  const Column h_A(w.h_a), h_B(w.h_B);
+  const Pack of_b = w.h_B + w.E[0] * w.h_a[0] + w.E[1] * w.h_a[1] + w.E[2] * w.h_a[2] - abs(w.p_B);
   const Block E_T{{Column(w.E[0]), Column(w.E[1]), Column(w.E[2])}};
   const Pack of_a = h_A.p + times_transposed(E_T, h_B).p - abs(w.p_A);
   const Pack least = min(of_a, of_b);
@@ -101,50 +102,56 @@ struct EdgesToSide {
   }
 };
 
-/// (32)  a_i x b_j = -R_lj a_k + R_kj a_l for all j: its length, and how deep the boxes are in each other along it.
-inline Pack edge_sine(const Pack& R_k, const Pack& R_l) noexcept {
-  return max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine));
-}
-inline Pack depth_along_edges(const BoxOnBox& w, int i, int k, int l, const Pack& sine,
-                              const Pack& between) noexcept {
-  const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
-  const Pack& E_i = row_of(w.E, i);
-  return (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + next(E_i) * h_B2 + next(next(E_i)) * h_B1 -
-          abs(between)) /
-         sine;
-}
+/// (32)  a_i x b_j = -R_lj a_k + R_kj a_l for all j. k, l: the next axes of a.
+struct EdgeAxes {
+  int i, k, l;
+  const Pack &R_i, &R_k, &R_l;
+  Pack sine;     // its length
+  Pack between;  // a and b, times the sine
+  Pack d;        // how deep the boxes are in each other along it
+
+  EdgeAxes(const BoxOnBox& w, int axis) noexcept
+      : i(axis),
+        k(i == 2 ? 0 : i + 1),
+        l(3 - i - k),
+        R_i(row_of(w.R, i)),
+        R_k(row_of(w.R, k)),
+        R_l(row_of(w.R, l)),
+        sine(max(sqrt(R_k * R_k + R_l * R_l), Pack(min_edge_sine))),
+        between(R_k * component(w.p_A, l) - R_l * component(w.p_A, k)) {
+    const Pack h_B1 = next(w.h_B), h_B2 = next(h_B1);
+    const Pack& E_i = row_of(w.E, i);
+    d = (row_of(w.E, l) * w.h_a[k] + row_of(w.E, k) * w.h_a[l] + next(E_i) * h_B2 + next(next(E_i)) * h_B1 -
+         abs(between)) /
+        sine;
+  }
+  /// Bit j: neither is along the other.
+  std::uint32_t cross() const noexcept { return bits(Pack(min_edge_sine) < sine) & 7; }
+};
 
 /// The boxes are deeper in each other than that along all axes that may separate them.
 inline bool deeper_along_edges(const BoxOnBox& w, Real depth) noexcept {
-  for (int i = 0; i < 3; ++i) {
-    const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
-    const Pack &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), sine = edge_sine(R_k, R_l);
-    const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);
-    const Pack d = depth_along_edges(w, i, k, l, sine, between);
-    if ((bits(Pack(min_edge_sine) < sine) & bits(d <= Pack(depth)) & 7) != 0) return false;
-  }
+  for (int i = 0; i < 3; ++i)
+    if (const EdgeAxes n(w, i); (n.cross() & bits(n.d <= Pack(depth))) != 0) return false;
   return true;
 }
 
-/// f(crossing) for the edges along axis i of box a that cross edges of box b, deeper than -reach; along normals (32) along
+/// f(crossing) for the edges along an axis of box a that cross edges of box b, deeper than -reach; along normals (32) along
 /// which the boxes are no farther from each other than the reach and no deeper than `most`, or that are those of the face.
 template <class F>
-void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const Vec3& face_A, F f) noexcept {
-  const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
-  const Pack &R_i = row_of(w.R, i), &R_k = row_of(w.R, k), &R_l = row_of(w.R, l);
-  const Pack h_B(w.h_b[0], w.h_b[1], w.h_b[2], w.h_b[2]), h_B1 = next(h_B), h_B2 = next(h_B1);
-  const Pack sine = edge_sine(R_k, R_l);
-  const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);  // a and b, times the sine
-  const Pack d = depth_along_edges(w, i, k, l, sine, between);
+void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, const Vec3& face_A,
+                         F f) noexcept {
+  const EdgeAxes n(w, axis);
+  const auto& [i, k, l, R_i, R_k, R_l, sine, between, d] = n;
   const Pack along_face = abs(R_k * face_A[l] - R_l * face_A[k]);  // the cosine, times the sine
-  const std::uint32_t near = bits((Pack(min_edge_sine) < sine) & (Pack(-reach) < d)) &
-                             (bits(d <= Pack(most)) | bits(same_normal * sine < along_face)) & 7;
+  const std::uint32_t near =
+      n.cross() & bits(Pack(-reach) < d) & (bits(d <= Pack(most)) | bits(same_normal * sine < along_face));
   if (near == 0) return;
 
   const Pack s = select(between < 0, Pack(1), Pack(-1)) / sine;
   const Pack n_k = -s * R_l, n_l = s * R_k;  // from b to a
   const Pack n_B1 = next(R_k) * n_k + next(R_l) * n_l, n_B2 = next(next(R_k)) * n_k + next(next(R_l)) * n_l;
-  const EdgesToSide a(-n_k, w.h_a[k], -n_l, w.h_a[l]), b(n_B1, h_B1, n_B2, h_B2);
+  const EdgesToSide a(-n_k, w.h_a[k], -n_l, w.h_a[l]), b(n_B1, next(w.h_B), n_B2, next(next(w.h_B)));
   const Pack a_b = select(a.first, R_k, R_l), a_b_other = select(a.first, R_l, R_k);
   const Pack b_a = select(b.first, next(R_i), next(next(R_i))),
              b_a_other = select(b.first, next(next(R_i)), next(R_i));
@@ -154,7 +161,7 @@ void each_crossing_along(const BoxOnBox& w, int i, Real reach, Real most, const 
   // on the negative and the positive side of a, and of b
   const std::array<Pack, 2> to_a{on_b + a.h * a_b, on_b - a.h * a_b}, lost_a{a.lost(false), a.lost(true)};
   const std::array<Pack, 2> to_b{on_a - b.h * b_a, on_a + b.h * b_a}, lost_b{b.lost(false), b.lost(true)};
-  const Pack end_a = end * w.h_a[i], end_b = end * h_B;
+  const Pack end_a = end * w.h_a[i], end_b = end * w.h_B;
   std::array<Pack, 4> t_a, depth;
   std::array<std::uint32_t, 4> cross;
   for (std::size_t c = 0; c < 4; ++c) {

@@ -287,7 +287,7 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
   const auto num_fixed = static_cast<std::uint32_t>(w.num_fixed);
   for (std::uint32_t a = 0; a < num_bodies; ++a) {
     if constexpr (Contacts::between_bodies)
-      w.broad.pairs.for_each_of(a, [&](std::uint32_t b) noexcept {
+      w.broad.near[a].each(static_cast<std::uint32_t>(num_bodies), [&](std::uint32_t b) noexcept {
         const std::uint64_t pair = pair_key(a, b);
         if (w.owned[a].has_surfaces() || w.owned[b].has_surfaces())
           find_on_bodies(w, a, b, pair, were_deep.find(pair), near);

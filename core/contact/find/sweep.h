@@ -69,12 +69,9 @@ inline SweptContact swept(const ShapeParams& shape, const Mat3& R_WS, const Vec3
 inline Real depth_of(const BoxOnBox& w) noexcept {
   Real depth = least_face(w).depth;
   for (int i = 0; i < 3; ++i) {
-    const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
-    const Pack &R_k = row_of(w.R, k), &R_l = row_of(w.R, l), sine = edge_sine(R_k, R_l);
-    const Pack between = R_k * component(w.p_A, l) - R_l * component(w.p_A, k);
-    const Pack d = depth_along_edges(w, i, k, l, sine, between);
+    const EdgeAxes n(w, i);
     for (std::size_t j = 0; j < 3; ++j)
-      if (sine[j] > min_edge_sine) depth = std::min(depth, d[j]);
+      if (n.sine[j] > min_edge_sine) depth = std::min(depth, n.d[j]);
   }
   return depth;
 }

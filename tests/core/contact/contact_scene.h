@@ -45,6 +45,9 @@ void set_law(Params<S>& par, const ContactLaw& law, MaterialId a = 0, MaterialId
   par.contacts.laws[a][b] = par.contacts.laws[b][a] = law;
 }
 
+/// Number of the surface that a contact with a sphere is on.
+inline std::uint32_t touched_of(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 15) & 0x7fff; }
+
 /// In the springs of the contacts, normal and tangential.
 template <Scene S>
 Real contact_energy(const Params<S>& par, const State<S>& x) {

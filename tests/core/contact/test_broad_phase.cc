@@ -31,7 +31,8 @@ struct Boxes {
     find_overlaps(num_bodies, *w, may_touch);
     Pairs found;
     for (std::uint32_t a = 0; a < num_bodies; ++a)
-      w->pairs.for_each_of(a, [&](std::uint32_t b) { found.emplace_back(a, b); });
+      w->near[a].each(static_cast<std::uint32_t>(num_bodies),
+                      [&](std::uint32_t b) { found.emplace_back(a, b); });
     return found;
   }
   template <class MayTouch>

@@ -77,7 +77,7 @@ class Run {
     for (int n = 1; n < num_steps; ++n) {
       const bool valid = missing.empty() || !missing[static_cast<std::size_t>(n)];
       const bool back = valid && !missing.empty() && missing[static_cast<std::size_t>(n - 1)];
-      const Vec3 pull = coupling_wrench(run_.par, run_.x, 0).f;
+      const Vec3 pull = coupling_at(run_.par, run_.x, 0).F_WB.f;
       give(hand, n, valid);
       run_.step();
       EXPECT_FALSE(any(run_.out.fault));
@@ -90,7 +90,7 @@ class Run {
         felt.turn_change = std::max(felt.turn_change, (F.tau - before.tau).norm());
       }
       if (back) {
-        const Vec3 now = coupling_wrench(run_.par, run_.x, 0).f;
+        const Vec3 now = coupling_at(run_.par, run_.x, 0).F_WB.f;
         felt.coupling_change = std::max(felt.coupling_change, now.norm() - pull.norm());
       }
       before = F;

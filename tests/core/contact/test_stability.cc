@@ -72,7 +72,7 @@ Real gain(const SweepCase& c, Real seconds) {
     if (c.deed == Deed::dragged) drag(run);
     run.step();
     if (any(run.out.fault) || !is_finite(run.body())) return std::numeric_limits<Real>::infinity();
-    work += coupling_wrench(run.par, run.x, 0).f.dot(run.device().target.X_WD.p - target);
+    work += coupling_at(run.par, run.x, 0).F_WB.f.dot(run.device().target.X_WD.p - target);
     most = std::max(most, energy(run.par, run.x) - first - work);
   }
   return most;

@@ -67,7 +67,7 @@ TYPED_TEST(ContactTools, RandomToolsOnObstaclesGainNothing) {
     // gravity's and the springs' zero are not the lowest: what there is to be had
     Real available = 0;
     for (std::size_t i = 0; i < run.par.num_bodies; ++i)
-      available += run.par.bodies[i].body.m * 9.81 * size + coupling_energy(run.par, run.x, i);
+      available += run.par.bodies[i].body.m * 9.81 * size + coupling_at(run.par, run.x, i).energy;
     for (int step = 0; step < 300; ++step) {
       run.step();
       ASSERT_FALSE(any(run.out.fault)) << "case " << n << ", step " << step;

@@ -79,7 +79,7 @@ struct Game {
   }
   RigidBodyState& body(std::size_t i = 0) { return x.bodies[i].x; }
   Vec3 w_W(std::size_t i = 0) { return to_world(body(i).X_WB.q, body(i).w_B); }
-  Wrench pull(std::size_t i = 0) const { return coupling_wrench(par, x, i); }
+  Wrench pull(std::size_t i = 0) const { return coupling_at(par, x, i).F_WB; }
   /// The body as the hand sees it.
   Pose grip(std::size_t i = 0) const { return seen_from(hand.at(time()).X_WD, x.bodies[i].x.X_WB); }
 };

@@ -68,7 +68,7 @@ class HungGrasper {
   const BodyOutput<S>& body(std::size_t i) const { return all_->out.bodies[i]; }
   const Wrench& reaction(std::size_t i) const { return all_->out.bodies[i].joint.F_C; }
   const Wrench& feedback(std::size_t i) const { return all_->out.bodies[i].feedback.F_D; }
-  Wrench coupling(std::size_t i) const { return coupling_wrench(all_->par, all_->x, i); }
+  Wrench coupling(std::size_t i) const { return coupling_at(all_->par, all_->x, i).F_WB; }
   const JointVector& device_rates() const { return rates_; }
 
   /// Weight, coupling and joints of a body at rest about its centre of mass: zero, if the reactions are right.

@@ -4,6 +4,7 @@
 
 #include "tests/core/joint/grasper_tool.h"
 #include "tests/core/joint/usual_scene.h"
+#include "tests/support/stabilisation.h"
 
 namespace godobject::test_stabilisation {
 namespace {

@@ -174,7 +174,7 @@ TYPED_TEST(Stops, JawPressedByTheCouplingRestsWhereTheSpringsBalance) {
   ASSERT_GT(d, 0.01);
   EXPECT_NEAR((bar.template q<HingeJoint>()[0]), -0.2 - d, 1e-9);
   // the joint carries the stop's torque: in balance with the coupling's on the same body
-  EXPECT_NEAR(coupling_wrench(bar.par, bar.x, 0).tau.z(), -k * (d - 0.005), 1e-9);
+  EXPECT_NEAR(coupling_at(bar.par, bar.x, 0).F_WB.tau.z(), -k * (d - 0.005), 1e-9);
 }
 
 /// Pulled out of its stop by a spring that is stronger: the stop does not hold on to it.

@@ -136,7 +136,8 @@ class RandomTree {
       }
       for (std::size_t c = 0; c < static_cast<std::size_t>(n.dof()); ++c) {
         const bool turn = c < static_cast<std::size_t>(n.turns);
-        (turn ? eliminate_turn : eliminate_slide)(a, Column(n.axes[c]), n.along[c], n.eliminated[c], true);
+        (turn ? eliminate_axis<true> : eliminate_axis<false>)(a, Column(n.axes[c]), n.along[c],
+                                                              n.eliminated[c], true);
       }
       if (hangs) add_to_parent(a, Column(n.d), bodies[n.parent]);
     }

@@ -84,6 +84,14 @@ TEST(HeightField, MatchesEveryTriangleAndWall) {
   }
 }
 
+/// The most triangles a query within `reach` (m) looks at.
+Real max_visits(const HeightField& field, Real reach) {
+  const auto along = [&](std::uint32_t points) {
+    return std::min(2 * reach / field.spacing + 2, Real(points) - 1);
+  };
+  return 2 * along(field.columns) * along(field.rows);
+}
+
 TEST(HeightField, ReachBoundsTheWorkAndNotTheAnswer) {
   const Ground ground;
   Random random(6);

@@ -7,6 +7,15 @@
 namespace godobject::test_shape_mesh {
 namespace {
 
+/// The most triangles a query within `reach` (m) looks at; one in several cells counts in each.
+Real max_visits(const MeshGrid& grid, Real reach) {
+  Real visits = 0;  // in the fullest cell
+  for (std::size_t c = 0; c + 1 < grid.start.size(); ++c)
+    visits = std::max(visits, Real(grid.start[c + 1] - grid.start[c]));
+  for (const std::uint32_t num : grid.num) visits *= std::min(2 * reach / grid.spacing + 2, Real(num));
+  return visits;
+}
+
 /// A mesh with all the arrays that the caller of set_up_mesh() owns.
 struct Solid {
   std::vector<Vec3> vertices;

@@ -80,7 +80,7 @@ double gain_of(const bench::ContactScene& scene, double h) {
     const double E = energy(run.params(), run.state());
     if (any(run.output().fault) || !std::isfinite(E)) return std::numeric_limits<double>::infinity();
     const Vec3& p_now = in.devices[0].target.X_WD.p;
-    work += coupling_wrench(run.params(), run.state(), 0).f.dot(p_now - p_before);
+    work += coupling_at(run.params(), run.state(), 0).F_WB.f.dot(p_now - p_before);
     p_before = p_now;
     gain = std::max(gain, E - first - work);
   }

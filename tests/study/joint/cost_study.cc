@@ -5,6 +5,7 @@
 #include "core/godobject.h"
 #include "tests/study/compositions.h"
 #include "tests/study/csv_writer.h"
+#include "tests/support/stabilisation.h"
 
 namespace godobject::study {
 namespace {

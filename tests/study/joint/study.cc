@@ -9,6 +9,7 @@
 #include "tests/study/grid.h"
 #include "tests/study/joint/scene.h"
 #include "tests/study/reference_solution.h"
+#include "tests/support/stabilisation.h"
 
 namespace godobject::study {
 namespace {

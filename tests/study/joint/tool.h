@@ -61,7 +61,7 @@ Real energy(const Params<S>& par, const State<S>& x) {
   Real sum = 0;
   for (std::size_t i = 0; i < par.num_bodies; ++i) {
     const RigidBodyParams& body = par.bodies[i].body;
-    sum += kinetic_energy(body, x.bodies[i].x) + coupling_energy(par, x, i) -
+    sum += kinetic_energy(body, x.bodies[i].x) + coupling_at(par, x, i).energy -
            body.m * par.gravity_W.dot(x.bodies[i].x.X_WB.p);
   }
   return sum;

@@ -47,7 +47,7 @@ class JointedPile : public Pile<Jointed> {
   }
   /// Weight, coupling, contacts and joints of a body, about its centre of mass: what accelerates it.
   Wrench unbalanced(std::size_t i) const {
-    Wrench F = coupling_wrench(par, x, i);
+    Wrench F = coupling_at(par, x, i).F_WB;
     F.f += par.bodies[i].body.m * par.gravity_W + out.bodies[i].contact.F_W.f;
     F.tau += out.bodies[i].contact.F_W.tau;
     for (std::size_t c = i; c < par.num_bodies; ++c) {

@@ -112,7 +112,7 @@ Real gain_of_gripper(const ContactLaw& law, Real h) {
     grip->lead_to(Gripper::palm, after);
     grip->step();
     if (any(grip->out.fault)) return std::numeric_limits<Real>::infinity();
-    work += coupling_wrench(grip->par, grip->x, Gripper::palm).f.dot(after - before);
+    work += coupling_at(grip->par, grip->x, Gripper::palm).F_WB.f.dot(after - before);
     gained = std::max(gained, energy(grip->par, grip->x) - first - work);
   }
   return gained;

@@ -65,7 +65,7 @@ Real gain(const SweepCase& c, Hand hand, Real seconds) {
     pile->step();
     if (any(pile->out.fault)) return std::numeric_limits<Real>::infinity();
     if (hand != Hand::none)
-      work += coupling_wrench(pile->par, pile->x, 2).f.dot(pile->in.devices[2].target.X_WD.p - target);
+      work += coupling_at(pile->par, pile->x, 2).F_WB.f.dot(pile->in.devices[2].target.X_WD.p - target);
     most = std::max(most, energy(pile->par, pile->x) - first - work);
     if (!(most < 1e3)) return std::numeric_limits<Real>::infinity();
   }
