@@ -29,6 +29,7 @@ enum class Invalid : std::uint8_t {
   contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
   node,             // more nodes than there is room for, or one without mass
   net,  // more nodes or springs than there is room for, a node without mass or of no body, carriers or springs not in order
+  net_attachment,  // more than there is room for, of no node or body, to the node's own carrier, not in order, or negative
   term,  // between bodies or nodes that are not there, or with a number that is negative or not finite
   not_imposable,  // an imposed joint of a kind without coordinates of its own: free, fixed or ball
 };
@@ -191,8 +192,10 @@ Invalid validate(const Params<S>& par) noexcept {
     };
     if constexpr (uses<NodesOf<S>>)
       if (!is_valid(par.nodes)) return Invalid::node;
-    if constexpr (uses<NetOf<S>>)
+    if constexpr (uses<NetOf<S>>) {
       if (!is_valid_net(par.net, par.num_bodies)) return Invalid::net;
+      if (!are_valid_attachments(par.net, par.num_bodies)) return Invalid::net_attachment;
+    }
     if constexpr (uses<TermsOf<S>>)
       if (!are_valid(par.terms.of_kinds, is_there)) return Invalid::term;
     return validate_contacts(par.contacts, par.num_bodies, ContactsOf<S>::between_bodies, is_there);

@@ -260,10 +260,8 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     if (all.joined[u]) F[u] = F[u] - J;
   });
   if constexpr (Contacts::has_net) {
-    each_carried(w.net, [&](const NetRun& run) noexcept {
-      if (all.joined[run.body])
-        F[static_cast<std::uint32_t>(run.body)] =
-            F[static_cast<std::uint32_t>(run.body)] - w.net.on_carriers[run.body];
+    each_net_impulse(w, [&](std::uint32_t i, const SpatialVector& J) noexcept {
+      if (all.joined[i]) F[i] = F[i] - J;
     });
   }
   for (std::uint32_t i = 0; i < num_bodies(par); ++i)

@@ -137,7 +137,7 @@ struct BodyContactScratch {
   ContactReport report;
 };
 
-/// Joins the bodies that carry nodes of nets, and those that are touched by them.
+/// Joins the bodies that carry nodes of nets, and those that these touch or are attached to.
 template <class Contacts, std::size_t N>
 void join_net(BodyContactScratch<Contacts, N>& w) noexcept {
   const auto of_net = [&](std::uint32_t i) noexcept {
@@ -149,6 +149,8 @@ void join_net(BodyContactScratch<Contacts, N>& w) noexcept {
   each_carried(w.net, [&](const NetRun& run) noexcept { of_net(static_cast<std::uint32_t>(run.body)); });
   for (std::size_t k = 0; k < w.net.near.size; ++k)
     if (w.net.near.list[k].b < N) of_net(w.net.near.list[k].b);
+  for (const NetContactImpedance& one : w.net.attached())
+    if (one.body < N) of_net(one.body);
 }
 
 /// Number of the near contact's pair, or that of its body with the world.

@@ -49,6 +49,9 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
   Recall of_step(net.before), of_stage(of.memories[of.last]);
   of.num_packs = (of.near.size + 3) / 4;
   of.num_pairs = 0;
+  for (const NetContactImpedance& one : of.attached())
+    if (one.body != NetContactImpedance::on_world)
+      find_pair(static_cast<std::uint32_t>(one.carrier), one.body, of);
   for (std::size_t i = 0; i < of.near.size; ++i) {
     const NearContact& near = of.near.list[i];
     const bool on_world = near.b == NetContactImpedance::on_world;
@@ -63,7 +66,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
   for (std::size_t i = of.near.size; i % 4 != 0; ++i) put_nothing(of.packs[i / 4], i % 4);
 }
 
-/// Says that nodes of a carrier touch a body.
+/// Says that nodes of a carrier touch a body, or are attached to it.
 template <class Net, std::size_t N>
 void find_pair(std::uint32_t carrier, std::uint32_t touched, NetStage<Net, N>& w) noexcept {
   if (carrier >= N) return;  // the world
@@ -100,10 +103,10 @@ void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept
   }
 }
 
-/// The contacts of nets in the modes they are in, as effective masses and impulses.
+/// The contacts of nets in the modes they are in, as effective masses and impulses, after the attachments.
 template <class Net, std::size_t N>
 void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
-  w.num_contacts = 0;
+  w.num_contacts = w.num_attachments;
   for (std::size_t i = 0; i < w.near.size; ++i) {
     const ContactPack& c = w.packs[i / 4];
     const std::size_t j = i % 4;
@@ -232,6 +235,15 @@ void end_net(const typename Contacts::Params& par, const NetInput<typename Conta
       sum = sum - moved_wrench({.w = Column(Pack(0)), .v = J}, net.r[n]);
     }
   });
+}
+
+/// f(body, impulse on it about its centre of mass) of what nets pull it by, but for their contacts.
+template <class Contacts, std::size_t N, class F>
+void each_net_impulse(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
+  each_carried(w.net, [&](const NetRun& run) noexcept {
+    f(static_cast<std::uint32_t>(run.body), w.net.on_carriers[run.body]);
+  });
+  each_attachment_impulse(w.x.V, w.net, f);
 }
 
 }  // namespace godobject

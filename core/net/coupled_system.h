@@ -38,7 +38,7 @@ void each_carried(const NetStage<Net, N>& w, F f) noexcept {
     if (w.runs[k].body != world) f(w.runs[k]);
 }
 
-/// The system of bodies `bodies` and the nets that they carry and touch.
+/// The system of bodies `bodies` and the nets that they carry and touch, or are attached to.
 template <class OfBodies, class Stage>
 struct CoupledSystem {
   using Vector = CoupledVector<typename OfBodies::Vector, Stage::max_nodes>;

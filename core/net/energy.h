@@ -23,19 +23,21 @@ Vec3 net_mass_moment(const Params<S>& par, const State<S>& x) noexcept {
   return mp_W;
 }
 
-/// (41), (42)  In springs and anchors.
+/// (41), (42), (49)  In springs, anchors and attachments.
 template <Scene S>
 Real net_spring_energy(const Params<S>& par, const State<S>& x) noexcept {
   Real U = 0;
+  const auto point = [&](std::size_t body, const Vec3& p_B) noexcept -> Vec3 {
+    if (body == world) return p_B;
+    const Pose& X_WB = x.bodies[body].x.X_WB;
+    return X_WB.p + to_world(X_WB.q, p_B);
+  };
   for (std::size_t n = 0; n < par.net.num_nodes; ++n) {
     const NetNode& node = par.net.nodes[n];
-    Vec3 anchor_W = node.p_B;
-    if (node.body != world) {
-      const Pose& X_WB = x.bodies[node.body].x.X_WB;
-      anchor_W = X_WB.p + to_world(X_WB.q, node.p_B);
-    }
-    U += Real(0.5) * node.k * (x.net.nodes[n].p_W - anchor_W).squaredNorm();
+    U += Real(0.5) * node.k * (x.net.nodes[n].p_W - point(node.body, node.p_B)).squaredNorm();
   }
+  for (const NetAttachment& one : par.net.attachments)
+    U += Real(0.5) * one.k * (x.net.nodes[one.node].p_W - point(one.body, one.p_B)).squaredNorm();
   for (std::size_t s = 0; s < par.net.num_springs; ++s) {
     const NetSpring& spring = par.net.springs[s];
     const Real d = (x.net.nodes[spring.j].p_W - x.net.nodes[spring.i].p_W).norm() - spring.l_0;

@@ -1,12 +1,13 @@
 // What nodes of nets are near: surfaces of the world, shapes on bodies, spheres of bodies that have no shapes.
 //
 // Bound: for each four nodes a query of each surface of the world, and of each surface or sphere of a body whose box they
-// are in. Nodes do not touch each other, nor bodies of the tree that their carrier is of. What is fast, or deep in an obstacle
+// are in. Nodes do not touch each other, nor bodies of the tree that their carrier is of, nor what they are attached to. What is
+// fast, or deep in an obstacle
 // of the world, is sought on its way as spheres of bodies are (core/contact/find/sweep.h).
 #pragma once
 
 #include "core/contact/find/find.h"
-#include "core/net/scratch.h"
+#include "core/net/attachment.h"
 
 namespace godobject {
 
@@ -132,6 +133,7 @@ class NetFinder {
   void add(std::uint32_t n, std::uint32_t b, std::uint32_t touched, Real d, const Vec3& n_W) noexcept {
     const std::size_t carrier = net_.nodes[n].body;
     if (b != on_world && carrier != world && bodies_.owned[b].tree == bodies_.owned[carrier].tree) return;
+    if (b != on_world && is_attached(net_.attachments, n, b)) return;
     const Real radius = net_.nodes[n].radius;
     const Vec3 p_W = w_.p[n].vec() - radius * n_W;
     Vec3 v = w_.v[n].vec();

@@ -34,18 +34,81 @@ struct Flight {
   }
 };
 
-/// What the carrier of a run and its nodes are as one.
-template <Scene S, class Nodes>
-Flight flight_of(const Params<S>& par, const NetRun& run, const RigidBodyState& body,
-                 const Nodes& nodes) noexcept {
-  Flight all{.m = par.bodies[run.body].body.m, .mp_W = par.bodies[run.body].body.m * body.X_WB.p};
-  for (std::uint32_t n = run.first; n < run.end; ++n) {
-    all.m += par.net.nodes[n].m;
-    all.mp_W += par.net.nodes[n].m * nodes[n].p_W;
+/// The carrier of a run with its nodes.
+struct Alone {
+  const NetRun& run;
+
+  std::size_t first_body() const noexcept { return run.body; }
+  template <class F>
+  void each_other_body(F) const noexcept {}
+  template <class F>
+  void each_run(F f) const noexcept {
+    f(run);
   }
-  all.add(par.bodies[run.body].body, body);
-  for (std::uint32_t n = run.first; n < run.end; ++n)
+};
+
+/// Bodies that attachments join to one, with all nodes that these carry: body i is of the group number of[i].
+template <class Net, std::size_t N>
+struct Attached {
+  const NetStage<Net, N>& w;
+  std::array<std::uint32_t, N> of;
+  std::array<bool, N> is_held;  // by number: attached to the world, or a node of the world to it
+  std::uint32_t number = 0;     // of the group at hand
+
+  explicit Attached(const NetStage<Net, N>& net) noexcept : w(net) {
+    for (std::uint32_t i = 0; i < N; ++i) of[i] = i;
+    for (const NetContactImpedance& one : w.attached()) {
+      if (!is_between(one)) continue;
+      const std::uint32_t carrier = of[one.carrier], body = of[one.body];
+      std::replace(of.begin(), of.end(), body, carrier);
+    }
+    is_held.fill(false);
+    for (const NetContactImpedance& one : w.attached())
+      if (!is_between(one)) is_held[of[one.carrier == world ? one.body : one.carrier]] = true;
+  }
+  static bool is_between(const NetContactImpedance& one) noexcept {
+    return one.carrier != world && one.body != NetContactImpedance::on_world;
+  }
+  std::size_t first_body() const noexcept {
+    return static_cast<std::size_t>(std::find(of.begin(), of.end(), number) - of.begin());
+  }
+  template <class F>
+  void each_other_body(F f) const noexcept {
+    for (std::size_t i = first_body() + 1; i < N; ++i)
+      if (of[i] == number) f(i);
+  }
+  template <class F>
+  void each_run(F f) const noexcept {
+    each_carried(w, [&](const NetRun& run) noexcept {
+      if (of[run.body] == number) f(run);
+    });
+  }
+};
+
+template <class Flyers, class F>
+void each_node_of(const Flyers& flyers, F f) noexcept {
+  flyers.each_run([&](const NetRun& run) noexcept {
+    for (std::uint32_t n = run.first; n < run.end; ++n) f(n);
+  });
+}
+
+/// What they are as one. body_of(i): the state of body i.
+template <Scene S, class Flyers, class BodyOf, class Nodes>
+Flight flight_of(const Params<S>& par, const Flyers& flyers, BodyOf body_of, const Nodes& nodes) noexcept {
+  const std::size_t first = flyers.first_body();
+  const RigidBodyState& body = body_of(first);
+  Flight all{.m = par.bodies[first].body.m, .mp_W = par.bodies[first].body.m * body.X_WB.p};
+  const auto add_mass = [&](Real m, const Vec3& p_W) noexcept {
+    all.m += m;
+    all.mp_W += m * p_W;
+  };
+  flyers.each_other_body([&](std::size_t i) noexcept { add_mass(par.bodies[i].body.m, body_of(i).X_WB.p); });
+  each_node_of(flyers, [&](std::uint32_t n) noexcept { add_mass(par.net.nodes[n].m, nodes[n].p_W); });
+  all.add(par.bodies[first].body, body);
+  flyers.each_other_body([&](std::size_t i) noexcept { all.add(par.bodies[i].body, body_of(i)); });
+  each_node_of(flyers, [&](std::uint32_t n) noexcept {
     all.add(par.net.nodes[n].m, nodes[n].p_W - all.centre(), nodes[n].v_W);
+  });
   return all;
 }
 
@@ -82,23 +145,52 @@ bool joins_carriers(const NetStage<Net, N>& w, const NetRun& run) noexcept {
   return false;
 }
 
+/// (48) of who flies.
+template <Scene S, class Flyers>
+void give_back_turn(const Params<S>& par, const State<S>& x, const Flyers& flyers, Scratch<S>& w) noexcept {
+  const auto before_of = [&](std::size_t i) noexcept -> const RigidBodyState& { return x.bodies[i].x; };
+  const auto after_of = [&](std::size_t i) noexcept -> RigidBodyState {
+    return lane(w.next[i / lanes<S>].x, i % lanes<S>);
+  };
+  const Flight before = flight_of(par, flyers, before_of, x.net.nodes),
+               after = flight_of(par, flyers, after_of, w.net.next);
+  const Vec3 lost = before.L_W - after.L_W;
+  if (lost.norm() > max_given_back * before.size) return;
+  const Vec3 w_W = solve3<Real>(after.I_W, lost), c = after.centre();
+  const auto turn = [&](std::size_t i) noexcept {
+    Next<S>& next = w.next[i / lanes<S>];
+    const RigidBodyState body = after_of(i);
+    set_lane(next.x.v_W, i % lanes<S>, Vec3(body.v_W + w_W.cross(body.X_WB.p - c)));
+    set_lane(next.x.w_B, i % lanes<S>, Vec3(body.w_B + to_body<Real>(body.X_WB.q, w_W)));
+  };
+  turn(flyers.first_body());
+  flyers.each_other_body(turn);
+  each_node_of(flyers,
+               [&](std::uint32_t n) noexcept { w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c); });
+}
+
 /// (48) of w.next.
 template <Scene S>
 void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   const auto& net = w.contacts.net;
+  if (net.attached().empty()) {
+    each_carried(net, [&](const NetRun& run) noexcept {
+      if (flies(par, w, run.body) && !joins_carriers(net, run)) give_back_turn(par, x, Alone{run}, w);
+    });
+    return;
+  }
+  Attached flyers(net);
   each_carried(net, [&](const NetRun& run) noexcept {
-    if (!flies(par, w, run.body) || joins_carriers(net, run)) return;
-    Next<S>& next = w.next[run.body / lanes<S>];
-    const std::size_t j = run.body % lanes<S>;
-    const RigidBodyState body = lane(next.x, j);
-    const Flight before = flight_of(par, run, x.bodies[run.body].x, x.net.nodes),
-                 after = flight_of(par, run, body, w.net.next);
-    const Vec3 lost = before.L_W - after.L_W;
-    if (lost.norm() > max_given_back * before.size) return;
-    const Vec3 w_W = solve3<Real>(after.I_W, lost), c = after.centre();
-    set_lane(next.x.v_W, j, Vec3(body.v_W + w_W.cross(body.X_WB.p - c)));
-    set_lane(next.x.w_B, j, Vec3(body.w_B + to_body<Real>(body.X_WB.q, w_W)));
-    for (std::uint32_t n = run.first; n < run.end; ++n) w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c);
+    flyers.number = flyers.of[run.body];
+    bool fly = !flyers.is_held[flyers.number], is_first = true;
+    const auto look_at = [&](std::size_t i) noexcept { fly = fly && flies(par, w, i); };
+    look_at(flyers.first_body());
+    flyers.each_other_body(look_at);
+    flyers.each_run([&](const NetRun& other) noexcept {
+      is_first = is_first && other.first >= run.first;
+      fly = fly && !joins_carriers(net, other);
+    });
+    if (fly && is_first) give_back_turn(par, x, flyers, w);
   });
 }
 

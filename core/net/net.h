@@ -1,9 +1,9 @@
 // Nets: deformable tools and organs, the paper's mass/spring surface nets. Nodes are particles; springs with dampers join
 // them; each may hang by an anchor, a damped spring of zero length, on a point of its carrier, the rigid component of the
-// net, which is a body like any other (the god-object), or on a point of the world.
+// net, which is a body like any other (the god-object), or on a point of the world. Attachments join nodes to other bodies.
 //
-// The room: springs.h is what anchors and springs are in a stage, incomplete_factor.h the preconditioner of the nodes,
-// coupled_system.h bodies and nodes as one system, find.h and contacts.h what nodes touch, solve.h a stage of all of it,
+// The room: springs.h is what anchors and springs are in a stage, attachment.h what attachments are, incomplete_factor.h the
+// preconditioner of the nodes, coupled_system.h bodies and nodes as one system, find.h and contacts.h what nodes touch, solve.h a stage of all of it,
 // momentum.h what a net in flight keeps, setup.h what is checked and put in order before the first step.
 #pragma once
 
@@ -32,14 +32,40 @@ struct NetSpring {
   Real k = 0, g = 0, l_0 = 0;  // N/m, N s/m, m
 };
 
-/// Constant while running. Springs are in the order of i, then j, and nodes have one of elimination: put_in_order() of
-/// setup.h.
-template <std::size_t max_nodes, std::size_t max_springs>
+/// A damped spring of zero length between a node and a point of a body that is not its carrier, or of the world: (49). A node
+/// may have several.
+struct NetAttachment {
+  std::uint32_t node = 0;
+  std::size_t body = world;
+  Vec3 p_B = Vec3::Zero();  // the point: from the body's centre of mass in body axes, or in the world, m
+  Real k = 0, g = 0;        // N/m, N s/m
+};
+template <std::size_t max>
+struct NetAttachments {
+  std::array<NetAttachment, max> list;
+  std::size_t size = 0;
+
+  const NetAttachment* begin() const noexcept { return list.data(); }
+  const NetAttachment* end() const noexcept { return list.data() + size; }
+};
+/// A net without room for any: nothing.
+template <>
+struct NetAttachments<0> {
+  static constexpr std::size_t size = 0;
+
+  static constexpr const NetAttachment* begin() noexcept { return nullptr; }
+  static constexpr const NetAttachment* end() noexcept { return nullptr; }
+};
+
+/// Constant while running. Springs are in the order of i, then j, attachments in that of their nodes, and nodes have one of
+/// elimination: put_in_order() of setup.h.
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments = 0>
 struct NetParams {
   std::array<NetNode, max_nodes> nodes;
   std::size_t num_nodes = 0;
   std::array<NetSpring, max_springs> springs;
   std::size_t num_springs = 0;
+  [[no_unique_address]] NetAttachments<max_attachments> attachments;
   // of elimination: each node after those that springs join to it from below
   std::array<std::uint32_t, max_nodes> order{};
   int max_iterations = 12;  // of conjugate gradients in a stage
@@ -62,11 +88,12 @@ struct NetReport {
   Real deepest = 0;              // depth of the deepest node, m
 };
 
-/// The net part of a scene: all of its nets together. Capacities: nodes, springs, contacts of nodes at a time.
-template <std::size_t nodes_, std::size_t springs_, std::size_t contacts_>
+/// The net part of a scene: all of its nets together. Capacities: nodes, springs, contacts of nodes at a time, attachments.
+template <std::size_t nodes_, std::size_t springs_, std::size_t contacts_, std::size_t attachments_ = 0>
 struct MassSpringNet {
-  static constexpr std::size_t max_nodes = nodes_, max_springs = springs_, max_contacts = contacts_;
-  using Params = NetParams<nodes_, springs_>;
+  static constexpr std::size_t max_nodes = nodes_, max_springs = springs_, max_contacts = contacts_,
+                               max_attachments = attachments_;
+  using Params = NetParams<nodes_, springs_, attachments_>;
   using Output = NetReport;
 };
 

@@ -1,6 +1,9 @@
 // What a step works on of nets. Scratch: undefined between steps.
 #pragma once
 
+#include <span>
+#include <type_traits>
+
 #include "core/contact/candidates.h"
 #include "core/contact/find/sphere_pack.h"
 #include "core/contact/stage.h"
@@ -16,7 +19,8 @@ struct NetRun {
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
 
-/// A contact of a node in the system: the impedance a 1 + b n n^T of the node against the body, at r from its centre of mass.
+/// A contact or an attachment of a node in the system: the impedance a 1 + b n n^T of the node against the body, at r from its
+/// centre of mass.
 struct NetContactImpedance {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
   std::uint32_t node = 0, body = on_world;
@@ -65,8 +69,12 @@ struct NetStage {
   std::array<std::size_t, Net::max_contacts> carrier;
   std::array<ContactPack, max_packs> packs;  // r: on the body that is touched
   std::size_t num_packs = 0;
-  std::array<NetContactImpedance, Net::max_contacts> contacts;
+  // attachments, which are there in all modes, then the contacts that bear a force
+  std::array<NetContactImpedance, Net::max_attachments + Net::max_contacts> contacts;
   std::size_t num_contacts = 0;
+  using NumAttachments =
+      std::conditional_t<(Net::max_attachments > 0), std::size_t, std::integral_constant<std::size_t, 0>>;
+  [[no_unique_address]] NumAttachments num_attachments{};
   std::array<NetPair, max_pairs> pairs;
   std::size_t num_pairs = 0;
   std::array<ContactMemories<Net::max_contacts>, 2> memories;
@@ -81,6 +89,11 @@ struct NetStage {
   OfBodies on_carriers;   // impulses of anchors on bodies, at the end
   bool is_solved = true;  // false: the iteration was stopped at its most
   NetReport report;
+
+  std::span<NetContactImpedance> attached() noexcept { return {contacts.data(), num_attachments}; }
+  std::span<const NetContactImpedance> attached() const noexcept {
+    return {contacts.data(), num_attachments};
+  }
 };
 
 }  // namespace godobject

@@ -10,8 +10,8 @@ namespace godobject {
 
 /// Nodes by how many springs lead up to them: those of one level are not joined, so that a processor may work on several of
 /// them at a time, where in the order of their numbers each node waits for the one before.
-template <std::size_t max_nodes, std::size_t max_springs>
-void order_by_levels(NetParams<max_nodes, max_springs>& par) noexcept {
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+void order_by_levels(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   std::array<std::uint32_t, max_nodes> level{};
   for (std::size_t s = 0; s < par.num_springs; ++s) {
     const NetSpring& spring = par.springs[s];
@@ -23,21 +23,27 @@ void order_by_levels(NetParams<max_nodes, max_springs>& par) noexcept {
       [&](std::uint32_t a, std::uint32_t b) { return level[a] != level[b] ? level[a] < level[b] : a < b; });
 }
 
-/// Springs in the order that a step needs: i < j, by i, then j; and nodes in that of elimination. What has no room is left as it
-/// is, for is_valid_net() to refuse.
-template <std::size_t max_nodes, std::size_t max_springs>
-void put_in_order(NetParams<max_nodes, max_springs>& par) noexcept {
+/// Springs in the order that a step needs: i < j, by i, then j; attachments by nodes, and nodes in that of elimination. What has
+/// no room is left as it is, for is_valid_net() to refuse.
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   if (par.num_nodes > max_nodes || par.num_springs > max_springs) return;
   for (std::size_t s = 0; s < par.num_springs; ++s)
     if (par.springs[s].j < par.springs[s].i) std::swap(par.springs[s].i, par.springs[s].j);
   std::sort(par.springs.begin(), par.springs.begin() + static_cast<std::ptrdiff_t>(par.num_springs),
             [](const NetSpring& a, const NetSpring& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
+  if constexpr (max_attachments > 0) {
+    auto& list = par.attachments.list;
+    std::sort(list.begin(),
+              list.begin() + static_cast<std::ptrdiff_t>(std::min(par.attachments.size, max_attachments)),
+              [](const NetAttachment& a, const NetAttachment& b) { return a.node < b.node; });
+  }
   order_by_levels(par);
 }
 
 /// Every node once, after those that springs join to it from below.
-template <std::size_t max_nodes, std::size_t max_springs>
-bool is_elimination_order(const NetParams<max_nodes, max_springs>& par) noexcept {
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+bool is_elimination_order(const NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   std::array<std::uint32_t, max_nodes> place{};  // from 1
   for (std::uint32_t o = 0; o < par.num_nodes; ++o) {
     if (par.order[o] >= par.num_nodes || place[par.order[o]] != 0) return false;
@@ -49,8 +55,9 @@ bool is_elimination_order(const NetParams<max_nodes, max_springs>& par) noexcept
 
 /// Nodes of one carrier are in a row, springs and nodes in order, numbers positive where they must be. Bodies are below
 /// num_bodies.
-template <std::size_t max_nodes, std::size_t max_springs>
-bool is_valid_net(const NetParams<max_nodes, max_springs>& par, std::size_t num_bodies) noexcept {
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+bool is_valid_net(const NetParams<max_nodes, max_springs, max_attachments>& par,
+                  std::size_t num_bodies) noexcept {
   const auto is_number = [](Real a) noexcept { return a >= 0 && a - a == 0; };
   if (par.num_nodes > max_nodes || par.num_springs > max_springs || par.max_iterations < 1) return false;
   if (!is_number(par.tolerance)) return false;
@@ -75,9 +82,25 @@ bool is_valid_net(const NetParams<max_nodes, max_springs>& par, std::size_t num_
   return is_elimination_order(par);
 }
 
+/// Attachments of nodes below num_nodes, in their order, to bodies that are there and do not carry them. The net is valid.
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+bool are_valid_attachments(const NetParams<max_nodes, max_springs, max_attachments>& par,
+                           std::size_t num_bodies) noexcept {
+  if (par.attachments.size > max_attachments) return false;
+  const auto is_number = [](Real a) noexcept { return a >= 0 && a - a == 0; };
+  std::uint32_t before = 0;
+  return std::all_of(par.attachments.begin(), par.attachments.end(), [&](const NetAttachment& one) {
+    const bool in_order = one.node >= before;
+    before = one.node;
+    const Real p = one.p_B.sum();
+    return in_order && one.node < par.num_nodes && (one.body == world || one.body < num_bodies) &&
+           one.body != par.nodes[one.node].body && p - p == 0 && is_number(one.k) && is_number(one.g);
+  });
+}
+
 /// Every node at its anchor, moving with its carrier.
-template <class State, std::size_t max_nodes, std::size_t max_springs>
-void place_net(const NetParams<max_nodes, max_springs>& par, State& x) noexcept {
+template <class State, std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+void place_net(const NetParams<max_nodes, max_springs, max_attachments>& par, State& x) noexcept {
   for (std::size_t n = 0; n < par.num_nodes; ++n) {
     const NetNode& node = par.nodes[n];
     auto& at = x.net.nodes[n];

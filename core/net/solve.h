@@ -6,7 +6,7 @@
 
 namespace godobject {
 
-/// Anchors and springs, linear from where the nodes are led. The bodies are in w.finder.at.
+/// Anchors, attachments and springs, linear from where the nodes are led. The bodies are in w.finder.at.
 template <Springs as = Springs::linear, class Contacts, std::size_t N>
 void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
                    BodyContactScratch<Contacts, N>& w) noexcept {
@@ -16,6 +16,7 @@ void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
     begin_anchors<typename Contacts::Net>(in.par, run,
                                           run.body == world ? TreePlace{} : w.finder.at[run.body], h, net);
   }
+  begin_attachments<typename Contacts::Net>(in.par, w.finder.at, h, net);
   begin_springs<as, typename Contacts::Net>(in.par, h, net);
 }
 
@@ -36,11 +37,14 @@ void find_net_contacts(const typename Contacts::Params& par, const NetInput<type
       .find(num_bodies);
 }
 
-/// The velocities of nodes and of the bodies that carry and touch them.
+/// The velocities of nodes and of the bodies that carry and touch them, or that they are attached to.
 template <class Contacts, std::size_t N>
 void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
                           BodyContactScratch<Contacts, N>& w) noexcept {
-  if constexpr (Contacts::jointed) shift_anchors(w.graph.joints.V_p, w.net);
+  if constexpr (Contacts::jointed) {
+    shift_anchors(w.graph.joints.V_p, w.net);
+    shift_attachments(w.graph.joints.V_p, w.net);
+  }
   ride(w.net, w.x.V_0);
   using Scratch = BodyContactScratch<Contacts, N>;
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};

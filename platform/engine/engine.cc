@@ -127,6 +127,7 @@ std::string complaint(Invalid rule) {
     case Invalid::contact_law:
       return "a contact has a negative or infinite gain, or friction without a tangent";
     case Invalid::net: return "a net has a node without mass, or nodes or springs in another order";
+    case Invalid::net_attachment: return "a net is attached to its own carrier, or to what is not there";
     case Invalid::not_imposable: return "an imposed joint has no coordinates of its own";
     default: return "rule " + std::to_string(static_cast<int>(rule)) + " of core/setup.h is broken";
   }

@@ -82,7 +82,8 @@ struct Composition {
   bool joints = false;  // with all that they can have
   ContactScope contacts = ContactScope::none;
   std::size_t max_spheres = 0, max_surfaces = 0, max_contacts = 0;
-  std::size_t max_nodes = 0, max_springs = 0, max_node_contacts = 0;  // of nets
+  std::size_t max_nodes = 0, max_springs = 0, max_node_contacts = 0,
+              max_attachments = 0;  // of nets
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
   std::vector<PartBytes> parts;  // those that have storage
 

@@ -334,6 +334,7 @@ CompositionRow row(const std::string& name) {
     c.max_nodes = S::Net::max_nodes;
     c.max_springs = S::Net::max_springs;
     c.max_node_contacts = S::Net::max_contacts;
+    c.max_attachments = S::Net::max_attachments;
   }
   return {std::move(c),
           [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)

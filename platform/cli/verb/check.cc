@@ -39,6 +39,7 @@ void print_capacities(const SceneConfig& scene, const Engine& engine) {
   if (c.has_nets()) {
     print("nodes", engine.nets().nodes.size(), c.max_nodes);
     print("springs", engine.nets().springs.size(), c.max_springs);
+    print("attachments", engine.nets().attachments.size(), c.max_attachments);
     std::printf("#   %-24s at most %zu at a time; more are the fault contacts_full\n", "contacts of nodes",
                 c.max_node_contacts);
   }

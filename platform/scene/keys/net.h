@@ -185,8 +185,56 @@ void visit_net_held(V& v, NetConfig& n) {
              t.check(holds || n.surface.vertices.empty(), "radius",
                      "is too small: there is no vertex within");
            });
-  v.advise(n.anchor_stiffness.value_or(1) > 0 || n.rim || !n.held.empty(), "",
-           "nothing holds net '" + n.name + "': give it anchor_stiffness, rim or [[net.held]]");
+}
+
+/// To which body; and that it is not the carrier, on which all vertices hang.
+template <class V>
+void visit_attached_body(V& v, const std::vector<std::string>& bodies, const NetConfig& n,
+                         AttachedConfig& a) {
+  v.value(Key{.name = "body",
+              .unit = "",
+              .meaning = "to which: name of a body, or \"world\"; not the net's own",
+              .required = true},
+          a.body);
+  const bool is_there = a.body == world_name || std::ranges::find(bodies, a.body) != bodies.end();
+  v.check(a.body.empty() || is_there, "body",
+          "is \"" + a.body + "\", which is no body: admissible is \"world\", " + quoted(bodies));
+  v.check(!is_there || a.body != n.body, "body",
+          "is what the net is on already: hold vertices there by [[net.held]]");
+}
+
+template <class V>
+void visit_net_attached(V& v, const std::vector<std::string>& bodies, NetConfig& n) {
+  v.tables(
+      TableKey{"attached",
+               "A ball: vertices in it are attached to another body than the net's, each where it is at the "
+               "start, by a spring of zero length."},
+      n.attached, [&](auto& t, AttachedConfig& a) {
+        visit_attached_body(t, bodies, n, a);
+        t.value(Key{"position", "m", "its centre in the net's frame"}, a.p_F);
+        t.value(Key{"radius", "m", "its radius", positive, true}, a.radius);
+        t.check(n.surface.vertices.empty() || a.radius <= 0 || num_within(n, a) > 0, "radius",
+                "is too small: there is no vertex within");
+        if (!a.stiffness && n.membrane_stiffness > 0) a.stiffness = held_stiffness_for(n.membrane_stiffness);
+        t.value(Key{.name = "stiffness",
+                    .unit = "N/m",
+                    .meaning = "of each vertex",
+                    .range = positive,
+                    .otherwise = "8.66 E t: ten springs"},
+                a.stiffness);
+        const double k = a.stiffness.value_or(0), m = mean_node_mass(n);
+        const double unit = k > 0 ? std::sqrt(m / k) : 0;
+        t.either(
+            Key{"relaxation_time", "s", "tau: g = tau k; what is stretched creeps back by it", not_negative},
+            Key{"damping_ratio",
+                "",
+                "g / sqrt(k m) of a mean node; 1.4 by default, that of couplings",
+                {0, 1e6}},
+            unit, default_net_damping_ratio * unit, a.relaxation_time);
+      });
+  v.advise(
+      n.anchor_stiffness.value_or(1) > 0 || n.rim || !n.held.empty() || !n.attached.empty(), "",
+      "nothing holds net '" + n.name + "': give it anchor_stiffness, rim, [[net.held]] or [[net.attached]]");
 }
 
 template <class V>
@@ -204,6 +252,7 @@ void visit_net(V& v, const SceneConfig& scene, const std::vector<std::string>& b
   advise_on_iterations(v, scene.step, n);
   visit_net_touch(v, n);
   visit_net_held(v, n);
+  visit_net_attached(v, bodies, n);
 }
 
 /// Bodies and joints have been visited.
@@ -212,7 +261,7 @@ void visit_nets(V& v, SceneConfig& s) {
   std::vector<std::string> bodies;
   for (const BodyConfig& body : s.bodies) bodies.push_back(body.name);
   std::set<std::string> names;
-  std::size_t nodes = 0, springs = 0;
+  std::size_t nodes = 0, springs = 0, attachments = 0;
   v.tables(TableKey{"net",
                     "A deformable surface of masses and springs, on a body or in the world; see Nets above."},
            s.nets, [&](auto& t, NetConfig& n) {
@@ -224,6 +273,10 @@ void visit_nets(V& v, SceneConfig& s) {
              t.check(springs <= max_net_springs, "",
                      "nets have " + std::to_string(springs) + " springs, and there is room for " +
                          std::to_string(max_net_springs) + ": take a larger spacing, or bending = 0");
+             attachments += num_attachments(n);
+             t.check(attachments <= max_net_attachments, "attached",
+                     "makes " + std::to_string(attachments) + " attachments, and there is room for " +
+                         std::to_string(max_net_attachments) + ": take smaller balls, or a larger spacing");
            });
 }
 

@@ -12,7 +12,8 @@
 namespace godobject {
 
 /// Room of the compiled compositions, for all nets of a scene together.
-inline constexpr std::size_t max_net_nodes = 1536, max_net_springs = 9216, max_net_contacts = 768;
+inline constexpr std::size_t max_net_nodes = 1536, max_net_springs = 9216, max_net_contacts = 768,
+                             max_net_attachments = 256;
 
 /// Names of NetKind in scene files, in its order.
 inline constexpr std::array net_kind_names{"tube", "capsule", "sphere", "sheet", "mesh"};
@@ -29,6 +30,15 @@ enum class NetKind : std::uint8_t {
 struct HeldConfig {
   Vec3 p_F = Vec3::Zero();  // its centre in the net's frame F, m
   double radius = 0;        // m, > 0
+};
+
+/// Vertices of the net within it are attached, where they are at the start, to a body that does not carry it.
+struct AttachedConfig {
+  std::string body;                 // its name, or world_name
+  Vec3 p_F = Vec3::Zero();          // its centre in the net's frame F, m
+  double radius = 0;                // m, > 0
+  std::optional<double> stiffness;  // N/m of each vertex, > 0
+  double relaxation_time = 0;       // tau: g = tau k, s
 };
 
 struct NetConfig {
@@ -60,6 +70,7 @@ struct NetConfig {
   bool rim = false;                      // vertices on the edge of an open surface
   std::vector<HeldConfig> held;          // and those in these
   std::optional<double> held_stiffness;  // N/m of each
+  std::vector<AttachedConfig> attached;  // to others
 };
 
 }  // namespace godobject

@@ -26,8 +26,13 @@ std::map<Ends, double> stiffnesses(const NetConfig& net) {
   return k;
 }
 
-bool is_within(const std::vector<HeldConfig>& held, const Vec3& p_F) {
-  return std::ranges::any_of(held, [&](const HeldConfig& h) { return (p_F - h.p_F).norm() <= h.radius; });
+/// Held, or attached: by a ball in the net's frame.
+template <class Ball>
+bool is_within(const Ball& ball, const Vec3& p_F) {
+  return (p_F - ball.p_F).norm() <= ball.radius;
+}
+bool is_held(const NetConfig& net, const Vec3& p_F) {
+  return std::ranges::any_of(net.held, [&](const HeldConfig& ball) { return is_within(ball, p_F); });
 }
 
 /// Fills in one net after the other.
@@ -46,6 +51,7 @@ class NetBuilder {
       range.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     add_nodes(net, range.carrier);
     add_springs(net, first);
+    add_attachments(net, first);
     to_.nets.push_back(std::move(range));
   }
   SceneNets take() { return std::move(to_); }
@@ -65,7 +71,7 @@ class NetBuilder {
                    .g = drag(net.surface_density, net.settling_time) * areas[i],
                    .radius = net.thickness.value_or(0) / 2,
                    .material = net.thickness.value_or(0) > 0 ? material : MaterialId{0}};
-      if ((net.rim && rim[i]) || is_within(net.held, net.surface.vertices[i])) {
+      if ((net.rim && rim[i]) || is_held(net, net.surface.vertices[i])) {
         const double k = net.held_stiffness.value_or(0);
         node.k += k;
         node.g += default_net_damping_ratio * std::sqrt(k * m);
@@ -85,6 +91,28 @@ class NetBuilder {
     }
   }
 
+  /// Each to the point of the body where its vertex is at the start.
+  void add_attachments(const NetConfig& net, std::uint32_t first) {
+    const auto at_start = [&](const std::optional<std::size_t>& body) {
+      return body ? scene_.bodies[*body].X_WB : Pose{};
+    };
+    const Pose X_WC = at_start(body_named(scene_, net.body));
+    for (const AttachedConfig& ball : net.attached) {
+      const std::optional<std::size_t> body = body_named(scene_, ball.body);
+      const Pose X_WB = at_start(body);
+      const double k = ball.stiffness.value_or(0);
+      for (std::uint32_t i = 0; i < net.surface.vertices.size(); ++i) {
+        if (!is_within(ball, net.surface.vertices[i])) continue;
+        const Vec3 p_W = X_WC.p + X_WC.q * to_.nodes[first + i].p_B;
+        to_.attachments.push_back({.node = first + i,
+                                   .body = body.value_or(world),
+                                   .p_B = X_WB.q.conjugate() * (p_W - X_WB.p),
+                                   .k = k,
+                                   .g = ball.relaxation_time * k});
+      }
+    }
+  }
+
   const SceneConfig& scene_;
   std::vector<std::string> materials_;
   SceneNets to_;
@@ -93,6 +121,16 @@ class NetBuilder {
 }  // namespace
 
 std::size_t num_springs(const NetConfig& net) { return stiffnesses(net).size(); }
+
+std::size_t num_within(const NetConfig& net, const AttachedConfig& ball) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(net.surface.vertices, [&](const Vec3& p_F) { return is_within(ball, p_F); }));
+}
+std::size_t num_attachments(const NetConfig& net) {
+  std::size_t n = 0;
+  for (const AttachedConfig& ball : net.attached) n += num_within(net, ball);
+  return n;
+}
 
 SceneNets scene_nets(const SceneConfig& scene) {
   std::vector<const NetConfig*> nets;

@@ -3,6 +3,7 @@
 //
 //   m_i = sigma A_i,  k_ij = E t (A_1 + A_2) / l_ij^2 (sqrt(3)/2 E t where all are equilateral),  g_ij = tau k_ij
 //   k_i = kappa A_i,  g_i = 8 sigma A_i / T  of anchors; T: settling time
+//   k, tau k  of attachments
 //
 // The room: surface.h makes surfaces of even edges, make.h that of a scene file, edges.h says what its edges and areas are;
 // physics.h what a net's physical numbers imply; report.h tells of a net in `check`.
@@ -25,10 +26,12 @@ struct NetRange {
   std::vector<TriangleIndices> triangles;  // by numbers of nodes among all
 };
 
-/// Nets in the order of their carriers, those of the world last; springs in the order of i, then j.
+/// Nets in the order of their carriers, those of the world last; springs in the order of i, then j; attachments in that of the
+/// nets.
 struct SceneNets {
   std::vector<NetNode> nodes;
   std::vector<NetSpring> springs;
+  std::vector<NetAttachment> attachments;
   std::vector<NetRange> nets;
   int max_iterations = 0;  // in a stage, for all of them
 };
@@ -43,11 +46,19 @@ void set_net_params(const SceneNets& nets, Params& par) noexcept {
   std::ranges::copy(nets.nodes, par.nodes.begin());
   par.num_springs = nets.springs.size();
   std::ranges::copy(nets.springs, par.springs.begin());
+  if constexpr (requires { par.attachments.list; }) {
+    par.attachments.size = nets.attachments.size();
+    std::ranges::copy(nets.attachments, par.attachments.list.begin());
+  }
   par.max_iterations = nets.max_iterations;
   put_in_order(par);
 }
 
 /// How many springs a net with this surface and these settings has.
 std::size_t num_springs(const NetConfig& net);
+
+/// How many vertices are attached; by one ball, by all of them.
+std::size_t num_within(const NetConfig& net, const AttachedConfig& ball);
+std::size_t num_attachments(const NetConfig& net);
 
 }  // namespace godobject

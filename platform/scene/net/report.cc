@@ -7,7 +7,7 @@
 namespace godobject {
 namespace {
 
-/// On its anchor alone; infinite without a spring or a damper.
+/// On its anchor and attachments alone; infinite without a spring or a damper.
 double slow_time(const NetNode& node) {
   if (!(node.k > 0) || !(node.g > 0)) return std::numeric_limits<double>::infinity();
   const double d = node.g / node.m / 2, omega_sq = node.k / node.m;  // x'' + 2 d x' + omega^2 x = 0
@@ -24,9 +24,14 @@ NetTimes time_constants(const SceneNets& nets) {
     k[s.j] += 2 * s.k;
     if (s.g > 0) slowest = std::max(slowest, s.g / s.k);
   }
+  std::vector<NetNode> nodes = nets.nodes;
+  for (const NetAttachment& one : nets.attachments) {
+    nodes[one.node].k += one.k;
+    nodes[one.node].g += one.g;
+  }
   NetTimes times{.fastest = std::numeric_limits<double>::infinity(), .slowest = {}};
   for (std::size_t i = 0; i < k.size(); ++i) {
-    const NetNode& node = nets.nodes[i];
+    const NetNode& node = nodes[i];
     times.fastest = std::min(times.fastest, std::sqrt(node.m / (k[i] + node.k)));
     slowest = std::max(slowest, slow_time(node));
   }

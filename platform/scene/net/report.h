@@ -7,7 +7,8 @@
 
 namespace godobject {
 
-/// Time constants of small motions of nets about their rest, their carriers held, s. Both are bounds.
+/// Time constants of small motions of nets about their rest, their carriers and what they are attached to held, s. Both are
+/// bounds. k_i and g_i are those of a node's anchor and attachments together.
 ///
 /// Fastest: 1 / omega, omega^2 <= max_i (2 sum_j k_ij + k_i) / m_i by Gershgorin's theorem on M^-1 K.
 ///

@@ -29,6 +29,12 @@ struct JointedNetScene : NetScene<I> {
   using Feedback = LimitedFeedback;
 };
 
+/// And with room for attachments.
+template <class I>
+struct AttachedNetScene : JointedNetScene<I> {
+  using Net = MassSpringNet<65, 400, 256, 32>;
+};
+
 /// What all springs of a net are, and all of its anchors.
 struct Stuff {
   Real m = 1e-4;          // of a node, kg
@@ -50,6 +56,17 @@ template <class S>
 void add_spring(Params<S>& par, const Stuff& of, std::uint32_t i, std::uint32_t j) {
   const Real l_0 = (par.net.nodes.at(i).p_B - par.net.nodes.at(j).p_B).norm();
   par.net.springs.at(par.net.num_springs++) = {.i = i, .j = j, .k = of.k, .g = of.g, .l_0 = l_0};
+}
+
+/// Attaches the node to the body where it is at the start: bodies and nodes have been placed.
+template <class S>
+void attach(Params<S>& par, const State<S>& x, std::uint32_t node, std::size_t body, Real k, Real g) {
+  const Vec3& p_W = x.net.nodes.at(node).p_W;
+  const Pose X_WB = body == world ? Pose{} : x.bodies.at(body).x.X_WB;
+  auto& all = par.net.attachments;
+  all.list.at(all.size++) = {
+      .node = node, .body = body, .p_B = X_WB.q.conjugate() * (p_W - X_WB.p), .k = k, .g = g};
+  put_in_order(par.net);
 }
 
 /// A sheet of nx x ny nodes, `a` apart, in the plane z = 0 about the origin, with both diagonals.

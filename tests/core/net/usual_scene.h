@@ -10,5 +10,7 @@ extern GODOBJECT_STEP_OF(NetScene<ImplicitEuler>);
 extern GODOBJECT_STEP_OF(NetScene<TrBdf2>);
 extern GODOBJECT_STEP_OF(JointedNetScene<ImplicitEuler>);
 extern GODOBJECT_STEP_OF(JointedNetScene<TrBdf2>);
+extern GODOBJECT_STEP_OF(AttachedNetScene<ImplicitEuler>);
+extern GODOBJECT_STEP_OF(AttachedNetScene<TrBdf2>);
 
 }  // namespace godobject

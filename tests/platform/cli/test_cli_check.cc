@@ -77,7 +77,13 @@ TEST_F(CliCheck, SaysWhatANetIsAndAsksOfAStep) {
         "2 stages, each at most 12 iterations over 2844 springs", "time constants: fastest ",
         "; slowest at most ", " s, carriers held"})
     EXPECT_THAT(result.output, HasSubstr(text));
+  EXPECT_THAT(result.output, testing::Not(HasSubstr("attachments")));
   expect_both("sim/scenes/net-small.toml --duration 0.01", 0, "nets");
+  const ProgramResult sewn = run_program("check sim/scenes/sewn.toml");
+  EXPECT_EQ(sewn.exit_code, 0) << sewn.output;
+  for (const char* text :
+       {" of 256 attachments to other bodies", "carriers and what they are attached to held"})
+    EXPECT_THAT(sewn.output, HasSubstr(text));
 }
 
 /// The binary alone, in another place, with nothing of its source around it.

@@ -153,6 +153,54 @@ TEST(NetKeys, WhatIsWrongIsRefusedWithItsPlace) {
               HasSubstr("membrane_stiffness"));
 }
 
+const std::string needle = "\n[[body]]\nname = \"needle\"\nmass = 0.02\ninertia = [1e-6, 1e-6, 1e-6]\n";
+const std::string tied =
+    "\n[[net.attached]]\nbody = \"needle\"\nposition = [0.0, 0.0, 0.07]\nradius = 0.02\n";
+
+TEST(NetKeys, VerticesWithinABallAreAttachedWhereTheyAre) {
+  const std::string turned = "position = [0.1, 0.0, 0.0]\norientation_wxyz = [0.6, 0.0, 0.8, 0.0]\n";
+  const SceneConfig scene = loaded(head + turned + needle + turned + bag + numbers + tied);
+  const SceneNets nets = scene_nets(scene);
+  const double k = 5 * std::sqrt(3.0) * 100;
+  const double m = 0.02 / static_cast<double>(nets.nodes.size());
+  std::size_t within = 0;
+  for (const NetNode& node : nets.nodes) within += (node.p_B - Vec3(0, 0, 0.07)).norm() <= 0.02 ? 1 : 0;
+  ASSERT_GT(within, 4U);
+  EXPECT_EQ(nets.attachments.size(), within);
+  for (const NetAttachment& one : nets.attachments) {
+    EXPECT_EQ(one.body, 1U);
+    EXPECT_LT((one.p_B - nets.nodes[one.node].p_B).norm(), 1e-15) << "both bodies are in one place";
+    EXPECT_NEAR(one.k, k, 1e-9);
+    EXPECT_NEAR(one.g, 1.4 * std::sqrt(k * m), 1e-9);
+  }
+  const SceneConfig stated =
+      loaded(head + needle + bag + numbers + tied + "stiffness = 50.0\nrelaxation_time = 0.01\n");
+  EXPECT_EQ(scene_nets(stated).attachments[0].k, 50);
+  EXPECT_EQ(scene_nets(stated).attachments[0].g, 0.5);
+  const std::string text = effective_config_toml(stated);
+  EXPECT_EQ(effective_config_toml(loaded(text)), text);
+}
+
+TEST(NetKeys, AttachmentsThatAreWrongAreRefusedWithTheirPlace) {
+  const auto with = [](const std::string& body, const std::string& p, const std::string& more = "") {
+    return head + needle + bag + numbers + "\n[[net.attached]]\nbody = \"" + body + "\"\nposition = " + p +
+           "\n" + more;
+  };
+  const std::string tip = "[0.0, 0.0, 0.07]", ball = "radius = 0.02\n";
+  EXPECT_THAT(error_of(with("nedle", tip, ball)),
+              testing::AllOf(HasSubstr("a.toml:27:8: "),
+                             HasSubstr("no body: admissible is \"world\", \"rod\", \"needle\"")));
+  EXPECT_THAT(error_of(with("rod", tip, ball)), HasSubstr("hold vertices there by [[net.held]]"));
+  EXPECT_THAT(error_of(with("needle", "[1.0, 0.0, 0.0]", ball)),
+              testing::AllOf(HasSubstr("a.toml:29:10: "), HasSubstr("there is no vertex within")));
+  EXPECT_THAT(error_of(with("needle", tip)), HasSubstr("'radius'"));
+  EXPECT_THAT(error_of(with("needle", tip, ball + "stiffness = 0.0\n")), HasSubstr("stiffness"));
+  EXPECT_THAT(loaded(with("world", tip, ball)).nets[0].attached, testing::SizeIs(1));
+  // 264 vertices, and room for 256
+  EXPECT_THAT(error_of(with("needle", tip, "radius = 1.0\n")),
+              HasSubstr("makes 264 attachments, and there is room for 256: take smaller balls"));
+}
+
 TEST(NetKeys, MoreThanThereIsRoomForIsRefusedWithWhatFits) {
   const std::string fine =
       "\n[[net]]\nname = \"x\"\nkind = \"sphere\"\nradius = 0.05\nspacing = 0.001\nbody = \"rod\"\n";

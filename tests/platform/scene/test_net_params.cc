@@ -364,6 +364,20 @@ TEST(NetParams, NothingIsSlowerThanTheSlowestTimeConstant) {
   EXPECT_GT(slower_than_anchors, 10) << "springs that creep are to be among them";
 }
 
+TEST(NetParams, TimeConstantsTakeAttachmentsAsAnchors) {
+  std::mt19937_64 engine(3);
+  const SceneNets nets = drawn_net(engine);
+  SceneNets attached = nets;
+  for (std::uint32_t n = 0; n < nets.nodes.size(); ++n) {
+    NetNode& node = attached.nodes[n];
+    attached.attachments.push_back({.node = n, .body = 0, .k = 0.75 * node.k, .g = 0.25 * node.g});
+    node.k *= 0.25;
+    node.g *= 0.75;
+  }
+  EXPECT_NEAR(time_constants(attached).fastest, time_constants(nets).fastest, 1e-12);
+  EXPECT_NEAR(time_constants(attached).slowest.value(), time_constants(nets).slowest.value(), 1e-12);
+}
+
 TEST(NetParams, ThereIsNoSlowestTimeConstantOfNodesWithoutAnchors) {
   std::mt19937_64 engine(2);
   for (double NetNode::*missing : {&NetNode::k, &NetNode::g}) {

@@ -148,6 +148,27 @@ TEST_P(NetScenes, TheFlexibleTipIsDentedByTheBall) {
   EXPECT_LT(deepest, 2e-3);
 }
 
+TEST_P(NetScenes, TheHookLiftsTheTissueAndTheStoneWithIt) {
+  SceneRun run("sewn.toml", GetParam());
+  EXPECT_EQ(run.nets().attachments.size(), 7U);
+  double swing = 0, pull = 0;
+  const auto look = [&](const CycleRecord&) {
+    swing = std::max(swing, std::abs(run.body("stone").X_WB.p.y()));
+    pull = std::max(pull, run.body("hook").target.X_WD.p.z() - run.body("hook").X_WB.p.z());
+  };
+  run.until(2, look);
+  const double low = run.body("stone").X_WB.p.z();
+  run.until(3, look);
+  const double high = run.body("stone").X_WB.p.z();
+  run.until(6, look);
+  std::printf("sewn: stone from %.4f to %.4f, aside %.4f, hook held back by %.4f m, %d iterations\n", low,
+              high, swing, pull, run.record().nets.iterations);
+  EXPECT_GT(high, low + 8e-3) << "the hook lifts it";
+  EXPECT_GT(swing, 5e-4) << "and draws it aside";
+  EXPECT_GT(300 * pull, 9.81 * (0.05 + 0.02 + 0.0108))
+      << "the hand bears all of the weight, and what is stretched";
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, NetScenes, testing::Values("implicit-euler", "tr-bdf2"), [](const auto& test) {
   return test.param == "tr-bdf2" ? std::string("TrBdf2") : std::string("ImplicitEuler");
 });

@@ -1,0 +1,71 @@
+// Attachments of nodes in a stage: what is sewn, or glued, to a body that does not carry it.
+//
+//   (49)  impulse J - kappa (v_n - v_b - w_b x r) on the node, its opposite on the body;  kappa = h (h k + g)
+//
+// as (42), r where the node is: so it does nothing where body and node turn as one, and takes no angular momentum. A carrier
+// has its anchors on no side of the system (44), since its nodes ride on it; to any other body an attachment is what a contact
+// is that sticks in all directions, and stands among these as one with a = kappa and b = 0.
+#pragma once
+
+#include <algorithm>
+
+#include "core/joint/tree.h"
+#include "core/net/scratch.h"
+
+namespace godobject {
+
+/// Linear from where nodes and bodies are led. at: of the bodies.
+template <class Net, std::size_t N, class Places>
+void begin_attachments(const typename Net::Params& par, const Places& at, Real h,
+                       NetStage<Net, N>& w) noexcept {
+  if constexpr (Net::max_attachments > 0) {
+    w.num_attachments = 0;
+    for (const NetAttachment& of : par.attachments) {
+      const bool on_world = of.body == world;
+      const TreePlace place = on_world ? TreePlace{} : at[of.body];
+      const Vec3 p_n = w.p[of.node].vec(), r = p_n - place.p_W, x = r - place.R_WB * of.p_B;
+      const Vec3 x_dot = w.v[of.node].vec() - place.V.v - place.V.w.cross(p_n - place.a_W);
+      const Real h_k = h * of.k;
+      w.contacts[w.num_attachments++] = {
+          .node = of.node,
+          .body = on_world ? NetContactImpedance::on_world : static_cast<std::uint32_t>(of.body),
+          .carrier = par.nodes[of.node].body,
+          .n = Column(Pack(0)),
+          .r = Column(r),
+          .a = h * (h_k + of.g),
+          .b = 0,
+          .J = Column(Vec3((x_dot * h - x) * h_k))};
+    }
+  }
+}
+
+/// For velocities against V_p of bodies on joints.
+template <class Twists, class Net, std::size_t N>
+void shift_attachments(const Twists& V_p, NetStage<Net, N>& w) noexcept {
+  for (NetContactImpedance& one : w.attached())
+    if (one.body != NetContactImpedance::on_world) one.J += shifted(V_p[one.body], one.r).v * one.a;
+}
+
+/// f(body, impulse on it about its centre of mass) at the velocities V, of nodes against the world.
+template <class Velocities, class Net, std::size_t N, class F>
+void each_attachment_impulse(const Velocities& V, const NetStage<Net, N>& w, F f) noexcept {
+  for (const NetContactImpedance& one : w.attached()) {
+    if (one.body == NetContactImpedance::on_world) continue;
+    const Column x_dot = V.nodes[one.node] - shifted(V.bodies[one.body], one.r).v;
+    f(one.body, moved_wrench({.w = Column(Pack(0)), .v = x_dot * one.a - one.J}, one.r));
+  }
+}
+
+/// Whether the node is attached to the body.
+template <std::size_t max>
+bool is_attached(const NetAttachments<max>& all, std::uint32_t node, std::size_t body) noexcept {
+  if constexpr (max == 0) return false;
+  const NetAttachment* of =
+      std::lower_bound(all.begin(), all.end(), node,
+                       [](const NetAttachment& one, std::uint32_t n) noexcept { return one.node < n; });
+  for (; of != all.end() && of->node == node; ++of)
+    if (of->body == body) return true;
+  return false;
+}
+
+}  // namespace godobject
