@@ -35,7 +35,7 @@ inline constexpr Real max_carrier_turn = 0.1;
 
 // Joints where a stage is predicted to end (core/joint).
 
-/// rad: a stage that turns a body farther has its joints and contacts where it starts. tests/articulated, spins to
+/// rad: a stage that turns a body farther has its joints and contacts where it starts. tests/core/joint, spins to
 /// 10 000 rad/s.
 inline constexpr Real max_predicted_turn = 0.5;
 /// (39), of the distance from the joint: what turns may leave a joint violated by before a stage is iterated. This and the next
@@ -49,13 +49,13 @@ inline constexpr Real max_iterated_turn = 3;
 inline constexpr int max_calm_iterations = 1;
 /// rad, and of the lever: a joint that is farther apart where a step starts lets its stages be solved once.
 inline constexpr Real max_apart = 1e-4;
-/// rad: the turn that a joint takes back in one stage. tests/articulated, joints pulled apart.
+/// rad: the turn that a joint takes back in one stage. tests/core/joint, joints pulled apart.
 inline constexpr Real max_turned_back = 0.15;
 /// Share of the distance from the centre of mass to the anchor by which a joint moves back in one stage at most. The same
 /// tests.
 inline constexpr Real max_moved_back = 0.2;
 /// Share of a coordinate's pivot: a stop stiffer than that turns it round within the stage, and TR-BDF2 forgets its
-/// acceleration. tests/articulated, stops.
+/// acceleration. tests/core/joint, stops.
 inline constexpr Real stiff_stop_share = 0.2;
 /// (21), (40), of a body's A in a stage: below the first geometric stiffness is not felt; where more than the second is
 /// left out of it, TR-BDF2 forgets its acceleration. tests/core/joint/test_contradicted_targets.cc,

@@ -64,7 +64,7 @@ template <class Contacts, std::size_t N>
 void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.system.clear();
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.system.add_unknown(i); });
-  if constexpr (Contacts::jointed) hang_bodies(island, w);
+  if constexpr (Contacts::jointed) add_bodies_to_parents(island, w);
   w.graph.each_pair(island, [&](TouchingPair& pair) noexcept {
     pair.entry = pair.touches || pair.is_deep ? w.system.couple(pair.parent, pair.child) : no_slot;
   });
@@ -223,6 +223,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   find_contacts(par, before, num_bodies, h, w.finder, w.near);
   (find_net_contacts(par, net, num_bodies, w), ...);
   find_pairs(num_bodies, w);
+  const ContactReport stages_before = w.stage.goes_on ? w.report : ContactReport{};
   w.report = {.num_near = w.near.size, .found = w.stage.found};
   begin_contacts(par, before, num_bodies, h, w);
   (begin_net_contacts(par, net, h, w), ...);
@@ -231,6 +232,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
     if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);
     if (!island.has_net) solve_island(h, island, {}, w.system, w);
   }
+  w.report.cover(stages_before);
   (solve_net(h, net, w), ...);
 }
 

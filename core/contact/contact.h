@@ -10,6 +10,7 @@
 // bodies.h all of a step. What contacts couple is solved in core/system.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -61,17 +62,28 @@ struct ContactParams {
   const ContactLaw& law(MaterialId a, MaterialId b) const noexcept { return laws[a][b]; }
 };
 
-/// What a step says of the contacts of the scene, at the end of its last stage.
+/// What a step says of the contacts of the scene.
 struct ContactReport {
+  // where the step's last stage ends
   std::size_t num_contacts = 0;  // that bear a force
   std::size_t num_near = 0;      // listed
   Real deepest = 0;              // depth of the deepest sphere, m
-  int newton_iterations = 0;     // Newton iterations over the contact modes, of the island that took most
-  int iterations = 0;            // of conjugate gradients, in all of them, likewise
-  int num_without_room = 0;      // islands whose blocks had no room: solved by these
-  Real residual = 0;             // by how much the worst contact's force misses (22), (23), N
+  // of the step's worst stage
+  int newton_iterations = 0;  // Newton iterations over the contact modes, of the island that took most
+  int iterations = 0;         // of conjugate gradients, in all of them, likewise
+  int num_without_room = 0;   // islands whose blocks had no room: solved by these
+  Real residual = 0;          // by how much the worst contact's force misses (22), (23), N
+  // of the step
   Real found =
       0;  // what contact springs were found with where stages began, beyond what they were left with, J
+
+  /// What of it is of the step's worst stage: that of the stages before was `before`.
+  void cover(const ContactReport& before) noexcept {
+    newton_iterations = std::max(newton_iterations, before.newton_iterations);
+    iterations = std::max(iterations, before.iterations);
+    num_without_room = std::max(num_without_room, before.num_without_room);
+    residual = std::max(residual, before.residual);
+  }
 };
 
 /// And of one body: the sum of its contact forces, about its centre of mass, world axes.

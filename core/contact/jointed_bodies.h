@@ -67,7 +67,7 @@ void set_stops(const std::array<StopParams, 2>& stops, const JointMotion<turns, 
 /// The joints of an island's bodies, which are unknowns of its system already, and the stops of these as terms: the
 /// effective mass D e e^T of the child against the parent, e the wrench on a coordinate.
 template <class Contacts, std::size_t N>
-void hang_bodies(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+void add_bodies_to_parents(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& all = w.graph.joints;
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
     JointEdge& edge = all.edges[i];
@@ -141,11 +141,11 @@ void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Wrench& F_C,
              bool& is_stiff, BodyContactScratch<Contacts, N>& w) noexcept {
   const auto& all = w.graph.joints;
   const JointEdge& edge = all.edges[i];
-  const bool hangs = edge.on_body();
-  const Column d = hangs ? edge.a_W - all.edges[edge.parent].a_W : Column(Pack(0));
-  BodyStage &child = w.stages[i], &parent = w.stages[hangs ? edge.parent : i];
+  const bool has_parent = edge.on_body();
+  const Column d = has_parent ? edge.a_W - all.edges[edge.parent].a_W : Column(Pack(0));
+  BodyStage &child = w.stages[i], &parent = w.stages[has_parent ? edge.parent : i];
   if (touched) {
-    if (!hangs) return;
+    if (!has_parent) return;
     const Block K = pull_stiffness(d, -h * h * F_C.f);
     parent.A_ww += K;
     parent.b.w += K * Column(V_P.w);
@@ -154,8 +154,8 @@ void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Wrench& F_C,
   const StiffenedBody<Real> on_child{child.A_ww, child.M, child.b, w.finder.at[i].V},
       on_parent{parent.A_ww, parent.M, parent.b, V_P};
   with_joint(kind, [&](auto of_kind) noexcept {
-    stiffen<decltype(of_kind.motion(JointFrames{}))>(d, (all.p[i] - edge.a_W).vec(), F_C, h, hangs, on_parent,
-                                                     on_child, is_stiff);
+    stiffen<decltype(of_kind.motion(JointFrames{}))>(d, (all.p[i] - edge.a_W).vec(), F_C, h, has_parent,
+                                                     on_parent, on_child, is_stiff);
   });
 }
 

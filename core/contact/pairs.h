@@ -149,7 +149,7 @@ void join_net(BodyContactScratch<Contacts, N>& w) noexcept {
   each_carried(w.net, [&](const NetRun& run) noexcept { of_net(static_cast<std::uint32_t>(run.body)); });
   for (std::size_t k = 0; k < w.net.near.size; ++k)
     if (w.net.near.list[k].b < N) of_net(w.net.near.list[k].b);
-  for (const NetContactImpedance& one : w.net.attached())
+  for (const NetContactTerm& one : w.net.attached())
     if (one.body < N) of_net(one.body);
 }
 

@@ -40,7 +40,7 @@ Real largest_unborne_sq(const System& system, const Stages& stages, Vector& F) n
         const Real tau = dot(joint->s[a], F[u]);
         most = std::max(most, tau * tau / speed_sq(stages[u], joint->s[a]));
       }
-      if (joint->hangs()) F[joint->parent] = F[joint->parent] + moved_wrench(F[u], joint->d);
+      if (joint->has_parent()) F[joint->parent] = F[joint->parent] + moved_wrench(F[u], joint->d);
     }
   });
   return most;

@@ -128,20 +128,20 @@ inline void add_to_all(Real shift, Real& M) noexcept { M += shift; }
 inline void add_to_all(Real shift, Block& A) noexcept { A += Block::identity() * shift; }
 
 /// (21), (40)  Into the stages of a joint's bodies: A is that much more than it would be, and b as much as that where the
-/// velocities are those predicted. hangs: on a parent, not on the world.
+/// velocities are those predicted. has_parent: on a parent, not on the world.
 template <class Motion, class Mass>
-void stiffen(const Column& lever, const Vec3& r, const Wrench& F_C, Real h, bool hangs,
+void stiffen(const Column& lever, const Vec3& r, const Wrench& F_C, Real h, bool has_parent,
              const StiffenedBody<Mass>& parent, const StiffenedBody<Mass>& child, bool& is_stiff) noexcept {
-  const Column d = hangs ? lever : Column(Pack(0));
+  const Column d = has_parent ? lever : Column(Pack(0));
   const Real A_child = mean_of(child.A_ww),
-             A_parent = hangs ? mean_of(parent.A_ww) : std::numeric_limits<Real>::max();
+             A_parent = has_parent ? mean_of(parent.A_ww) : std::numeric_limits<Real>::max();
   if (!is_felt(d, r, F_C, h, A_parent, A_child)) return;
   const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, mean_of(child.A_vv));
   is_stiff |= K.is_stiff;
   child.A_ww += Block::identity() * K.turn;
   add_to_all(K.shift, child.A_vv);
   child.b += {.w = Column(child.V.w) * K.turn, .v = Column(child.V.v) * K.shift};
-  if (!hangs) return;
+  if (!has_parent) return;
   parent.A_ww += K.parent;
   parent.b.w += K.parent * Column(parent.V.w);
 }

@@ -188,12 +188,12 @@ template <class Joints, class Motion>
 void eliminate(const typename Joints::Params& par, const Motion& m, const JointCoordinates& q, Real h,
                TreeNode& child, TreeNode& parent, bool& is_stiff, bool& stop_acts) noexcept {
   ArticulatedBody& a = child.body;
-  const bool hangs = par.parent != world;
+  const bool has_parent = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
   if constexpr (Motion::num_turns == 3) {
     set_off_shift(a, child.beta.v);  // any turn is allowed: beta has none
     eliminate_turns(a);
-    if (hangs) hang_mass(a, child.d, parent.body);
+    if (has_parent) add_mass_to_parent(a, child.d, parent.body);
   } else {
     set_off(a, child.beta);
     std::size_t c = 0;
@@ -203,7 +203,7 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
       if constexpr (uses<typename Joints::Stops>)
         along =
             stop_terms(par.stop.stops[c], q[static_cast<Eigen::Index>(c)], s.dot(turns ? beta.w : beta.v), h);
-      eliminate_axis<turns>(a, Column(s), along, child.axis[c], hangs || c < last);
+      eliminate_axis<turns>(a, Column(s), along, child.axis[c], has_parent || c < last);
       if constexpr (uses<typename Joints::Stops>) {
         is_stiff |= along.D * child.axis[c].D_inverse > stiff_stop_share;
         stop_acts |= along.D > 0;
@@ -212,13 +212,13 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
     };
     for (const Vec3& s : m.turn) axis(std::true_type{}, s);
     for (const Vec3& s : m.slide) axis(std::false_type{}, s);
-    if (hangs) add_to_parent(a, child.d, parent.body);
+    if (has_parent) add_to_parent(a, child.d, parent.body);
   }
 }
 
 /// The twist of a child, and the wrench its joint needs, F = A_a X V_parent - b_a.
 template <class Motion>
-void solve_back(bool hangs, Real h, const TreeNode& parent, TreeNode& child) noexcept {
+void solve_back(bool has_parent, Real h, const TreeNode& parent, TreeNode& child) noexcept {
   const ArticulatedBody& a = child.body;
   const SpatialVector V_P = shifted(parent.V, child.d);
   SpatialVector V = V_P, F;
@@ -232,7 +232,7 @@ void solve_back(bool hangs, Real h, const TreeNode& parent, TreeNode& child) noe
       (c < turns ? V.w : V.v) += j.s * rate(j, V);
     }
     F = {.w = -a.b.w, .v = -a.b.v};
-    if (hangs) {
+    if (has_parent) {
       F.w += a.A.ww * V_P.w + a.A.wv * V_P.v;
       F.v += a.A.vw * V_P.w + a.A.vv * V_P.v;
     }
@@ -266,11 +266,12 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& 
     JointCoordinates q = JointCoordinates::Zero();
     if constexpr (uses<typename Joints::Stops> && requires { kind.coordinates(joint.X); })
       q = kind.coordinates(joint.X);
-    const bool hangs = par.parent != world;
+    const bool has_parent = par.parent != world;
     ArticulatedBody &a = child.body, &p = parent.body;
     const StiffenedBody<Block> on_child{a.A.ww, a.A.vv, a.b, child.at.V},
         on_parent{p.A.ww, p.A.vv, p.b, parent.at.V};
-    stiffen<Motion>(child.d, child.at.p_W - child.at.a_W, F_C, h, hangs, on_parent, on_child, tree.is_stiff);
+    stiffen<Motion>(child.d, child.at.p_W - child.at.a_W, F_C, h, has_parent, on_parent, on_child,
+                    tree.is_stiff);
     eliminate<Joints>(par, m, q, h, child, parent, tree.is_stiff, tree.stop_acts);
   });
 }

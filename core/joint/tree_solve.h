@@ -53,10 +53,10 @@ inline void set_off_shift(ArticulatedBody& a, const Column& beta_v) noexcept {
 }
 
 /// (7) for one axis s, a turn about it or a slide along it: U = A S, T = S^T A, b - U tau / D and A - U T / D. along: what
-/// acts on the coordinate itself, a stop. hangs: A_a is needed; with nothing to hang on, b alone is asked for.
+/// acts on the coordinate itself, a stop. has_parent: A_a is needed; with nothing to hang on, b alone is asked for.
 template <bool turns>
 void eliminate_axis(ArticulatedBody& a, const Column& s, const AxisTerms& along, EliminatedAxis& j,
-                    bool hangs) noexcept {
+                    bool has_parent) noexcept {
   const Column U_w = (turns ? a.A.ww : a.A.wv) * s, U_v = (turns ? a.A.vw : a.A.vv) * s;
   j.s = s;
   j.T_w = times_transposed(turns ? a.A.ww : a.A.vw, s);
@@ -66,7 +66,7 @@ void eliminate_axis(ArticulatedBody& a, const Column& s, const AxisTerms& along,
   const Column P_w = U_w * j.D_inverse, P_v = U_v * j.D_inverse;
   a.b.w -= P_w * j.tau;
   a.b.v -= P_v * j.tau;
-  if (!hangs) return;
+  if (!has_parent) return;
   a.A.ww -= outer(P_w, j.T_w);
   a.A.vw -= outer(P_v, j.T_w);
   a.A.wv -= outer(P_w, j.T_v);
@@ -96,7 +96,7 @@ inline void add_to_parent(const ArticulatedBody& a, const Column& d, Articulated
 }
 
 /// The same where only a mass is left.
-inline void hang_mass(const ArticulatedBody& a, const Column& d, ArticulatedBody& parent) noexcept {
+inline void add_mass_to_parent(const ArticulatedBody& a, const Column& d, ArticulatedBody& parent) noexcept {
   const Block A_vw = cross(a.A.vv, d);
   parent.A.ww -= cross(d, A_vw);
   parent.A.wv += cross(d, a.A.vv);

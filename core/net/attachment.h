@@ -28,7 +28,7 @@ void begin_attachments(const typename Net::Params& par, const Places& at, Real h
       const Real h_k = h * of.k;
       w.contacts[w.num_attachments++] = {
           .node = of.node,
-          .body = on_world ? NetContactImpedance::on_world : static_cast<std::uint32_t>(of.body),
+          .body = on_world ? NetContactTerm::on_world : static_cast<std::uint32_t>(of.body),
           .carrier = par.nodes[of.node].body,
           .n = Column(Pack(0)),
           .r = Column(r),
@@ -42,15 +42,15 @@ void begin_attachments(const typename Net::Params& par, const Places& at, Real h
 /// For velocities against V_p of bodies on joints.
 template <class Twists, class Net, std::size_t N>
 void shift_attachments(const Twists& V_p, NetStage<Net, N>& w) noexcept {
-  for (NetContactImpedance& one : w.attached())
-    if (one.body != NetContactImpedance::on_world) one.J += shifted(V_p[one.body], one.r).v * one.a;
+  for (NetContactTerm& one : w.attached())
+    if (one.body != NetContactTerm::on_world) one.J += shifted(V_p[one.body], one.r).v * one.a;
 }
 
 /// f(body, impulse on it about its centre of mass) at the velocities V, of nodes against the world.
 template <class Velocities, class Net, std::size_t N, class F>
 void each_attachment_impulse(const Velocities& V, const NetStage<Net, N>& w, F f) noexcept {
-  for (const NetContactImpedance& one : w.attached()) {
-    if (one.body == NetContactImpedance::on_world) continue;
+  for (const NetContactTerm& one : w.attached()) {
+    if (one.body == NetContactTerm::on_world) continue;
     const Column x_dot = V.nodes[one.node] - shifted(V.bodies[one.body], one.r).v;
     f(one.body, moved_wrench({.w = Column(Pack(0)), .v = x_dot * one.a - one.J}, one.r));
   }

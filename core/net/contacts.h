@@ -34,7 +34,7 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
       Column v = of[NetNodeNumber{near.a}];
       const std::size_t carrier = w.carrier[4 * p + j];
       if (carrier != world) v += shifted(of[static_cast<std::uint32_t>(carrier)], w.r[near.a]).v;
-      if (near.b != NetContactImpedance::on_world) v -= shifted(of[near.b], Column(lane(c.r, j))).v;
+      if (near.b != NetContactTerm::on_world) v -= shifted(of[near.b], Column(lane(c.r, j))).v;
       set_lane(velocity.v, j, v.vec());
     }
     f(c, velocity);
@@ -49,12 +49,12 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
   Recall of_step(net.before), of_stage(of.memories[of.last]);
   of.num_packs = (of.near.size + 3) / 4;
   of.num_pairs = 0;
-  for (const NetContactImpedance& one : of.attached())
-    if (one.body != NetContactImpedance::on_world)
+  for (const NetContactTerm& one : of.attached())
+    if (one.body != NetContactTerm::on_world)
       find_pair(static_cast<std::uint32_t>(one.carrier), one.body, of);
   for (std::size_t i = 0; i < of.near.size; ++i) {
     const NearContact& near = of.near.list[i];
-    const bool on_world = near.b == NetContactImpedance::on_world;
+    const bool on_world = near.b == NetContactTerm::on_world;
     Real m = net.par.nodes[near.a].m;
     if (!on_world) m = std::min(m, w.stages[near.b].M);
     const GroupLaw law(law_of<Contacts, typename Contacts::Net>(par, net.par, near), m, h);
@@ -92,7 +92,7 @@ template <class Twists, class Net, std::size_t N>
 void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t i = 0; i < w.near.size; ++i) {
     const NearContact& near = w.near.list[i];
-    if (near.b == NetContactImpedance::on_world) continue;
+    if (near.b == NetContactTerm::on_world) continue;
     ContactPack& c = w.packs[i / 4];
     const std::size_t j = i % 4;
     const Vec3 v = -shifted(V_p[near.b], Column(lane(c.r, j))).v.vec();
@@ -133,9 +133,9 @@ void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
   w.system.each([&](std::uint32_t u) noexcept { b.bodies[u] = w.system.b[u]; });
   for (std::uint32_t n = 0; n < net.num_nodes; ++n) b.nodes[n] = net.b[n];
   for (std::size_t c = 0; c < net.num_contacts; ++c) {
-    const NetContactImpedance& contact = net.contacts[c];
+    const NetContactTerm& contact = net.contacts[c];
     b.nodes[contact.node] += contact.J;
-    if (contact.body != NetContactImpedance::on_world)
+    if (contact.body != NetContactTerm::on_world)
       b.bodies[contact.body] =
           b.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = contact.J}, contact.r);
   }
@@ -168,11 +168,11 @@ void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
     w.system.add(static_cast<std::uint32_t>(run.body), A);
   });
   for (std::size_t c = 0; c < net.num_contacts; ++c) {
-    const NetContactImpedance& contact = net.contacts[c];
+    const NetContactTerm& contact = net.contacts[c];
     const Block A = Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
     const std::size_t carrier = contact.carrier;
     if (carrier != world) w.system.add(static_cast<std::uint32_t>(carrier), on_point(A, net.r[contact.node]));
-    if (contact.body == NetContactImpedance::on_world) continue;
+    if (contact.body == NetContactTerm::on_world) continue;
     w.system.add(contact.body, on_point(A, contact.r));
     if (carrier == world) continue;
     for (std::size_t k = 0; k < net.num_pairs; ++k) {
@@ -218,7 +218,7 @@ void end_net(const typename Contacts::Params& par, const NetInput<typename Conta
     report.deepest = std::max(report.deepest, depth);
     const bool bears = near.n_W.dot(F) > 0;
     if (bears) ++report.num_contacts;
-    if (bears && near.b != NetContactImpedance::on_world) {
+    if (bears && near.b != NetContactTerm::on_world) {
       Wrench& on_body = w.wrenches[near.b];
       on_body.f -= F;
       on_body.tau -= lane(pack.r, j).cross(F);

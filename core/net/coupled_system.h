@@ -78,8 +78,8 @@ struct CoupledSystem {
     }
     add_springs_product(net, v, AV.nodes);
     for (std::size_t c = 0; c < net.num_contacts; ++c) {
-      const NetContactImpedance& contact = net.contacts[c];
-      const bool on_body = contact.body != NetContactImpedance::on_world;
+      const NetContactTerm& contact = net.contacts[c];
+      const bool on_body = contact.body != NetContactTerm::on_world;
       Column x_dot = v[contact.node];
       if (on_body) x_dot -= shifted(V.bodies[contact.body], contact.r).v;
       const Column J = x_dot * contact.a + contact.n * (contact.b * dot(contact.n, x_dot));

@@ -53,7 +53,7 @@ class NetFinder {
   }
 
  private:
-  static constexpr std::uint32_t on_world = NetContactImpedance::on_world;
+  static constexpr std::uint32_t on_world = NetContactTerm::on_world;
 
   /// Bound of how far the nodes of a pack move in the stage; nodes that touch nothing are nowhere.
   Real travel(std::uint32_t k) const noexcept {

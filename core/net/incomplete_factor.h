@@ -13,7 +13,7 @@
 namespace godobject {
 
 /// Effective mass K of a spring.
-inline Block impedance(const Pack& q_a) noexcept {
+inline Block effective_mass(const Pack& q_a) noexcept {
   const Column q(q_a);
   Block K = outer(q, q);
   if (q_a[3] > 0) K += Block::identity() * q_a[3];
@@ -31,7 +31,7 @@ inline void add_eliminated(const Pack& q_a, const Block& E, Block& D) noexcept {
 }
 
 /// Effective mass of a contact.
-inline Block impedance(const NetContactImpedance& contact) noexcept {
+inline Block effective_mass(const NetContactTerm& contact) noexcept {
   return Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
 }
 
@@ -44,11 +44,11 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
     w.of_contacts[n] = Block::zero();
   }
   for (std::size_t c = 0; c < w.num_contacts; ++c)
-    w.of_contacts[w.contacts[c].node] += impedance(w.contacts[c]);
+    w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
   for (std::uint32_t o = 0; o < w.num_nodes; ++o) {
     const std::uint32_t i = w.order[o], s = w.first_of[i + 1];
     Block D_i = D[i];
-    for (std::uint32_t t = w.first_of[i]; t < s; ++t) D_i += impedance(w.q_a[t]);
+    for (std::uint32_t t = w.first_of[i]; t < s; ++t) D_i += effective_mass(w.q_a[t]);
     D[i] = D_i;
     D_i = w.D_inverse[i] = inverse(D_i + w.of_contacts[i]);
     for (std::uint32_t t = w.first_of[i]; t < s; ++t) add_eliminated(w.q_a[t], D_i, D[w.other[t]]);
@@ -68,7 +68,8 @@ template <class Net, std::size_t N>
 void put_contacts_in(NetStage<Net, N>& w) noexcept {
   auto& of_node = w.of_contacts;  // which may touch more than one thing
   for (std::size_t c = 0; c < w.num_contacts; ++c) of_node[w.contacts[c].node] = Block::zero();
-  for (std::size_t c = 0; c < w.num_contacts; ++c) of_node[w.contacts[c].node] += impedance(w.contacts[c]);
+  for (std::size_t c = 0; c < w.num_contacts; ++c)
+    of_node[w.contacts[c].node] += effective_mass(w.contacts[c]);
   for (std::size_t c = 0; c < w.num_contacts; ++c) {
     const std::uint32_t n = w.contacts[c].node;
     w.D_inverse[n] = inverse(w.D[n] + of_node[n]);

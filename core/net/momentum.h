@@ -57,17 +57,17 @@ struct Attached {
 
   explicit Attached(const NetStage<Net, N>& net) noexcept : w(net) {
     for (std::uint32_t i = 0; i < N; ++i) of[i] = i;
-    for (const NetContactImpedance& one : w.attached()) {
+    for (const NetContactTerm& one : w.attached()) {
       if (!is_between(one)) continue;
       const std::uint32_t carrier = of[one.carrier], body = of[one.body];
       std::replace(of.begin(), of.end(), body, carrier);
     }
     is_held.fill(false);
-    for (const NetContactImpedance& one : w.attached())
+    for (const NetContactTerm& one : w.attached())
       if (!is_between(one)) is_held[of[one.carrier == world ? one.body : one.carrier]] = true;
   }
-  static bool is_between(const NetContactImpedance& one) noexcept {
-    return one.carrier != world && one.body != NetContactImpedance::on_world;
+  static bool is_between(const NetContactTerm& one) noexcept {
+    return one.carrier != world && one.body != NetContactTerm::on_world;
   }
   std::size_t first_body() const noexcept {
     return static_cast<std::size_t>(std::find(of.begin(), of.end(), number) - of.begin());

@@ -7,6 +7,7 @@
 // momentum.h what a net in flight keeps, setup.h what is checked and put in order before the first step.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -77,15 +78,23 @@ struct NetParams {
   Real tolerated_change(Real h) const noexcept { return tolerance * h * h; }
 };
 
-/// What a step says of its nets, at the end of its last stage.
+/// What a step says of its nets.
 struct NetReport {
-  int iterations = 0;            // of conjugate gradients
-  bool majorised = false;        // (47) was needed for the springs in the last stage
-  int newton_iterations = 0;     // over the modes of their contacts
-  Real residual = 0;             // the largest force on a node that is left unbalanced, N
+  // of the step's worst stage
+  int iterations = 0;         // of conjugate gradients
+  int newton_iterations = 0;  // over the modes of their contacts
+  Real residual = 0;          // the largest force on a node that is left unbalanced, N
+  // of its last stage
+  bool majorised = false;        // (47) was needed for the springs
   std::size_t num_contacts = 0;  // of nodes, that bear a force
   std::size_t num_near = 0;      // listed
   Real deepest = 0;              // depth of the deepest node, m
+
+  void cover(const NetReport& before) noexcept {
+    iterations = std::max(iterations, before.iterations);
+    newton_iterations = std::max(newton_iterations, before.newton_iterations);
+    residual = std::max(residual, before.residual);
+  }
 };
 
 /// The net part of a scene: all of its nets together. Capacities: nodes, springs, contacts of nodes at a time, attachments.

@@ -19,9 +19,9 @@ struct NetRun {
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
 
-/// A contact or an attachment of a node in the system: the impedance a 1 + b n n^T of the node against the body, at r from its
+/// A contact or an attachment of a node in the system: the effective mass a 1 + b n n^T of the node against the body, at r from its
 /// centre of mass.
-struct NetContactImpedance {
+struct NetContactTerm {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
   std::uint32_t node = 0, body = on_world;
   std::size_t carrier = world;  // of the node
@@ -49,11 +49,11 @@ struct NetStage {
   // by node, where the stage is predicted to end
   std::array<Column, max_nodes> p, v, r;  // r: from the carrier's centre of mass
   std::array<Column, max_nodes> v_free;   // velocities by gravity alone
-  std::array<Real, max_nodes> m, kappa;   // mass; impedance of the anchor
+  std::array<Real, max_nodes> m, kappa;   // mass; effective mass of the anchor
   std::array<Column, max_nodes> J_anchor;
   std::array<Column, max_nodes> b;  // impulses of all but contacts
 
-  // by spring: q, and a in the fourth place, of its impedance a 1 + q q^T
+  // by spring: q, and a in the fourth place, of its effective mass a 1 + q q^T
   std::array<Pack, Net::max_springs> q_a;
   std::array<std::uint32_t, Net::max_springs> other;  // its second node
   std::array<std::uint32_t, Net::max_nodes + 1>
@@ -70,7 +70,7 @@ struct NetStage {
   std::array<ContactPack, max_packs> packs;  // r: on the body that is touched
   std::size_t num_packs = 0;
   // attachments, which are there in all modes, then the contacts that bear a force
-  std::array<NetContactImpedance, Net::max_attachments + Net::max_contacts> contacts;
+  std::array<NetContactTerm, Net::max_attachments + Net::max_contacts> contacts;
   std::size_t num_contacts = 0;
   using NumAttachments =
       std::conditional_t<(Net::max_attachments > 0), std::size_t, std::integral_constant<std::size_t, 0>>;
@@ -90,10 +90,8 @@ struct NetStage {
   bool is_solved = true;  // false: the iteration was stopped at its most
   NetReport report;
 
-  std::span<NetContactImpedance> attached() noexcept { return {contacts.data(), num_attachments}; }
-  std::span<const NetContactImpedance> attached() const noexcept {
-    return {contacts.data(), num_attachments};
-  }
+  std::span<NetContactTerm> attached() noexcept { return {contacts.data(), num_attachments}; }
+  std::span<const NetContactTerm> attached() const noexcept { return {contacts.data(), num_attachments}; }
 };
 
 }  // namespace godobject

@@ -82,6 +82,7 @@ template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
+  const NetReport stages_before = w.stage.goes_on ? net.report : NetReport{};
   net.report = {};
   if (net.num_nodes == 0) return;
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
@@ -90,6 +91,7 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net)
           .is_too_much(in.par.tolerated_change(h)))
     solve_majorised(h, in, w);
+  net.report.cover(stages_before);
 }
 
 }  // namespace godobject

@@ -69,7 +69,7 @@ void add_block(std::uint32_t i, std::uint32_t j, const SpatialMatrix& A_ij, Syst
 /// (33)  The unknown numbered k by the coordinates of its joint.
 template <class System>
 void take_by_axes(std::uint32_t k, const BlockJoint& joint, System& w) noexcept {
-  if (joint.hangs()) {
+  if (joint.has_parent()) {
     const std::uint32_t p = w.number_of[joint.parent];
     for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) {
       const std::uint32_t i = w.row[b];
@@ -145,7 +145,7 @@ void solve(const System& w, B& b, OfV& V) noexcept {
     const std::uint32_t u = w.unknown[k];
     SpatialVector& b_k = b[u];
     if (const BlockJoint* joint = w.joint_of(u)) {
-      if (joint->hangs()) b[joint->parent] = b[joint->parent] + moved_wrench(b_k, joint->d);
+      if (joint->has_parent()) b[joint->parent] = b[joint->parent] + moved_wrench(b_k, joint->d);
       b_k.v = along_axes(b_k, *joint);
     }
     w.with_columns(u, [&](auto columns) noexcept {
@@ -174,7 +174,7 @@ void solve(const System& w, B& b, OfV& V) noexcept {
     });
     if (const BlockJoint* joint = w.joint_of(u)) {
       V_k = moved_along(*joint, V_k.v);
-      if (joint->hangs()) V_k = V_k + shifted(V[joint->parent], joint->d);
+      if (joint->has_parent()) V_k = V_k + shifted(V[joint->parent], joint->d);
     }
   }
 }

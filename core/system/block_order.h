@@ -86,7 +86,7 @@ class BlockOrder {
     if constexpr (System::jointed) {
       for (std::uint32_t i = 0; i < w_.size; ++i) {
         const BlockJoint& joint = w_.joints[w_.unknown[i]];
-        if (!joint.hangs()) continue;
+        if (!joint.has_parent()) continue;
         ++w_.hanging[w_.number_of[joint.parent]];
         join(i, w_.number_of[joint.parent]);
       }
@@ -116,7 +116,7 @@ class BlockOrder {
       w_.order[k] = next;
       if constexpr (System::jointed) {
         const BlockJoint& joint = w_.joints[w_.unknown[next]];
-        if (joint.hangs()) --w_.hanging[w_.number_of[joint.parent]];
+        if (joint.has_parent()) --w_.hanging[w_.number_of[joint.parent]];
       }
       if (!join_neighbours(next)) return false;
     }

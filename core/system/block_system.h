@@ -35,7 +35,7 @@ struct BlockJoint {
   std::array<SpatialVector, 3> s;   // at this one
   std::array<Real, 3> D_inverse{};  // pivots of the coordinates, once factored
 
-  bool hangs() const noexcept { return !is_free && parent != on_world; }
+  bool has_parent() const noexcept { return !is_free && parent != on_world; }
 };
 
 /// Scratch: undefined between steps. room: blocks beside the diagonal that the factor has room for. Of the unknowns the

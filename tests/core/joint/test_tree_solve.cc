@@ -131,7 +131,7 @@ class RandomTree {
       set_off(a, {.w = Column(n.beta.w), .v = Column(n.beta.v)});
       if (n.turns == 3) {
         eliminate_turns(a);
-        if (hangs) hang_mass(a, Column(n.d), bodies[n.parent]);
+        if (hangs) add_mass_to_parent(a, Column(n.d), bodies[n.parent]);
         continue;
       }
       for (std::size_t c = 0; c < static_cast<std::size_t>(n.dof()); ++c) {
