@@ -99,7 +99,7 @@ struct TrBdf2 {
           still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
     }
     const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
-    if constexpr (expects_turns<S>) w.turns.known = still_smooth;
+    if constexpr (has_stages<S>) w.turns.known = still_smooth;
     if (still_smooth) extend_bases(begin, par, x, h_1, h_2, w);
     else follow_bases(par, x, h_1, w);
     lead_joints(par, 1, w);
@@ -147,7 +147,7 @@ struct TrBdf2 {
       else
         w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
                                      y.alpha_B + alpha_1, b * par.h);
-      if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
+      if constexpr (has_stages<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
     }
     extend_nodes(par, x, b * par.h, h_1, w);
   }
@@ -173,7 +173,7 @@ struct TrBdf2 {
       const GroupIn<S> group(g, num_bodies(par));
       const Start<S> y(group, x);
       w.bases[g] = extrapolated<T>(y.x, y.x.v_W, y.x.w_B, y.a_W, y.alpha_B, dh);
-      if constexpr (expects_turns<S>) w.turns.w_B[g] = w.bases[g].w_B + y.alpha_B * h_1;
+      if constexpr (has_stages<S>) w.turns.w_B[g] = w.bases[g].w_B + y.alpha_B * h_1;
       recall_errors<S>(group, x, w.next[g]);
       if constexpr (uses<typename S::Device>)
         w.inside[g] = interpolated<T>(
@@ -182,7 +182,7 @@ struct TrBdf2 {
     }
     start_nodes(par, x, dh, w);
     lead_joints(par, end, w);
-    if constexpr (expects_turns<S>) w.turns.known = smooth;
+    if constexpr (has_stages<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     return solve_stage(par, x, h_1, !smooth, inside, w);

@@ -38,7 +38,7 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
   const Vector3<T> w_W = solve3<T>(A_W, b_w), v_W = translation.b_W * T(1 / translation.M);
   Matrix3<T> A_s = Real(0.5) * (A_W + A_W.transpose());
   Vector3<T> b_s = A_s * w_W;
-  if constexpr (expects_turns<S>) {
+  if constexpr (has_stages<S>) {
     if (w.turns.known) b_s -= (A_W - A_s) * (R * w.turns.w_B[g] - w_W);
   }
   if constexpr (uses<typename S::Joints>) {

@@ -68,23 +68,21 @@ using JointScratchOf = std::conditional_t<
     std::conditional_t<uses<ContactsOf<S>>, TouchingJoints<S::max_bodies, typename S::Joints>,
                        Tree<S::max_bodies, typename S::Joints>>>;
 
+/// A step has more than one stage, and contacts that each carries over.
+template <class S>
+inline constexpr bool has_stages = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 /// (34)  How fast the bodies are expected to turn at the end of a stage, rad/s, body axes: where nothing jumps.
 template <class S>
 struct ExpectedTurns {
   bool known = false;
   std::array<Vector3<Lanes<S>>, max_groups<S>> w_B;
 };
-template <class S>
-inline constexpr bool expects_turns = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 
 /// (39)  Stages of bodies on joints are iterated.
 template <class S>
 inline constexpr bool iterates_joints = requires {
   requires !S::Joints::Stabilisation::uses_base;
 };
-/// A step has more than one stage, and contacts that each carries over.
-template <class S>
-inline constexpr bool has_stages = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 template <class S>
 struct Iteration {
   std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;     // bases of the stage
@@ -114,7 +112,7 @@ struct Scratch {
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
       wanted;  // to be shown on the links of the device, before limits
   [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
-  [[no_unique_address]] std::conditional_t<expects_turns<S>, ExpectedTurns<S>, Absent<17>> turns;
+  [[no_unique_address]] std::conditional_t<has_stages<S>, ExpectedTurns<S>, Absent<17>> turns;
   [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
   [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,
                                            Absent<18>>

@@ -186,7 +186,7 @@ inline constexpr Real max_given_back = 0.05;
 /// m/s: the iterations end when all velocities are known to this.
 inline constexpr Real velocity_tolerance = 1e-3;
 /// Iterations of conjugate gradients in a Newton iteration: few while friction is still sought.
-inline constexpr int max_iterations_seeking = 3, max_iterations = 8;
+inline constexpr int max_cg_iterations_seeking = 3, max_cg_iterations = 8;
 /// A Newton iteration of a system with nets may take one in so many of the iterations that are left: contacts may leave their modes,
 /// and the next one is to have some. tests/core/net/test_stability.cc.
 inline constexpr int iteration_parts = 2;
@@ -227,7 +227,7 @@ inline constexpr Real gain_window = 1;
 // rounding of a double and far below what a hand or a solver feels; no sweep has chosen one.
 
 /// The square of a quaternion's length may be so far from 1, in a scene and in a sample: its length by half of it.
-inline constexpr Real unit_tolerance = 1e-6, sample_unit_tolerance = 2e-6;
+inline constexpr Real quaternion_tolerance = 1e-6, sample_quaternion_tolerance = 2e-6;
 /// A joint's frame may be so far from a rotation, and of an inertia this share not symmetric.
 inline constexpr Real rotation_tolerance = 1e-9, symmetry_tolerance = 1e-9;
 /// The share of I_max / I_min that the square of a body's anisotropy is at least.

@@ -177,8 +177,8 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
     } else {
       const bool seeks = pass_of<Seeking>(newton_iterations) != Pass::as_it_was;
       const int allowed = System::is_coupled ? how.allowed(iterations)
-                          : seeks            ? max_iterations_seeking
-                                             : max_iterations;
+                          : seeks            ? max_cg_iterations_seeking
+                                             : max_cg_iterations;
       factorize(w.system);
       const int taken = iterate(allowed, how.tolerance, system, x,
                                 [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });

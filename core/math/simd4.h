@@ -15,7 +15,13 @@
 
 namespace godobject {
 
-struct PackMask;
+/// f of the parts of both.
+template <class R, class A, class F>
+R by_parts(const A& a, const A& b, F f) noexcept {
+  R r;
+  for (std::size_t k = 0; k < a.parts.size(); ++k) r.parts[k] = f(a.parts[k], b.parts[k]);
+  return r;
+}
 
 /// In vectors of the processor's size: one of four numbers, or two of two.
 struct Pack {
@@ -47,27 +53,20 @@ struct Pack {
   Pack& operator*=(const Pack& b) noexcept { return *this = *this * b; }
   Pack& operator/=(const Pack& b) noexcept { return *this = *this / b; }
 
-  /// f of the parts of both.
-  template <class F>
-  friend Pack by_parts(const Pack& a, const Pack& b, F f) noexcept {
-    Pack r;
-    for (std::size_t k = 0; k < num_parts; ++k) r.parts[k] = f(a.parts[k], b.parts[k]);
-    return r;
-  }
   friend Pack operator+(const Pack& a, const Pack& b) noexcept {
-    return by_parts(a, b, [](const Part& x, const Part& y) { return x + y; });
+    return by_parts<Pack>(a, b, [](Part x, Part y) { return x + y; });
   }
   friend Pack operator-(const Pack& a, const Pack& b) noexcept {
-    return by_parts(a, b, [](const Part& x, const Part& y) { return x - y; });
+    return by_parts<Pack>(a, b, [](Part x, Part y) { return x - y; });
   }
   friend Pack operator*(const Pack& a, const Pack& b) noexcept {
-    return by_parts(a, b, [](const Part& x, const Part& y) { return x * y; });
+    return by_parts<Pack>(a, b, [](Part x, Part y) { return x * y; });
   }
   friend Pack operator/(const Pack& a, const Pack& b) noexcept {
-    return by_parts(a, b, [](const Part& x, const Part& y) { return x / y; });
+    return by_parts<Pack>(a, b, [](Part x, Part y) { return x / y; });
   }
   friend Pack operator-(const Pack& a) noexcept {
-    return by_parts(a, a, [](const Part& x, const Part&) { return -x; });
+    return by_parts<Pack>(a, a, [](Part x, Part) { return -x; });
   }
 };
 
@@ -77,14 +76,10 @@ struct PackMask {
   std::array<Part, Pack::num_parts> parts;
 };
 inline PackMask operator<(const Pack& a, const Pack& b) noexcept {
-  PackMask m;
-  for (std::size_t k = 0; k < Pack::num_parts; ++k) m.parts[k] = a.parts[k] < b.parts[k];
-  return m;
+  return by_parts<PackMask>(a, b, [](auto x, auto y) { return x < y; });
 }
 inline PackMask operator<=(const Pack& a, const Pack& b) noexcept {
-  PackMask m;
-  for (std::size_t k = 0; k < Pack::num_parts; ++k) m.parts[k] = a.parts[k] <= b.parts[k];
-  return m;
+  return by_parts<PackMask>(a, b, [](auto x, auto y) { return x <= y; });
 }
 inline PackMask operator>(const Pack& a, const Pack& b) noexcept { return b < a; }
 
@@ -109,9 +104,7 @@ inline std::uint32_t bits(const PackMask& m) noexcept {
 #endif
 }
 inline PackMask operator&(const PackMask& a, const PackMask& b) noexcept {
-  PackMask m;
-  for (std::size_t k = 0; k < Pack::num_parts; ++k) m.parts[k] = a.parts[k] & b.parts[k];
-  return m;
+  return by_parts<PackMask>(a, b, [](auto x, auto y) { return x & y; });
 }
 
 /// The condition holds somewhere.

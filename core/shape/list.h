@@ -32,7 +32,7 @@ inline SurfacePoint nearest(const ShapeParams& par, const Vec3& p_W, Real reach)
 /// Dimensions that the kind needs are there, the pose is finite and its quaternion of unit length.
 inline bool is_valid(const ShapeParams& par) noexcept {
   const Vec3& p = par.X_WS.p;
-  const bool pose = p.sum() - p.sum() == 0 && std::abs(par.X_WS.q.squaredNorm() - 1) <= unit_tolerance;
+  const bool pose = p.sum() - p.sum() == 0 && std::abs(par.X_WS.q.squaredNorm() - 1) <= quaternion_tolerance;
   return pose && with_shape(par.kind, [&](auto shape) { return decltype(shape)::is_valid(par); });
 }
 

@@ -124,9 +124,8 @@ struct BlockSystem {
   void add_impulse(std::uint32_t i, const SpatialVector& b_i) noexcept { b[i] = b[i] + b_i; }
   /// A_ij of an entry.
   void add_coupling(std::uint32_t entry, const SpatialMatrix& A_ij) noexcept {
-    BlockEntry& e = entries[entry];
-    if (e.slot != no_slot) Z[e.slot] += number_of[e.i] > number_of[e.j] ? A_ij : transposed(A_ij);
-    if (is_kept()) e.A += A_ij;
+    add_to_factor(entry, A_ij);
+    if (is_kept()) entries[entry].A += A_ij;
   }
   /// A_ij of an entry, for the factor alone: after keep().
   void add_to_factor(std::uint32_t entry, const SpatialMatrix& A_ij) noexcept {

@@ -17,16 +17,13 @@
 
 namespace godobject {
 
-/// Aabb round the spheres of a body, along the axes of the world.
-struct Aabb {
-  Vec3 lo = Vec3::Zero();
-  Vec3 hi = Vec3::Zero();
+/// Box round the spheres of a body, along the axes of the world; or four.
+template <class T>
+struct AabbOf {
+  Vector3<T> lo = Vector3<T>::Constant(T(0)), hi = Vector3<T>::Constant(T(0));
 };
-
-struct AabbPack {
-  Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(0));
-  Vector3<Pack> hi = Vector3<Pack>::Constant(Pack(0));
-};
+using Aabb = AabbOf<Real>;
+using AabbPack = AabbOf<Pack>;
 
 /// Scratch: undefined between steps.
 template <std::size_t max_bodies>
