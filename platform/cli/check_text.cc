@@ -131,12 +131,11 @@ void add_nets(const Session& session, std::vector<std::string>& lines) {
            nets.springs.size(), most * static_cast<double>(nets.springs.size()),
            1e-6 * most * flops_of_an_iteration(nets)));
   if (!nets.attachments.empty())
-    lines.push_back(
-        line("", "%zu of %zu attachments to other bodies", nets.attachments.size(), c.max_attachments));
-  const char* const held =
-      nets.attachments.empty() ? " s, carriers held" : " s, carriers and what they are attached to held";
-  const std::string slowest = times.slowest ? with_number("slowest at most ", *times.slowest, held)
-                                            : "no bound of the slowest: nodes without springs of anchors";
+    lines.push_back(line("", "%zu of %zu attachments to other bodies, which time constants take for held",
+                         nets.attachments.size(), c.max_attachments));
+  const std::string slowest = times.slowest
+                                  ? with_number("slowest at most ", *times.slowest, " s, carriers held")
+                                  : "no bound of the slowest: nodes without springs of anchors";
   lines.push_back(line("", "time constants: fastest %.3g s, %.2g steps; %s", times.fastest,
                        times.fastest / session.scene().step, slowest.c_str()));
 }

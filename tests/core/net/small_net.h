@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "tests/core/net/net_scene.h"
+#include "tests/core/net/oracle_net.h"
 #include "tests/oracle/solve.h"
 #include "tests/oracle/target.h"
 
@@ -97,22 +97,10 @@ inline Truth solved_exactly(bool on_floor) {
         const Target to = small->target(t);
         return {.p = to.X_WD.p, .q = to.X_WD.q, .v = to.V_WD.v, .w = to.V_WD.w};
       })};
-  for (std::size_t n = 0; n < par.net.num_nodes; ++n) {
-    const NetNode& node = par.net.nodes[n];
-    oracle::Body& ball = c.bodies.emplace_back();
-    ball.name = std::to_string(n);
-    ball.m = node.m;
-    ball.I_B = 1e-5 * Mat3::Identity();
-    ball.start.p = small->x.net.nodes[n].p_W;
-    c.springs.push_back({.a = 0, .b = n + 1, .p_A = node.p_B, .k = node.k, .g = node.g, .is_anchor = true});
-    if (on_floor)
-      c.on_floor.push_back({.body = n + 1, .radius = node.radius, .k = floor_law.k, .c = floor_law.c});
-  }
-  for (std::size_t s = 0; s < par.net.num_springs; ++s) {
-    const NetSpring& spring = par.net.springs[s];
-    c.springs.push_back(
-        {.a = spring.i + 1, .b = spring.j + 1, .k = spring.k, .g = spring.g, .l_0 = spring.l_0});
-  }
+  add_net(*small, c);
+  for (std::size_t n = 0; on_floor && n < par.net.num_nodes; ++n)
+    c.on_floor.push_back(
+        {.body = n + 1, .radius = par.net.nodes[n].radius, .k = floor_law.k, .c = floor_law.c});
   const oracle::Solution solution = oracle::solve(c, std::vector{duration}, on_floor ? 1e-9 : 1e-11);
   Truth truth;
   const auto& end = solution.states[0];

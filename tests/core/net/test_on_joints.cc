@@ -1,6 +1,7 @@
 // Nets whose carrier is the last link of a chain on joints: against the oracle, and over drawn masses, stiffness and steps.
 #include <gtest/gtest.h>
 
+#include "tests/core/net/oracle_net.h"
 #include "tests/core/net/usual_scene.h"
 #include "tests/oracle/solve.h"
 #include "tests/study/joint/oracle_joint.h"
@@ -61,25 +62,7 @@ inline constexpr Stuff sheet{.m = 2e-3, .k = 40, .g = 0.05, .k_a = 8, .g_a = 0.0
 /// Of the links, then the nodes, by the oracle.
 std::vector<Vec3> solved_exactly(oracle::Case c) {
   const auto chain = std::make_unique<Chain<TrBdf2>>(c, sheet, 4, 1e-3);
-  const auto& net = chain->par.net;
-  for (std::size_t n = 0; n < net.num_nodes; ++n) {
-    oracle::Body& ball = c.bodies.emplace_back();
-    ball.name = std::to_string(n);
-    ball.m = net.nodes[n].m;
-    ball.I_B = 1e-5 * Mat3::Identity();
-    ball.start.p = chain->x.net.nodes[n].p_W;
-    c.springs.push_back({.a = 1,
-                         .b = n + 2,
-                         .p_A = net.nodes[n].p_B,
-                         .k = net.nodes[n].k,
-                         .g = net.nodes[n].g,
-                         .is_anchor = true});
-  }
-  for (std::size_t s = 0; s < net.num_springs; ++s) {
-    const NetSpring& spring = net.springs[s];
-    c.springs.push_back(
-        {.a = spring.i + 2, .b = spring.j + 2, .k = spring.k, .g = spring.g, .l_0 = spring.l_0});
-  }
+  add_net(*chain, c);
   const oracle::Solution solution = oracle::solve(c, std::vector{duration}, 1e-10);
   std::vector<Vec3> p;
   for (const oracle::RigidState& state : solution.states[0]) p.push_back(state.p);
