@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No instruction of a scene comes from contacts or nets it does not have.
 
-    unpaid_contacts.py COMPILER SOURCE_DIR EIGEN_DIR
+    unlisted_parts.py COMPILER SOURCE_DIR EIGEN_DIR
 
 Compiles the step of four scenes without optimisation, when all that can be called has code, and asks the line tables
 which headers of the core that code is from. A scene whose bodies touch each other shows that the tables tell.
@@ -23,7 +23,7 @@ def headers_with_code(compiler, source, eigen, scene, folder):
     obj = os.path.join(folder, scene + ".o")
     subprocess.run([compiler, "-std=c++20", "-O0", "-g1", "-DGODOBJECT_NO_FLATTEN", "-DEIGEN_DONT_VECTORIZE",
                     "-DPROBED=" + scene, "-I", source, "-isystem", eigen,
-                    "-c", os.path.join(source, "tests/core/contact/unpaid_scene.cc"), "-o", obj], check=True)
+                    "-c", os.path.join(source, "tests/core/contact/unlisted_scene.cc"), "-o", obj], check=True)
     lines = subprocess.run(["objdump", "--dwarf=decodedline", obj], check=True, capture_output=True, text=True)
     headers, file = set(), ""
     for line in lines.stdout.splitlines():
@@ -46,11 +46,11 @@ def main(compiler, source, eigen):
     if not ("core/step.h" in untouched and "core/contact/bodies.h" in over_obstacles and
             BODIES <= among_bodies and "core/net/solve.h" in with_net):
         sys.exit("the line tables do not show code that is there: this says nothing")
-    for scene, unpaid in (("without contacts", within(CONTACTS + NETS, untouched)),
+    for scene, strange in (("without contacts", within(CONTACTS + NETS, untouched)),
                           ("over obstacles alone", (BODIES & over_obstacles) | within(NETS, over_obstacles)),
                           ("among bodies", within(NETS, among_bodies))):
-        if unpaid:
-            sys.exit(f"a scene {scene} has code from {' '.join(sorted(unpaid))}")
+        if strange:
+            sys.exit(f"a scene {scene} has code from {' '.join(sorted(strange))}")
 
 
 if __name__ == "__main__":
