@@ -1,4 +1,4 @@
-// The step of one scene, for unpaid_contacts.py to look at: PROBED names it.
+// The step of one scene, for unlisted_parts.py to look at: PROBED names it.
 #include "core/godobject.h"
 
 namespace godobject {
