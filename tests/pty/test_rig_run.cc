@@ -1,0 +1,120 @@
+// A step of one's own on a rig, RigRun, against `godobject simulate` over pseudo-terminals: whatever ends it, the drives are
+// without torque and off, and it says what it was.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "platform/rig/run.h"
+#include "tests/support/background_program.h"
+#include "tests/support/faulty_rig.h"
+#include "tests/support/program.h"
+
+namespace godobject::test::test_rig_run {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Of machines that are slow at times.
+std::string patient_scene() {
+  std::string text = two_joints_toml;
+  text.insert(text.find("[[body]]"), "step = 5e-3\n");
+  text.insert(text.find("[[device.joint]]"), "[device.supervision]\nstale_after = 0.2\n");
+  for (std::size_t at = 0; (at = text.find("modulus_counts", at)) != std::string::npos;) {
+    text.insert(at, "max_speed = 10.0\n");
+    at += 40;
+  }
+  return text;
+}
+
+class RigRunTest : public ProgramTest {
+ protected:
+  /// The rig, simulated; where it can be reached.
+  std::vector<std::string> rig(const std::string& scene) {
+    far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
+                                          "can0=pty", "--bus", "can1=pty"});
+    std::vector<std::string> addresses;
+    for (std::string line = far_->line(); line != "ready" && !line.empty(); line = far_->line())
+      addresses.push_back(line.substr(4, 4) + "=slcan:" + line.substr(line.find(": ") + 2));
+    return addresses;
+  }
+  /// Pushes, and after so many steps does the rest.
+  RigRun::Result push(RigRun& run, int num_steps, const std::function<bool()>& then) {
+    int steps = 0;
+    return run.run([&](std::span<const BodySample> samples, std::span<Wrench> F_hand_W) {
+      for (Wrench& F : F_hand_W) F.f = Vec3(0.3, 0.3, 0.3);
+      valid_ += samples[0].valid ? 1 : 0;
+      return ++steps < num_steps || then();
+    });
+  }
+  nlohmann::json drives() { return nlohmann::json::parse(far_->say("status"))["drives"]; }
+  void expect_no_torque() {
+    for (const nlohmann::json& drive : drives()) {
+      EXPECT_EQ(drive["torque_Nm"], 0) << drive;
+      EXPECT_GT(drive["max_torque_Nm"], 0) << "it never pushed: this says nothing: " << drive;
+    }
+  }
+
+  std::optional<BackgroundProgram> far_;
+  int valid_ = 0;  // steps with a sample that counts
+};
+
+TEST_F(RigRunTest, AfterItsLastStepTheTorqueIsGone) {
+  const std::string scene = write("scene.toml", patient_scene());
+  RigRun run(scene, rig(scene));
+  ASSERT_THAT(run.errors(), IsEmpty());
+  EXPECT_EQ(run.step_s(), 5e-3);
+  const RigRun::Result result = push(run, 200, [] { return false; });
+  EXPECT_TRUE(result.is_good()) << result.why_not << result.faults;
+  EXPECT_EQ(result.steps, 200u);
+  EXPECT_GT(valid_, 0);
+  EXPECT_EQ(result.signal, "");
+  expect_no_torque();
+}
+
+TEST_F(RigRunTest, ASignalRunsTheTorqueDown) {
+  const std::string scene = write("scene.toml", patient_scene());
+  RigRun run(scene, rig(scene));
+  ASSERT_THAT(run.errors(), IsEmpty());
+  bool asked = false;
+  const RigRun::Result result = push(run, 200, [&] {
+    if (!std::exchange(asked, true)) raise(SIGTERM);
+    return true;
+  });
+  EXPECT_EQ(result.signal, "SIGTERM");
+  EXPECT_LE(result.steps, 201u);
+  EXPECT_EQ(result.faults, "");
+  expect_no_torque();
+}
+
+TEST_F(RigRunTest, AFaultOfTheRigEndsItAndIsNamed) {
+  const std::string scene = write("scene.toml", patient_scene());
+  RigRun run(scene, rig(scene));
+  ASSERT_THAT(run.errors(), IsEmpty());
+  bool asked = false;
+  const RigRun::Result result = push(run, 200, [&] {
+    if (!std::exchange(asked, true)) static_cast<void>(far_->say("fault unplug bus=can0 node=1"));
+    return true;
+  });
+  EXPECT_FALSE(result.is_good());
+  EXPECT_NE(result.faults, "");
+  expect_no_torque();
+}
+
+TEST_F(RigRunTest, WhatCannotBeSaysWhyAndSendsNothing) {
+  const std::string scene = write("scene.toml", patient_scene());
+  EXPECT_THAT(RigRun("no.toml", {}).errors(), Contains(HasSubstr("no.toml")));
+  EXPECT_THAT(RigRun(GODOBJECT_SOURCE_DIR "/sim/scenes/net-small.toml", {}).errors(),
+              Contains(HasSubstr("has no buses: add them")));
+  const std::vector<std::string> one{"can0=slcan:/dev/null"};
+  EXPECT_THAT(RigRun(scene, one).errors(),
+              Contains(HasSubstr("bus 'can1' of the scene has no address: give can0=ADDRESS can1=ADDRESS")));
+  const std::vector<std::string> closed{"can0=slcan:/dev/null", "can1=slcan:/nowhere"};
+  EXPECT_THAT(RigRun(scene, closed).errors(), Contains(HasSubstr("bus can1 (slcan:/nowhere): ")));
+}
+
+}  // namespace
+}  // namespace godobject::test::test_rig_run
