@@ -7,6 +7,7 @@
 #include "platform/device/phases.h"
 #include "platform/rig/bring_up.h"
 #include "platform/rig/last_frames.h"
+#include "platform/rig/load_advice.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/deadline_watch.h"
 #include "platform/rt/setup.h"
@@ -103,6 +104,9 @@ RigRun::RigRun(const std::string& scene_file, std::span<const std::string> addre
   if (errors_.empty() && shows_force(scene_.device->kind))
     for (const std::string& line : missing_watchdogs(rig, profiles_))
       errors_.push_back(scene_file + ": " + line);
+  if (errors_.empty())
+    for (const BusLoad& load : bus_load(rig, usual_load(rig)))
+      if (is_overloaded(load)) errors_.push_back(scene_file + ": " + load_advice(load));
   where_ = rig_addresses(addresses, scene_, "", errors_);
   if (!errors_.empty()) return;
   auto link = make_link(where_, rig, scene_.step, false);

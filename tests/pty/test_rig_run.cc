@@ -112,6 +112,12 @@ TEST_F(RigRunTest, WhatCannotBeSaysWhyAndSendsNothing) {
   const std::vector<std::string> one{"can0=slcan:/dev/null"};
   EXPECT_THAT(RigRun(scene, one).errors(),
               Contains(HasSubstr("bus 'can1' of the scene has no address: give can0=ADDRESS can1=ADDRESS")));
+  std::string crowded = patient_scene();
+  for (std::size_t at = 0; (at = crowded.find("[[bus]]\n", at)) != std::string::npos; at += 8)
+    crowded.insert(at + 8, "bit_rate = 20e3\n");
+  const std::vector<std::string> both{"can0=slcan:/dev/null", "can1=slcan:/dev/null"};
+  EXPECT_THAT(RigRun(write("crowded.toml", crowded), both).errors(),
+              Contains(HasSubstr("crowded.toml: bus can0: worst-case load")));
   const std::vector<std::string> closed{"can0=slcan:/dev/null", "can1=slcan:/nowhere"};
   EXPECT_THAT(RigRun(scene, closed).errors(), Contains(HasSubstr("bus can1 (slcan:/nowhere): ")));
 }

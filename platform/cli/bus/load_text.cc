@@ -1,7 +1,5 @@
 #include "platform/cli/bus/load_text.h"
 
-#include <array>
-
 namespace godobject {
 
 void print_bus_load(std::FILE* out, const BusLoad& load) {
@@ -11,21 +9,6 @@ void print_bus_load(std::FILE* out, const BusLoad& load) {
   for (const BusMessage& m : load.messages)
     std::fprintf(out, "#   %-32s  0x%03X %10g %8d %6d\n", m.name.c_str(), static_cast<unsigned>(m.cob_id),
                  1e3 * m.period_s, m.nominal_bits, m.worst_bits);
-}
-
-std::string load_advice(const BusLoad& load) {
-  const char* verdict = nullptr;
-  if (load.worst_percent > full_load_percent) {
-    verdict = "error: the bus cannot carry its messages; raise bit_rate, raise step, or use more buses";
-  } else if (load.worst_percent > planned_load_percent) {
-    verdict = "warning: above 70 %, messages of low priority may come a period late; use more buses";
-  } else if (load.worst_percent > advised_load_percent) {
-    verdict = "warning: above 50 %, little is left for repeated and sporadic messages";
-  }
-  if (!verdict) return "";
-  std::array<char, 32> percent{};
-  std::snprintf(percent.data(), percent.size(), "%.1f", load.worst_percent);
-  return "bus " + load.bus + ": worst-case load " + percent.data() + " %: " + verdict;
 }
 
 nlohmann::ordered_json to_json(const BusLoad& load) {

@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "hal/drive/watchdog.h"
-#include "platform/cli/bus/load_text.h"
 #include "platform/cli/run/spacemouse.h"
 #include "platform/cli/run/start_check.h"
 #include "platform/linux/tracker_thread.h"
+#include "platform/rig/load_advice.h"
 #include "platform/rt/clock.h"
 #include "platform/scene/profile.h"
 #include "platform/scene/text/key.h"
@@ -223,8 +223,6 @@ std::string blamed(const RunOptions& options, bool step_is_to_blame) {
   return options.scene + ": with --step " + shortest(*options.step) + ": ";
 }
 
-bool overloaded(const BusLoad& load) { return load.worst_percent > full_load_percent; }
-
 std::vector<BusLoad> loads_of(const RigParams& rig) { return bus_load(rig, usual_load(rig)); }
 
 void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigParams& rig_of_scene,
@@ -233,8 +231,9 @@ void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigP
   const std::vector<BusLoad> loads_of_scene = loads_of(rig_of_scene);
   for (std::size_t i = 0; i < run.bus_loads.size(); ++i) {
     const BusLoad& load = run.bus_loads[i];
-    if (!overloaded(load)) continue;
-    run.errors.push_back(blamed(options, options.step && !overloaded(loads_of_scene[i])) + load_advice(load));
+    if (!is_overloaded(load)) continue;
+    run.errors.push_back(blamed(options, options.step && !is_overloaded(loads_of_scene[i])) +
+                         load_advice(load));
   }
 }
 

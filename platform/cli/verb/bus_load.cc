@@ -5,6 +5,7 @@
 #include "hal/rig/validate.h"
 #include "platform/cli/bus/load_text.h"
 #include "platform/cli/verbs.h"
+#include "platform/rig/load_advice.h"
 #include "platform/scene/toml.h"
 
 namespace godobject {

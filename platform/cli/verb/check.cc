@@ -8,6 +8,7 @@
 #include "platform/cli/run/options.h"
 #include "platform/cli/time_to_zero.h"
 #include "platform/cli/verbs.h"
+#include "platform/rig/load_advice.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/toml.h"
 #include "platform/scene/top_speed.h"
