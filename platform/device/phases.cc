@@ -20,7 +20,8 @@ bool DevicePhases::makes_torque() const noexcept {
 }
 
 bool DevicePhases::boots() const noexcept {
-  return std::ranges::any_of(devices_, [](const HandDevice* device) { return device->boot_limit_s().has_value(); });
+  return std::ranges::any_of(devices_,
+                             [](const HandDevice* device) { return device->boot_limit_s().has_value(); });
 }
 
 void DevicePhases::start(double limit_s) noexcept {

@@ -65,8 +65,9 @@ void move(PoseDevice::Input& in, int n) {
   const Real t = tangent(n), t_dot = (n % 1600 < 800 ? 1 : -1) / (400 * h);
   const Vec3 u_W(0.36, 0.48, 0.8);
   const Real c = 1 / (1 + t * t);
-  in.target.X_WD = {.p = Vec3(0.1 * t, 0.05 * t * t, -0.02 * t),
-             .q = Quat((1 - t * t) * c, 2 * t * c * u_W.x(), 2 * t * c * u_W.y(), 2 * t * c * u_W.z())};
+  in.target.X_WD = {
+      .p = Vec3(0.1 * t, 0.05 * t * t, -0.02 * t),
+      .q = Quat((1 - t * t) * c, 2 * t * c * u_W.x(), 2 * t * c * u_W.y(), 2 * t * c * u_W.z())};
   in.target.V_WD = {.w = 4 * t_dot * c * u_W, .v = t_dot * Vec3(0.1, 0.1 * t, -0.02)};
   in.valid = n % 37 != 0;
   in.engaged = n % 900 > 30;

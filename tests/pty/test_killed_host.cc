@@ -23,18 +23,6 @@ using testing::SizeIs;
 
 constexpr double step_s = 5e-3;
 
-/// Of machines that are slow at times: samples may be late, the drives' deadlines are as they are.
-std::string patient_scene() {
-  std::string text = two_joints_toml;
-  text.insert(text.find("[[body]]"), "step = 5e-3\n");
-  text.insert(text.find("[[device.joint]]"), "[device.supervision]\nstale_after = 0.2\n");
-  for (std::size_t at = 0; (at = text.find("modulus_counts", at)) != std::string::npos;) {
-    text.insert(at, "max_speed = 10.0\n");
-    at += 40;
-  }
-  return text;
-}
-
 class KilledHost : public ProgramTest {
  protected:
   /// Both programs, up to torque on both motors. False where the machine stalled: the host has given up.
@@ -81,7 +69,7 @@ class KilledHost : public ProgramTest {
 };
 
 TEST_F(KilledHost, MotorsAreOffTwentyMillisecondsLater) {
-  const std::string scene = write("scene.toml", patient_scene());
+  const std::string scene = write("scene.toml", patient_toml());
   constexpr int tries = 5;
   for (int i = 0; i < tries; ++i) {
     emergencies_.clear();

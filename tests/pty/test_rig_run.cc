@@ -18,18 +18,6 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Of machines that are slow at times.
-std::string patient_scene() {
-  std::string text = two_joints_toml;
-  text.insert(text.find("[[body]]"), "step = 5e-3\n");
-  text.insert(text.find("[[device.joint]]"), "[device.supervision]\nstale_after = 0.2\n");
-  for (std::size_t at = 0; (at = text.find("modulus_counts", at)) != std::string::npos;) {
-    text.insert(at, "max_speed = 10.0\n");
-    at += 40;
-  }
-  return text;
-}
-
 class RigRunTest : public ProgramTest {
  protected:
   /// The rig, simulated; where it can be reached.
@@ -63,7 +51,7 @@ class RigRunTest : public ProgramTest {
 };
 
 TEST_F(RigRunTest, AfterItsLastStepTheTorqueIsGone) {
-  const std::string scene = write("scene.toml", patient_scene());
+  const std::string scene = write("scene.toml", patient_toml());
   RigRun run(scene, rig(scene));
   ASSERT_THAT(run.errors(), IsEmpty());
   EXPECT_EQ(run.step_s(), 5e-3);
@@ -76,7 +64,7 @@ TEST_F(RigRunTest, AfterItsLastStepTheTorqueIsGone) {
 }
 
 TEST_F(RigRunTest, ASignalRunsTheTorqueDown) {
-  const std::string scene = write("scene.toml", patient_scene());
+  const std::string scene = write("scene.toml", patient_toml());
   RigRun run(scene, rig(scene));
   ASSERT_THAT(run.errors(), IsEmpty());
   bool asked = false;
@@ -91,7 +79,7 @@ TEST_F(RigRunTest, ASignalRunsTheTorqueDown) {
 }
 
 TEST_F(RigRunTest, AFaultOfTheRigEndsItAndIsNamed) {
-  const std::string scene = write("scene.toml", patient_scene());
+  const std::string scene = write("scene.toml", patient_toml());
   RigRun run(scene, rig(scene));
   ASSERT_THAT(run.errors(), IsEmpty());
   bool asked = false;
@@ -105,14 +93,14 @@ TEST_F(RigRunTest, AFaultOfTheRigEndsItAndIsNamed) {
 }
 
 TEST_F(RigRunTest, WhatCannotBeSaysWhyAndSendsNothing) {
-  const std::string scene = write("scene.toml", patient_scene());
+  const std::string scene = write("scene.toml", patient_toml());
   EXPECT_THAT(RigRun("no.toml", {}).errors(), Contains(HasSubstr("no.toml")));
   EXPECT_THAT(RigRun(GODOBJECT_SOURCE_DIR "/sim/scenes/net-small.toml", {}).errors(),
               Contains(HasSubstr("has no buses: add them")));
   const std::vector<std::string> one{"can0=slcan:/dev/null"};
   EXPECT_THAT(RigRun(scene, one).errors(),
               Contains(HasSubstr("bus 'can1' of the scene has no address: give can0=ADDRESS can1=ADDRESS")));
-  std::string crowded = patient_scene();
+  std::string crowded = patient_toml();
   for (std::size_t at = 0; (at = crowded.find("[[bus]]\n", at)) != std::string::npos; at += 8)
     crowded.insert(at + 8, "bit_rate = 20e3\n");
   const std::vector<std::string> both{"can0=slcan:/dev/null", "can1=slcan:/dev/null"};

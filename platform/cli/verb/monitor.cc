@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "platform/cli/bus/message_table.h"
-#include "platform/linux/bus/named_address.h"
 #include "platform/cli/option_checks.h"
 #include "platform/cli/verbs.h"
 #include "platform/linux/bus/bus.h"
+#include "platform/linux/bus/named_address.h"
 #include "platform/rt/clock.h"
 #include "platform/rt/stop_signals.h"
 #include "platform/scene/toml.h"

@@ -105,8 +105,9 @@ class RunOnBuses : public ProgramTest {
   SceneConfig scene_ = patient_scene();
   Motion motion_{scene_};
   static constexpr BusBackend cable_kind{.name = "cable", .where = "NUMBER"};
-  RigAddresses where_{.addresses = {{.backend = &cable_kind, .where = "0"}, {.backend = &cable_kind, .where = "1"}},
-                .texts = {"cable:0", "cable:1"}};
+  RigAddresses where_{
+      .addresses = {{.backend = &cable_kind, .where = "0"}, {.backend = &cable_kind, .where = "1"}},
+      .texts = {"cable:0", "cable:1"}};
   RigProfiles profiles_{.encoders = std::vector<std::optional<NodeProfile>>(rig().encoders.size()),
                         .drives = std::vector<std::optional<NodeProfile>>(rig().drives.size())};
   std::unique_ptr<RigPlayer> player_;
