@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks who includes whom: core <- hal <- sim <- platform, and no product includes tests. Of platform only the rooms that
-simulate see sim and each other; the rest builds without them.
+simulate see sim and each other; the rest builds without them. The rooms of platform and of sim include each other in one direction.
 
 usage: check_includes.py SOURCE_DIR
 """
@@ -17,6 +17,7 @@ HAL_REFUSED = {"atomic", "chrono", "condition_variable", "exception", "filesyste
 LAYERS = {"core", "hal", "sim", "platform", "tests"}
 MAY_INCLUDE = {"core": {"core"}, "hal": {"core", "hal"}, "sim": {"core", "hal", "sim"},
                "platform": {"core", "hal", "platform"}}
+ONE_DIRECTION = {"platform", "sim"}  # layers whose rooms are looked at
 SIMULATE = {("platform", "simulated"), ("platform", "cli", "simulate")}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
@@ -39,8 +40,24 @@ def complaint(folder, header):
     return None
 
 
+def room_of(path):
+    """The first two folders of a file's path: "platform/rig"."""
+    return "/".join(pathlib.PurePath(path).parts[:-1][:2])
+
+
+def circles(arrows):
+    """Pairs of rooms that include each other, directly or by others. arrows: room -> rooms that it includes."""
+    def reached(room, seen):
+        for other in arrows.get(room, set()) - seen:
+            seen.add(other)
+            reached(other, seen)
+        return seen
+    return sorted((a, b) for a in arrows for b in arrows[a] if a < b and a in reached(b, set()))
+
+
 def complaints(source_dir):
     found, num_files = [], 0
+    arrows = {}
     for layer in MAY_INCLUDE:
         for path in sorted((source_dir / layer).rglob("*")):
             if path.suffix not in {".h", ".cc"}:
@@ -52,6 +69,11 @@ def complaints(source_dir):
                 reason = match and complaint(relative.parent, match.group(1))
                 if reason:
                     found.append(f"{relative}:{number}: includes {match.group(1)}: {reason}")
+                if match and layer in ONE_DIRECTION and match.group(1).startswith(layer + "/"):
+                    room, other = room_of(relative), room_of(match.group(1))
+                    if room != other:
+                        arrows.setdefault(room, set()).add(other)
+    found += [f"{a} and {b} include each other" for a, b in circles(arrows)]
     return found, num_files
 
 
@@ -70,6 +92,8 @@ def check_rules():
                            ("platform/simulated", "sim/rig/rig.h"), ("platform/cli/simulate", "sim/rig/rig.h"),
                            ("platform/cli", "platform/motion/motion.h"), ("platform", "sys/mman.h")]:
         assert not complaint(path(folder), header), (folder, header)
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}}) and not circles({"a": {"b", "c"}, "b": {"c"}})
+    assert room_of("platform/scene/net/params.h") == "platform/scene" and room_of("sim/hand.h") == "sim"
 
 
 def main():
