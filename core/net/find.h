@@ -2,8 +2,7 @@
 //
 // Bound: for each four nodes a query of each surface of the world, and of each surface or sphere of a body whose box they
 // are in. Nodes do not touch each other, nor bodies of the tree that their carrier is of, nor what they are attached to. What is
-// fast, or deep in an obstacle
-// of the world, is sought on its way as spheres of bodies are (core/contact/find/sweep.h).
+// fast, or deep in an obstacle of the world, is sought on its way as spheres of bodies are (core/contact/find/sweep.h).
 #pragma once
 
 #include "core/contact/find/find.h"

@@ -38,9 +38,10 @@ struct Flight {
 struct Alone {
   const NetRun& run;
 
-  std::size_t first_body() const noexcept { return run.body; }
   template <class F>
-  void each_other_body(F) const noexcept {}
+  void each_body(F f) const noexcept {
+    f(run.body);
+  }
   template <class F>
   void each_run(F f) const noexcept {
     f(run);
@@ -69,12 +70,9 @@ struct Attached {
   static bool is_between(const NetContactTerm& one) noexcept {
     return one.carrier != world && one.body != NetContactTerm::on_world;
   }
-  std::size_t first_body() const noexcept {
-    return static_cast<std::size_t>(std::find(of.begin(), of.end(), number) - of.begin());
-  }
   template <class F>
-  void each_other_body(F f) const noexcept {
-    for (std::size_t i = first_body() + 1; i < N; ++i)
+  void each_body(F f) const noexcept {
+    for (std::size_t i = 0; i < N; ++i)
       if (of[i] == number) f(i);
   }
   template <class F>
@@ -95,17 +93,14 @@ void each_node_of(const Flyers& flyers, F f) noexcept {
 /// What they are as one. body_of(i): the state of body i.
 template <Scene S, class Flyers, class BodyOf, class Nodes>
 Flight flight_of(const Params<S>& par, const Flyers& flyers, BodyOf body_of, const Nodes& nodes) noexcept {
-  const std::size_t first = flyers.first_body();
-  const RigidBodyState& body = body_of(first);
-  Flight all{.m = par.bodies[first].body.m, .mp_W = par.bodies[first].body.m * body.X_WB.p};
+  Flight all;
   const auto add_mass = [&](Real m, const Vec3& p_W) noexcept {
     all.m += m;
     all.mp_W += m * p_W;
   };
-  flyers.each_other_body([&](std::size_t i) noexcept { add_mass(par.bodies[i].body.m, body_of(i).X_WB.p); });
+  flyers.each_body([&](std::size_t i) noexcept { add_mass(par.bodies[i].body.m, body_of(i).X_WB.p); });
   each_node_of(flyers, [&](std::uint32_t n) noexcept { add_mass(par.net.nodes[n].m, nodes[n].p_W); });
-  all.add(par.bodies[first].body, body);
-  flyers.each_other_body([&](std::size_t i) noexcept { all.add(par.bodies[i].body, body_of(i)); });
+  flyers.each_body([&](std::size_t i) noexcept { all.add(par.bodies[i].body, body_of(i)); });
   each_node_of(flyers, [&](std::uint32_t n) noexcept {
     all.add(par.net.nodes[n].m, nodes[n].p_W - all.centre(), nodes[n].v_W);
   });
@@ -163,8 +158,7 @@ void give_back_turn(const Params<S>& par, const State<S>& x, const Flyers& flyer
     set_lane(next.x.v_W, i % lanes<S>, Vec3(body.v_W + w_W.cross(body.X_WB.p - c)));
     set_lane(next.x.w_B, i % lanes<S>, Vec3(body.w_B + to_body<Real>(body.X_WB.q, w_W)));
   };
-  turn(flyers.first_body());
-  flyers.each_other_body(turn);
+  flyers.each_body(turn);
   each_node_of(flyers,
                [&](std::uint32_t n) noexcept { w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c); });
 }
@@ -183,9 +177,7 @@ void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& 
   each_carried(net, [&](const NetRun& run) noexcept {
     flyers.number = flyers.of[run.body];
     bool fly = !flyers.is_held[flyers.number], is_first = true;
-    const auto look_at = [&](std::size_t i) noexcept { fly = fly && flies(par, w, i); };
-    look_at(flyers.first_body());
-    flyers.each_other_body(look_at);
+    flyers.each_body([&](std::size_t i) noexcept { fly = fly && flies(par, w, i); });
     flyers.each_run([&](const NetRun& other) noexcept {
       is_first = is_first && other.first >= run.first;
       fly = fly && !joins_carriers(net, other);

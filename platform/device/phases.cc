@@ -34,16 +34,13 @@ void DevicePhases::start(double limit_s) noexcept {
 
 void DevicePhases::advance(double t) noexcept {
   switch (phase_) {
-    case RunPhase::booting:
-    case RunPhase::running_down:
-    case RunPhase::closing: begin(t); break;
+    case RunPhase::booting: return boot(begin(t));
+    case RunPhase::running_down: return run_down(begin(t));
+    case RunPhase::closing: return close(begin(t));
     case RunPhase::off:
     case RunPhase::running:
     case RunPhase::ended: return;
   }
-  if (phase_ == RunPhase::booting) boot();
-  else if (phase_ == RunPhase::running_down) run_down();
-  else close();
 }
 
 Period& DevicePhases::begin(double t) noexcept {
@@ -53,8 +50,8 @@ Period& DevicePhases::begin(double t) noexcept {
   return period_;
 }
 
-void DevicePhases::boot() noexcept {
-  for (HandDevice* const device : devices_) device->boot(period_);
+void DevicePhases::boot(Period& period) noexcept {
+  for (HandDevice* const device : devices_) device->boot(period);
   if (arm()) {
     phase_ = RunPhase::running;
   } else if (std::ranges::any_of(devices_, &HandDevice::failed) || --periods_left_ <= 0) {
@@ -88,19 +85,19 @@ void DevicePhases::give_up_running() noexcept {
   periods_left_ = periods(shut_down_limit_s);
 }
 
-void DevicePhases::run_down() noexcept {
+void DevicePhases::run_down(Period& period) noexcept {
   if (periods_left_-- > 0) {
     bool goes_on = false;
-    for (HandDevice* const device : devices_) goes_on = device->run_down(period_) || goes_on;
+    for (HandDevice* const device : devices_) goes_on = device->run_down(period) || goes_on;
     if (goes_on) return;
   }
-  for (HandDevice* const device : devices_) device->stop(period_);
+  for (HandDevice* const device : devices_) device->stop(period);
   phase_ = RunPhase::closing;
   periods_left_ = closing_periods;
 }
 
-void DevicePhases::close() noexcept {
-  for (HandDevice* const device : devices_) device->close(period_);
+void DevicePhases::close(Period& period) noexcept {
+  for (HandDevice* const device : devices_) device->close(period);
   if (--periods_left_ == 0) phase_ = RunPhase::ended;
 }
 

@@ -8,6 +8,8 @@
 
 namespace godobject {
 
+/// Time of the devices that booting may take; a rig's own boot_timeout_s is shorter, and says which node.
+inline constexpr double usual_boot_limit_s = 10;
 inline constexpr double shut_down_limit_s = 2;
 
 /// What a period is for. A run goes through them in this order; a fault or stop() leaves some out.
@@ -49,10 +51,10 @@ class DevicePhases {
   bool boots() const noexcept;
 
  private:
-  void boot() noexcept;
+  void boot(Period& period) noexcept;
   bool arm() noexcept;
-  void run_down() noexcept;
-  void close() noexcept;
+  void run_down(Period& period) noexcept;
+  void close(Period& period) noexcept;
   void give_up_running() noexcept;
   std::int64_t periods(double time_s) const noexcept;
 

@@ -1,24 +1,20 @@
 #include "platform/rig/run.h"
 
 #include <algorithm>
-#include <filesystem>
 
-#include "hal/drive/watchdog.h"
 #include "platform/device/phases.h"
 #include "platform/rig/bring_up.h"
 #include "platform/rig/last_frames.h"
 #include "platform/rig/load_advice.h"
+#include "platform/rig/profiles.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/deadline_watch.h"
 #include "platform/rt/setup.h"
 #include "platform/rt/stop_signals.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/toml.h"
 
 namespace godobject {
 namespace {
-
-constexpr double boot_limit_s = 10;  // the rig's own is shorter, and says which node
 
 std::string lines(const std::vector<std::string>& all) {
   std::string text;
@@ -38,7 +34,7 @@ class RigCycle {
         samples_(scene.bodies.size()),
         F_hand_W_(scene.bodies.size()) {
     phases_.add(device_);
-    phases_.start(boot_limit_s);
+    phases_.start(usual_boot_limit_s);
   }
 
   /// False after the last period.
@@ -97,13 +93,7 @@ RigRun::RigRun(const std::string& scene_file, std::span<const std::string> addre
   }
   errors_ = RigDevice::complaints(scene_);
   const RigParams rig = scene_.device->rig.emplace(rig_of(scene_));
-  RigProfilesResult loaded_profiles =
-      load_profiles(rig, std::filesystem::path(scene_file).parent_path().string());
-  errors_.insert(errors_.end(), loaded_profiles.errors.begin(), loaded_profiles.errors.end());
-  profiles_ = std::move(loaded_profiles.profiles);
-  if (errors_.empty() && shows_force(scene_.device->kind))
-    for (const std::string& line : missing_watchdogs(rig, profiles_))
-      errors_.push_back(scene_file + ": " + line);
+  profiles_ = checked_profiles(scene_, scene_file, errors_);
   if (errors_.empty())
     for (const BusLoad& load : bus_load(rig, usual_load(rig)))
       if (is_overloaded(load)) errors_.push_back(scene_file + ": " + load_advice(load));

@@ -18,8 +18,6 @@
 namespace godobject {
 namespace {
 
-// Bus time that booting may take; the rig's own boot_timeout_s is shorter and says which node.
-constexpr double boot_limit_s = 10;
 // About three seconds at 1 kHz: so long may the disk stall. Of long chains less.
 constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
 constexpr std::size_t cycle_ring_bytes = 64u << 20;
@@ -146,7 +144,7 @@ class RealtimeRun {
   /// From start to end of the session. False where no thread can be started.
   bool run() {
     if (files_.wants_frames()) session_.set_bus_observer(observer_into(frames_));
-    session_.start(boot_limit_s);
+    session_.start(usual_boot_limit_s);
     ended_ = false;
     std::optional<LastResort> last_resort;
     if (real_) last_resort.emplace(last_words(real_->rig, real_->link));
@@ -251,7 +249,7 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
   FastProgress progress(console, static_cast<double>(plan.num_cycles) * session.scene().step, plan.quiet);
   CycleRecord record = session.at_start();
   do {
-    session.start(boot_limit_s);
+    session.start(usual_boot_limit_s);
     while (!cycle.ended()) {
       notices.look(record.t);
       const Nanoseconds start = clock.now();

@@ -10,13 +10,12 @@
 #include <system_error>
 #include <utility>
 
-#include "hal/drive/watchdog.h"
 #include "platform/cli/run/spacemouse.h"
 #include "platform/cli/run/start_check.h"
 #include "platform/linux/tracker_thread.h"
 #include "platform/rig/load_advice.h"
+#include "platform/rig/profiles.h"
 #include "platform/rt/clock.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/text/key.h"
 #include "platform/scene/toml.h"
 
@@ -157,18 +156,6 @@ std::string folder_of_scene(const RunOptions& options) {
   return fs::path(options.scene).parent_path().string();
 }
 
-/// The profiles of the scene's nodes; where it shows force, every drive stops when this program dies.
-void check_profiles(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {
-  if (!has_rig(scene)) return;
-  const RigParams& rig = *scene.device->rig;
-  RigProfilesResult loaded = load_profiles(rig, folder_of_scene(options));
-  append(run.errors, loaded.errors);
-  run.profiles = std::move(loaded.profiles);
-  if (!loaded.errors.empty() || !shows_force(scene.device->kind)) return;
-  for (const std::string& line : missing_watchdogs(rig, run.profiles))
-    run.errors.push_back(options.scene + ": " + line);
-}
-
 /// The trackers on their lines, each with a thread that has begun; for a check with a simulated far end instead.
 std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& options, const SceneConfig& scene,
                                                         PreparedRun& run) {
@@ -282,7 +269,7 @@ PreparedRun prepare(const RunOptions& options) {
   check_contacts(options, scene, run.errors);
   check_nets(options, scene, run.errors);
   apply_overrides(options, scene);
-  check_profiles(options, scene, run);
+  if (has_rig(scene)) run.profiles = checked_profiles(scene, options.scene, run.errors);
   std::optional<Motion> motion = load_motion(options, scene, run);
   if (!motion || !run.errors.empty()) return run;
 
