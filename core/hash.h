@@ -61,7 +61,7 @@ class Hash {
     add(std::uint64_t{x.size});
     for (std::size_t i = 0; i < x.size; ++i) {
       const ContactMemory& m = x.list[i];
-      add(m.key, m.xi_W, m.xi_dot_W, m.F_W, m.n_W, m.e, m.pressed);
+      add(m.key, m.xi_W.vec(), m.xi_dot_W.vec(), m.F_W.vec(), m.n_W.vec(), m.e, m.pressed);
     }
   }
   template <class Memory>

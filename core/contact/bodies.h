@@ -6,6 +6,7 @@
 // (open, stick, slip) are found by Newton iterations over that (29), island by island. What they leave is the residual.
 #pragma once
 
+#include "core/contact/begin.h"
 #include "core/contact/jointed_bodies.h"
 #include "core/tuning.h"
 
@@ -279,14 +280,9 @@ void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScrat
         first_pack = pair.first_pack;
       }
     }
-    for (std::uint32_t i = group.first, n = 0; i < group.end; ++i, ++n) {
-      const NearContact& near = w.near.list[i];
-      const ContactPack& pack = w.packs[first_pack + n / 4];
-      const Real side = near.a == a ? 1 : -1;
-      const Vec3 F = side * lane(pack.F, n % 4), v = side * lane(pack.v, n % 4);
-      const Real depth = pack.d_0[n % 4] - h * near.n_W.dot(v);
-      if (!(near.n_W.dot(F) > 0) && !(depth > 0)) continue;
-      next.list[next.size++] = carried_over(law_of(par, near), near.key, w.begun[i], h, near.n_W, depth, F);
+    for (std::uint32_t i = group.first; i < group.end; i += 4, ++first_pack) {
+      const NearFour near(&w.near.list[i], group.end - i);
+      carry_over(near, near.sides(a), h, w.begun[first_pack], w.packs[first_pack], next);
     }
   }
 }

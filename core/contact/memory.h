@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/contact/contact.h"
+#include "core/math/lanes.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -12,12 +13,12 @@ namespace godobject {
 /// What one contact carries over. The spheres of a scene are numbered, and so is what they touch.
 struct ContactMemory {
   std::uint64_t key = 0;
-  Vec3 xi_W = Vec3::Zero();      // how far the contact point has been dragged since it stuck, m
-  Vec3 xi_dot_W = Vec3::Zero();  // how fast it was, m/s
-  Real e = 0;                    // rest penetration: the offset of the contact spring, m
-  Real pressed = 0;              // by which it was deeper than e where the last stage ended, m
-  Vec3 F_W = Vec3::Zero();       // force in the last stage, N
-  Vec3 n_W = Vec3::Zero();       // normal
+  Real e = 0;        // rest penetration: the offset of the contact spring, m
+  Real pressed = 0;  // by which it was deeper than e where the last stage ended, m
+  Column xi_W;       // how far the contact point has been dragged since it stuck, m
+  Column xi_dot_W;   // how fast it was, m/s
+  Column F_W;        // force in the last stage, N
+  Column n_W;        // normal
 };
 
 /// In the order of the keys.
@@ -42,8 +43,14 @@ class Recall {
     while (at_ < of_.size && of_.list[at_].key < key) ++at_;
     return at_ < of_.size && of_.list[at_].key == key ? &of_.list[at_] : nullptr;
   }
+  /// If there was no such contact, one without a normal.
+  const ContactMemory* find_or_none(std::uint64_t key) noexcept {
+    const ContactMemory* const found = find(key);
+    return found != nullptr ? found : &none_;
+  }
 
  private:
+  const ContactMemory none_{};
   const ContactMemories<max_contacts>& of_;
   std::size_t at_ = 0;
 };
@@ -52,7 +59,7 @@ class Recall {
 template <std::size_t max_contacts>
 bool touch_alike(const ContactMemories<max_contacts>& a, const ContactMemories<max_contacts>& b) noexcept {
   const auto next_touching = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
-    while (i < m.size && !(m.list[i].F_W.squaredNorm() > 0)) ++i;
+    while (i < m.size && !(dot(m.list[i].F_W, m.list[i].F_W) > 0)) ++i;
     return i;
   };
   std::size_t i = next_touching(a, 0), j = next_touching(b, 0);
@@ -83,74 +90,127 @@ inline Real max_stored_penetration(const ContactLaw& law, Real m) noexcept {
   return law.k > 0 ? law.push_out * std::sqrt(m / law.k) : std::numeric_limits<Real>::infinity();
 }
 
-/// e a while later, in which it would fall by `by` if the depth d followed; most: by which d may be behind.
-inline Real relax_offset(Real e, Real d, Real by, Real most) noexcept {
-  return std::max(std::min(e, std::max(e - by, d - most)), Real(0));
+/// What contacts carried over, one or four. One that was not there has no normal.
+template <class T>
+struct ContactPastOf {
+  Vector3<T> xi_W, xi_dot_W, F_W, n_W;
+  T e, pressed;
+};
+inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& of) noexcept {
+  const auto vectors = [&](auto member) noexcept {
+    return in_lanes(of[0]->*member, of[1]->*member, of[2]->*member, of[3]->*member);
+  };
+  const auto numbers = [&](auto member) noexcept {
+    return Pack(of[0]->*member, of[1]->*member, of[2]->*member, of[3]->*member);
+  };
+  return {.xi_W = vectors(&ContactMemory::xi_W),
+          .xi_dot_W = vectors(&ContactMemory::xi_dot_W),
+          .F_W = vectors(&ContactMemory::F_W),
+          .n_W = vectors(&ContactMemory::n_W),
+          .e = numbers(&ContactMemory::e),
+          .pressed = numbers(&ContactMemory::pressed)};
 }
 
-/// A contact where a stage starts.
-struct ContactStart {
-  Real d_0 = 0;    // depth, m
-  Real e_new = 0;  // the rest penetration if the contact is new; less than zero: none
-  Real max_relaxed = std::numeric_limits<Real>::infinity();  // by which e may fall, m
-  Real most = std::numeric_limits<Real>::infinity();  // by which e may be behind the depth when it falls, m
-  Real max_stored_penetration =
-      std::numeric_limits<Real>::infinity();  // by which it may be deeper than it was left, m
+/// The law of a contact in a stage of length h. What none asks for is zero: a contact that bears nothing.
+template <class T>
+struct StageLawOf {
+  T k = 0, eta_n = 0, eta_n_h = 0, max_eta_t = 0, v_per_xi = 0, mu = 0;
+  T kept = 0, given = 0;  // xi at the end of a stage, without friction, of xi where it begins; and by friction, m/N
+  T relaxed = 0;          // m, by which e may fall
+  T behind = 0;           // m, by which it may be behind the depth when it falls
+  T max_stored_penetration = 0;  // m
 };
 
-/// What a stage knows of a contact where it begins.
-struct BegunContact {
-  Vec3 xi_W = Vec3::Zero();  // how far it has been dragged along the surface, m
-  Real e = 0;                // rest penetration: the offset of the contact spring, m
-  Real F_n = -1;             // normal force of the stage before, N; < 0: the contact is new
-  Real found = 0;            // J, (38): in its spring where the stage starts, beyond what it was left with
+/// Contacts where a stage starts.
+template <class T>
+struct ContactStartOf {
+  Vector3<T> n_W;
+  T d_0;     // depth, m
+  T closed;  // by which they came nearer since the step began, m
 };
+
+/// What a stage knows of contacts where it begins.
+template <class T>
+struct BegunContactOf {
+  Vector3<T> xi_W;  // how far they have been dragged along the surface, m
+  T e;              // rest penetration: the offset of the contact spring, m
+  T F_n;            // normal force of the stage before, N; < 0: the contact is new
+  T found;          // J, (38): in its spring where the stage starts, beyond what it was left with
+};
+
+/// (35)  e a while later, in which it would fall by `by` if the depth d followed; behind: by which d may be behind.
+template <class T>
+T relax_offset(const T& e, const T& d, const T& by, const T& behind) noexcept {
+  return max(min(e, max(e - by, d - behind)), T(0));
+}
 
 /// (38)  Of a contact spring that was pressed by `before` where a stage ended, and is by `now` where the next one starts.
-inline Real found_energy(const ContactLaw& law, Real before, Real now) noexcept {
-  return law.k > 0 ? Real(0.5) * law.k * (now * now - before * before) : 0;
+template <class T>
+T found_energy(const T& k, const T& before, const T& now) noexcept {
+  return T(0.5) * k * (now * now - before * before);
 }
 
-/// What a stage begins a contact of normal n with, from the memories of the step and of the stage before. Where the normal has turned round a
+/// What a stage begins contacts with, from the memories of the step and of the stage before. Where the normal has turned round a
 /// corner the contact is another one.
-inline BegunContact recalled(const ContactLaw& law, const ContactStage& stage, const ContactMemory* of_step,
-                             const ContactMemory* of_stage, const Vec3& n_W,
-                             const ContactStart& start) noexcept {
-  const auto is_other = [&](const ContactMemory& before) noexcept {
-    return before.n_W.dot(n_W) < same_contact;
+template <class T>
+BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
+                           const ContactPastOf<T>& of_step, const ContactPastOf<T>& of_stage,
+                           const ContactStartOf<T>& start) noexcept {
+  const auto is_same = [&](const ContactPastOf<T>& before) noexcept {
+    return T(same_contact) <= before.n_W.dot(start.n_W);
   };
-  if (!stage.goes_on || (of_stage != nullptr && is_other(*of_stage))) of_stage = nullptr;
-  if (of_step != nullptr && is_other(*of_step)) of_step = nullptr;
-  BegunContact c;
-  if (of_step == nullptr && of_stage == nullptr) {
-    c.e = std::max(start.e_new, Real(0));
-    c.found = found_energy(law, 0, std::clamp(start.d_0 - c.e, Real(0), start.max_stored_penetration));
-    return c;
+  const Vector3<T> none = Vector3<T>::Constant(T(0));
+  const auto by_step = is_same(of_step);
+  auto known = by_step;
+  Vector3<T> xi = select(by_step, Vector3<T>(of_step.xi_W + of_step.xi_dot_W * T(stage.t_0)), none);
+  T e = of_step.e, pressed = of_step.pressed, before = pressed, F_n = of_step.n_W.dot(of_step.F_W);
+  if (stage.goes_on) {
+    const auto by_stage = is_same(of_stage);
+    known = known | by_stage;
+    // that stage's rate is of its last part alone, where it was parted (39)
+    if (stage.follows || stage.is_euler) xi = select(by_stage, of_stage.xi_W, xi);
+    else xi += select(by_stage, Vector3<T>(of_stage.xi_dot_W * T(stage.t_1)), none);
+    e = select(by_stage, of_stage.e, e);
+    pressed = select(by_stage, of_stage.pressed, pressed);
+    before = select(by_stage, pressed, T(0));  // what was apart in the stage before was not pressed
+    F_n = select(by_stage, of_stage.n_W.dot(of_stage.F_W), F_n);
   }
-  Vec3 xi = Vec3::Zero();
-  if (of_step != nullptr) xi = of_step->xi_W + stage.t_0 * of_step->xi_dot_W;
-  if (of_stage != nullptr) xi += stage.t_1 * of_stage->xi_dot_W;
-  // that stage's rate is of its last part alone, where it was parted (39)
-  if (of_stage != nullptr && (stage.follows || stage.is_euler)) xi = of_stage->xi_W;
-  const ContactMemory& last = of_stage != nullptr ? *of_stage : *of_step;
-  c.e =
-      relax_offset(last.e, start.d_0, std::min(stage.relaxing * law.push_out, start.max_relaxed), start.most);
+  T offset = relax_offset(e, start.d_0, law.relaxed, law.behind);
   if (stage.starts_at_an_end())
-    c.e += std::max(start.d_0 - last.e - last.pressed - start.max_stored_penetration, Real(0));
-  // what was apart in the stage before was not pressed
-  const Real before = stage.goes_on && of_stage == nullptr ? 0 : last.pressed;
-  const Real relaxed = before > 0 ? before + last.e - c.e : 0;
-  c.found = found_energy(law, before, stage.is_joined() ? std::max(start.d_0 - c.e, Real(0)) : relaxed);
-  c.xi_W = xi - n_W * n_W.dot(xi);
-  c.F_n = std::max(last.n_W.dot(last.F_W), Real(0));
-  return c;
+    offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
+  const T relaxed = select(T(0) < before, before + e - offset, T(0));
+  const T now = stage.is_joined() ? T(max(start.d_0 - offset, T(0))) : relaxed;
+  const T e_new = max(start.d_0 - start.closed - law.max_stored_penetration, T(0));
+  const T now_new = min(max(start.d_0 - e_new, T(0)), law.max_stored_penetration);
+  return {.xi_W = xi - start.n_W * start.n_W.dot(xi),
+          .e = select(known, offset, e_new),
+          .F_n = select(known, max(F_n, T(0)), T(-1)),
+          .found = select(known, found_energy(law.k, before, now), found_energy(law.k, T(0), now_new))};
 }
 
-/// How far the contact point is dragged at the end of a stage, the friction being F_t: spring and damper of (23) move
-/// with it, and what they do not follow has slipped.
-inline Vec3 dragged(const ContactLaw& law, const Vec3& xi, const Vec3& F_t, Real h) noexcept {
-  const Real eta = h * law.k_t + law.c_t;
-  return eta > 0 ? Vec3((law.c_t * xi - h * F_t) * (1 / eta)) : Vec3(Vec3::Zero());
+/// What is asked of contacts again where the stage ends.
+template <class T>
+struct BegunOf {
+  Vector3<T> xi_W;
+  T e, kept, given;
+};
+
+/// What contacts carry over, d deep in the end, F_W their forces.
+template <class T>
+ContactPastOf<T> carried_over(const BegunOf<T>& begun, Real h, const Vector3<T>& n_W, const T& d,
+                              const Vector3<T>& F_W) noexcept {
+  const T F_n = n_W.dot(F_W);
+  const auto presses = T(0) < F_n;
+  const Vector3<T> none = Vector3<T>::Constant(T(0));
+  // spring and damper of (23) move with the contact point, and what they do not follow has slipped
+  const Vector3<T> xi =
+      select(presses, Vector3<T>(begun.xi_W * begun.kept - (F_W - n_W * F_n) * begun.given), none);
+  return {.xi_W = xi,
+          .xi_dot_W = select(presses, Vector3<T>((xi - begun.xi_W) * T(1 / h)), none),
+          .F_W = F_W,
+          .n_W = n_W,
+          .e = begun.e,
+          .pressed = max(d - begun.e, T(0))};
 }
 
 }  // namespace godobject

@@ -118,8 +118,8 @@ struct BodyContactScratch {
   NearContacts<max_contacts> near;
   std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
   std::size_t num_groups = 0;
-  std::array<BegunContact, max_contacts> begun;         // of the near ones
   std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
+  std::array<BegunPack, max_packs> begun;               // of these
   LinePacks<max_packs + Contacts::max_net_packs> line;  // those that leave their modes on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename Contacts::TermStages terms;
@@ -193,99 +193,6 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
   });
   if constexpr (Contacts::has_net)
     if (w.net.first_body != w.net.no_body) w.graph.island_with(w.net.first_body).has_net = true;
-}
-
-/// The normal force that a contact begins with: that of the stage before; of a new one, F_n at the predicted velocities.
-/// Bodies that hit each other are slowed down within the step: at predicted velocities too much touches, too hard.
-inline Real foreseen(const BegunContact& begun, Real F_n) noexcept {
-  return begun.F_n < 0 ? std::max(F_n, Real(0)) : begun.F_n;
-}
-
-/// A law within a stage, between bodies of which the lighter has mass m. Contacts of a group mostly have one.
-struct GroupLaw {
-  const ContactLaw* of;
-  StageLaw stage;
-  Real max_stored_penetration, max_relaxed;
-
-  GroupLaw(const ContactLaw& law, Real m, Real h) noexcept
-      : of(&law),
-        stage(law, h),
-        max_stored_penetration(godobject::max_stored_penetration(law, m)),
-        max_relaxed(max_relaxation * max_stored_penetration) {}
-  Real most(const ContactStage& at) const noexcept {
-    return std::min(max_pushed_steps * at.relaxing * of->push_out, max_relaxed);
-  }
-};
-
-/// (24) of a near contact, in lane j of a pack, r from where the velocity of what it is of is taken. side: -1 where that is its b.
-/// Inlined: a call passes what it begins with through memory.
-template <std::size_t max_contacts, class Contacts, std::size_t N>
-[[gnu::always_inline]] inline BegunContact begin_contact(const NearContact& near, const GroupLaw& law,
-                                                         bool on_world, Real side, const Vec3& r, Real h,
-                                                         Recall<max_contacts>& of_step,
-                                                         Recall<max_contacts>& of_stage,
-                                                         BodyContactScratch<Contacts, N>& w,
-                                                         ContactPack& pack, std::size_t j) noexcept {
-  constexpr Real infinity = std::numeric_limits<Real>::infinity();
-  const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
-  const Real d_0 = near.d + h * near.v_n;
-  const BegunContact begun = recalled(
-      *law.of, w.stage, of_step.find(near.key), w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
-      {.d_0 = d_0,
-       .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
-       .max_relaxed = Contacts::between_bodies ? law.max_relaxed : infinity,
-       .most = on_world ? infinity : law.most(w.stage),
-       .max_stored_penetration = law.max_stored_penetration});
-  w.report.found += begun.found;
-  const Vec3 n_W = side * near.n_W;
-  set_contact(law.stage, begun.e, d_0, r, n_W, side * begun.xi_W, pack, j);
-  set_lane(pack.F, j, n_W * foreseen(begun, pack.F_0[j] - pack.eta_n[j] * near.v_n));
-  return begun;
-}
-
-/// (24) of a group of near contacts, four to a pack, from pack `first` on.
-template <class Contacts, std::size_t N>
-std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
-                          std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
-                          Recall<Contacts::max_contacts>& of_stage,
-                          BodyContactScratch<Contacts, N>& w) noexcept {
-  const NearContact& one = w.near.list[group.first];
-  const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
-  const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
-  const Vec3& p_W = w.finder.at[one.a].p_W;
-  GroupLaw law(law_of(par, one), m, h);
-  std::uint32_t n = 0;
-  for (std::uint32_t i = group.first; i < group.end; ++i, ++n) {
-    const NearContact& near = w.near.list[i];
-    if (const ContactLaw& its = law_of(par, near); &its != law.of) law = GroupLaw(its, m, h);
-    w.begun[i] = begin_contact(near, law, on_world, near.a == one.a ? 1 : -1, near.p_W - p_W, h, of_step,
-                               of_stage, w, w.packs[first + n / 4], n % 4);
-  }
-  for (; n % 4 != 0; ++n) put_nothing(w.packs[first + n / 4], n % 4);
-  return first + n / 4;
-}
-
-/// (24) of the near contacts.
-template <class Contacts, std::size_t N>
-void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  Recall of_step(before), of_stage(w.memories[w.last]);
-  for (std::size_t i = 0; i < num_bodies; ++i) w.graph.bodies[i].first_pack = w.graph.bodies[i].end_pack = 0;
-  std::uint32_t packs = 0;
-  const auto begin = [&](const NearGroup& group, auto& of) noexcept {
-    of.first_pack = packs;
-    of.end_pack = packs = begin_group(par, group, h, packs, of_step, of_stage, w);
-  };
-  for (std::size_t g = 0; g < w.num_groups; ++g) {
-    const NearGroup& group = w.groups[g];
-    if (group.pair == NearGroup::no_pair) begin(group, w.graph.bodies[w.near.list[group.first].a]);
-    if constexpr (Contacts::between_bodies) {
-      if (group.pair == NearGroup::no_pair) continue;
-      TouchingPair& pair = w.graph.pairs[group.pair];
-      pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
-      begin(group, pair);
-    }
-  }
 }
 
 }  // namespace godobject

@@ -42,37 +42,25 @@ struct ContactPack {
   Vector3<Pack> v, F;
   Pack v_n_0;  // of the iteration before
 };
+using BegunPack = BegunOf<Pack>;
 
-/// No contact in lane j.
-inline void put_nothing(ContactPack& pack, std::size_t j) noexcept {
-  for (Vector3<Pack>* a : {&pack.r, &pack.n, &pack.v_xi, &pack.F}) set_lane(*a, j, Vec3::Zero());
-  for (Pack* a : {&pack.d_0, &pack.F_0, &pack.eta_n, &pack.max_eta_t, &pack.mu}) a->set(j, 0);
-}
-
-/// A law within a stage: what contacts of a pair of materials have in common.
-struct StageLaw {
-  Real k = 0, eta_n = 0, eta_n_h = 0, max_eta_t = 0, v_per_xi = 0, mu = 0;
-
-  StageLaw(const ContactLaw& law, Real h) noexcept
-      : k(law.k),
-        eta_n(h * law.k + law.c),
-        eta_n_h(eta_n / h),
-        max_eta_t(h * law.k_t + law.c_t),
-        v_per_xi(max_eta_t > 0 ? law.k_t / max_eta_t : 0),
-        mu(law.mu) {}
-};
-
-/// Contact j of a pack: its point at r, its normal n, xi on the side of its body, and its depth where the stage starts.
-inline void set_contact(const StageLaw& law, Real e, Real d_0, const Vec3& r, const Vec3& n, const Vec3& xi,
-                        ContactPack& pack, std::size_t j) noexcept {
-  set_lane(pack.r, j, r);
-  set_lane(pack.n, j, n);
-  set_lane(pack.v_xi, j, xi * law.v_per_xi);
-  pack.d_0.set(j, d_0);
-  pack.F_0.set(j, d_0 < 0 ? law.eta_n_h * d_0 : law.k * (d_0 - e));
-  pack.eta_n.set(j, law.eta_n);
-  pack.max_eta_t.set(j, law.max_eta_t);
-  pack.mu.set(j, law.mu);
+/// Contacts where they begin: xi_W and n_W on the side of their body, r from where its twist is taken. F: what foresees their
+/// forces.
+inline void set_contacts(const StageLawOf<Pack>& law, const BegunContactOf<Pack>& begun, const Pack& side,
+                         const Vector3<Pack>& n_W, const Vector3<Pack>& r, const Pack& d_0, const Pack& v_n,
+                         ContactPack& pack) noexcept {
+  pack.r = r;
+  pack.n = n_W * side;
+  pack.v_xi = begun.xi_W * (law.v_per_xi * side);
+  pack.d_0 = d_0;
+  pack.F_0 = select(d_0 < 0, law.eta_n_h * d_0, law.k * (d_0 - begun.e));
+  pack.eta_n = law.eta_n;
+  pack.max_eta_t = law.max_eta_t;
+  pack.mu = law.mu;
+  // that of the stage before; of a new one, F_n at the predicted velocities: bodies that hit each other are slowed down within
+  // the step, and at predicted velocities too much touches, too hard
+  const Pack F_n = select(begun.F_n < 0, max(pack.F_0 - pack.eta_n * v_n, Pack(0)), begun.F_n);
+  pack.F = pack.n * F_n;
 }
 
 /// 1: touching, with this normal force; 0: not.
@@ -228,18 +216,6 @@ inline SymmetricSpatialMatrix total(const ContactSums& s) noexcept {
 /// Torque and force times h.
 inline SpatialVector total_impulse(const ContactSums& s) noexcept {
   return {.w = sum(s.b_w[0], s.b_w[1], s.b_w[2]), .v = sum(s.b_v[0], s.b_v[1], s.b_v[2])};
-}
-
-/// What a contact of normal n carries over, d deep in the end, F its force.
-inline ContactMemory carried_over(const ContactLaw& law, std::uint64_t key, const BegunContact& begun, Real h,
-                                  const Vec3& n, Real d, const Vec3& F) noexcept {
-  ContactMemory memory{
-      .key = key, .e = begun.e, .pressed = std::max(d - begun.e, Real(0)), .F_W = F, .n_W = n};
-  const Real F_n = n.dot(F);
-  if (!(F_n > 0 && law.k_t > 0)) return memory;
-  memory.xi_W = dragged(law, begun.xi_W, F - n * F_n, h);
-  memory.xi_dot_W = (memory.xi_W - begun.xi_W) * (1 / h);
-  return memory;
 }
 
 }  // namespace godobject

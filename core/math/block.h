@@ -133,4 +133,12 @@ inline std::array<Column, 4> columns(const Vector3<Pack>& a) noexcept {
           Column(shuffled<2, 3, 6, 7>(xy_02, z_02)), Column(shuffled<2, 3, 6, 7>(xy_13, z_13))};
 }
 
+/// And back.
+inline Vector3<Pack> in_lanes(const Column& a, const Column& b, const Column& c, const Column& d) noexcept {
+  const Pack ab_02 = shuffled<0, 4, 2, 6>(a.p, b.p), ab_1 = shuffled<1, 5, 3, 7>(a.p, b.p);
+  const Pack cd_02 = shuffled<0, 4, 2, 6>(c.p, d.p), cd_1 = shuffled<1, 5, 3, 7>(c.p, d.p);
+  return {shuffled<0, 1, 4, 5>(ab_02, cd_02), shuffled<0, 1, 4, 5>(ab_1, cd_1),
+          shuffled<2, 3, 6, 7>(ab_02, cd_02)};
+}
+
 }  // namespace godobject

@@ -13,10 +13,13 @@ template <class T>
 struct Group {
   std::array<std::size_t, num_lanes<T>> bodies;
 
-  Group(std::size_t g, std::size_t num_bodies) noexcept {
+  constexpr Group(std::size_t g, std::size_t num_bodies) noexcept {
     for (std::size_t j = 0; j < num_lanes<T>; ++j) bodies[j] = std::min(g * num_lanes<T> + j, num_bodies - 1);
   }
 };
+
+/// Four of anything else.
+inline constexpr Group<Pack> lanes_of_four(0, 4);
 
 template <class F>
 using Gathered = std::decay_t<std::invoke_result_t<F, std::size_t>>;

@@ -92,6 +92,14 @@ inline Pack select(const PackMask& condition, const Pack& yes, const Pack& no) n
   return r;
 }
 
+/// The same of vectors.
+template <class Condition, class T>
+Eigen::Matrix<T, 3, 1> select(const Condition& condition, const Eigen::Matrix<T, 3, 1>& yes,
+                              const Eigen::Matrix<T, 3, 1>& no) noexcept {
+  return {select(condition, yes[0], no[0]), select(condition, yes[1], no[1]),
+          select(condition, yes[2], no[2])};
+}
+
 /// Bit j: the condition holds for number j.
 inline std::uint32_t bits(const PackMask& m) noexcept {
 #ifdef __AVX__
@@ -107,6 +115,10 @@ inline PackMask operator&(const PackMask& a, const PackMask& b) noexcept {
   return by_parts<PackMask>(a, b, [](auto x, auto y) { return x & y; });
 }
 
+inline PackMask operator|(const PackMask& a, const PackMask& b) noexcept {
+  return by_parts<PackMask>(a, b, [](auto x, auto y) { return x | y; });
+}
+
 /// The condition holds somewhere.
 inline bool any(bool condition) noexcept { return condition; }
 inline bool any(const PackMask& m) noexcept { return bits(m) != 0; }
@@ -114,6 +126,8 @@ inline bool any(const PackMask& m) noexcept { return bits(m) != 0; }
 inline Pack max(const Pack& a, const Pack& b) noexcept { return select(a < b, b, a); }
 inline Pack abs(const Pack& a) noexcept { return max(a, -a); }
 inline Pack min(const Pack& a, const Pack& b) noexcept { return select(b < a, b, a); }
+inline Real max(Real a, Real b) noexcept { return std::max(a, b); }
+inline Real min(Real a, Real b) noexcept { return std::min(a, b); }
 inline Real largest(const Pack& a) noexcept { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 inline Real total(const Pack& a) noexcept { return (a[0] + a[1]) + (a[2] + a[3]); }
 inline Pack sqrt(const Pack& a) noexcept {

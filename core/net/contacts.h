@@ -1,7 +1,7 @@
 // Contacts of nodes of nets in a stage: (24) as for bodies, each with a velocity of its own, and what they are in the system.
 #pragma once
 
-#include "core/contact/pairs.h"
+#include "core/contact/begin.h"
 #include "core/net/find.h"
 
 namespace godobject {
@@ -52,18 +52,27 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
   for (const NetContactTerm& one : of.attached())
     if (one.body != NetContactTerm::on_world)
       find_pair(static_cast<std::uint32_t>(one.carrier), one.body, of);
-  for (std::size_t i = 0; i < of.near.size; ++i) {
-    const NearContact& near = of.near.list[i];
-    const bool on_world = near.b == NetContactTerm::on_world;
-    Real m = net.par.nodes[near.a].m;
-    if (!on_world) m = std::min(m, w.stages[near.b].M);
-    const GroupLaw law(law_of<Contacts, typename Contacts::Net>(par, net.par, near), m, h);
-    const Vec3 r = on_world ? Vec3(Vec3::Zero()) : Vec3(near.p_W - w.finder.at[near.b].p_W);
-    of.begun[i] = begin_contact(near, law, on_world, 1, r, h, of_step, of_stage, w, of.packs[i / 4], i % 4);
-    of.carrier[i] = net.par.nodes[near.a].body;
-    if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[near.a].body), near.b, of);
+  Pack found = 0;
+  for (std::size_t p = 0; p < of.num_packs; ++p) {
+    const NearFour near(&of.near.list[4 * p], of.near.size - 4 * p);
+    std::array<StageLawOf<Real>, 4> laws{};
+    std::array<Vec3, 4> r;
+    for (std::uint32_t j = 0; j < 4; ++j) {
+      const NearContact& one = *near.of[j];
+      const bool on_world = one.b == NetContactTerm::on_world;
+      r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(one.p_W - w.finder.at[one.b].p_W);
+      if (j >= near.size) continue;
+      Real m = net.par.nodes[one.a].m;
+      if (!on_world) m = std::min(m, w.stages[one.b].M);
+      laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, h,
+                                    w.stage.relaxing, on_world);
+      of.carrier[4 * p + j] = net.par.nodes[one.a].body;
+      if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
+    }
+    found += begin_four(near, gathered(laws), near.live(), gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }),
+                        h, w.stage, of_step, of_stage, of.begun[p], of.packs[p]);
   }
-  for (std::size_t i = of.near.size; i % 4 != 0; ++i) put_nothing(of.packs[i / 4], i % 4);
+  w.report.found += total(found);
 }
 
 /// Says that nodes of a carrier touch a body, or are attached to it.
@@ -223,9 +232,10 @@ void end_net(const typename Contacts::Params& par, const NetInput<typename Conta
       on_body.f -= F;
       on_body.tau -= lane(pack.r, j).cross(F);
     }
-    if (!bears && !(depth > 0)) continue;
-    next.list[next.size++] = carried_over(law_of<Contacts, typename Contacts::Net>(par, in.par, near),
-                                          near.key, net.begun[i], h, near.n_W, depth, F);
+  }
+  for (std::size_t p = 0; p < net.num_packs; ++p) {
+    const NearFour near(&net.near.list[4 * p], net.near.size - 4 * p);
+    carry_over(near, near.live(), h, net.begun[p], net.packs[p], next);
   }
   each_carried(net, [&](const NetRun& run) noexcept {
     SpatialVector& sum = net.on_carriers[run.body] = SpatialVector::zero();

@@ -65,9 +65,9 @@ struct NetStage {
   // contacts, four to a pack, each of a node of its own
   std::array<SpherePack, (max_nodes + 3) / 4> spheres;
   NearContacts<Net::max_contacts> near;
-  std::array<BegunContact, Net::max_contacts> begun;
   std::array<std::size_t, Net::max_contacts> carrier;
   std::array<ContactPack, max_packs> packs;  // r: on the body that is touched
+  std::array<BegunPack, max_packs> begun;
   std::size_t num_packs = 0;
   // attachments, which are there in all modes, then the contacts that bear a force
   std::array<NetContactTerm, Net::max_attachments + Net::max_contacts> contacts;

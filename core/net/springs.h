@@ -92,13 +92,6 @@ void begin_anchors(const typename Net::Params& par, const NetRun& run, const Tre
   }
 }
 
-/// Four columns in lanes.
-inline Vector3<Pack> in_lanes(const Column& a, const Column& b, const Column& c, const Column& d) noexcept {
-  const Pack ab_02 = shuffled<0, 4, 2, 6>(a.p, b.p), cd_02 = shuffled<0, 4, 2, 6>(c.p, d.p);
-  const Pack ab_13 = shuffled<1, 5, 3, 7>(a.p, b.p), cd_13 = shuffled<1, 5, 3, 7>(c.p, d.p);
-  return {shuffled<0, 1, 4, 5>(ab_02, cd_02), shuffled<0, 1, 4, 5>(ab_13, cd_13),
-          shuffled<2, 3, 6, 7>(ab_02, cd_02)};
-}
 /// Columns whose fourth places are these lanes.
 inline std::array<Column, 4> columns(const Vector3<Pack>& a, const Pack& fourth) noexcept {
   const Pack xy_02 = shuffled<0, 4, 2, 6>(a[0], a[1]), xy_13 = shuffled<1, 5, 3, 7>(a[0], a[1]);

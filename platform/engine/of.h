@@ -207,7 +207,7 @@ class EngineOf final : public Engine {
                     .surface = on_world ? near.on : 0,
                     .p_W = near.p_W,
                     .n_W = near.n_W,
-                    .F_W = contact.F_W};
+                    .F_W = contact.F_W.vec()};
       };
       each_contact(w_.contacts.near, x_.contacts, add, false);
       if constexpr (uses<NetOf<S>>) each_contact(w_.contacts.net.near, x_.net.contacts, add, true);
@@ -248,7 +248,7 @@ class EngineOf final : public Engine {
     for (std::size_t i = 0; i < num_near; ++i) {
       const NearContact& near = nears.list[i];
       const ContactMemory* const contact = remembered.find(near.key);
-      if (contact != nullptr && contact->n_W.dot(contact->F_W) > 0) visit(near, *contact, is_node);
+      if (contact != nullptr && dot(contact->n_W, contact->F_W) > 0) visit(near, *contact, is_node);
     }
   }
 

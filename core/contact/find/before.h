@@ -74,7 +74,7 @@ SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_con
     if (one != end && one->key == key) at = one;
   }
   if (at == nullptr) return nearest;
-  const Vec3 n_S = face_along(R_WS, at->n_W), n_W = R_WS * n_S;
+  const Vec3 n_S = face_along(R_WS, at->n_W.vec()), n_W = R_WS * n_S;
   return {.distance = n_W.dot(p_W - box.X_WS.p) - box.half_extents.dot(n_S.cwiseAbs()), .n = n_W};
 }
 

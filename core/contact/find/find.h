@@ -58,9 +58,22 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
                  contact_reach * pack.r[j], near);
       };
       const auto found_all = [&](std::uint32_t hits, const Pack& d, const Vector3<Pack>& n_W) noexcept {
+        if (hits == 0) return;
+        const Vector3<Pack> p_W = pack.p_W - n_W * pack.r;
+        const Pack v_n = opening_at(w, a, b, p_W, n_W);
+        hits &= bits(pack.r * -contact_reach < max(d, d + w.h * v_n));
+        const auto p = columns(p_W), n = columns(n_W);
         for (; hits != 0; hits &= hits - 1) {
           const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
-          found(j, d[j], lane(n_W, j));
+          near.add({.key = pair | touch_key(s + j, o),
+                    .of = spheres + s + j,
+                    .on = o,
+                    .a = a,
+                    .b = b,
+                    .d = d[j],
+                    .v_n = v_n[j],
+                    .p_W = p[j].vec(),
+                    .n_W = n[j].vec()});
         }
       };
       const auto first_touch = [&](std::uint32_t j) noexcept {

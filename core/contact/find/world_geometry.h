@@ -57,6 +57,16 @@ Vec3 velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const 
   const TreePlace& at = w.at[body];
   return at.V.v + at.V.w.cross(p_W - at.a_W);
 }
+/// How fast four points open along these normals that are off body b, if they move with body a.
+template <class Contacts, std::size_t N>
+Pack opening_at(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+                const Vector3<Pack>& p_W, const Vector3<Pack>& n_W) noexcept {
+  const auto along = [&](const TreePlace& at) noexcept {
+    const Vector3<Pack> r = p_W - at.a_W.cast<Pack>(), rxn = r.cross(n_W);
+    return Pack(n_W.dot(at.V.v.cast<Pack>()) + rxn.dot(at.V.w.cast<Pack>()));
+  };
+  return b < N ? along(w.at[a]) - along(w.at[b]) : along(w.at[a]);
+}
 
 /// The spheres of a body in the world, up to number `end`, four to a pack from `packs` on. Returns the number of packs.
 template <std::size_t max_spheres, std::size_t max_surfaces, class Owned>

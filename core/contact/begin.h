@@ -1,0 +1,186 @@
+// Contacts where a stage begins, four at a time: their laws, what they carried over, and what the stage knows of them (24).
+#pragma once
+
+#include "core/contact/pairs.h"
+
+namespace godobject {
+
+/// The law of contacts in a stage of length h, e relaxed for so long, of bodies the lighter of which has mass m. Against the
+/// world e may be behind the depth as far as it is.
+template <class Contacts>
+StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing, bool on_world) noexcept {
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  const Real eta_n = h * law.k + law.c, eta_t = h * law.k_t + law.c_t, by = relaxing * law.push_out,
+             stored = max_stored_penetration(law, m), most = max_relaxation * stored;
+  const bool drags = law.k_t > 0;
+  return {.k = law.k,
+          .eta_n = eta_n,
+          .eta_n_h = eta_n / h,
+          .max_eta_t = eta_t,
+          .v_per_xi = drags ? law.k_t / eta_t : 0,
+          .mu = law.mu,
+          .kept = drags ? law.c_t / eta_t : 0,
+          .given = drags ? h / eta_t : 0,
+          .relaxed = Contacts::between_bodies ? std::min(by, most) : by,
+          .behind = on_world ? infinity : std::min(max_pushed_steps * by, most),
+          .max_stored_penetration = stored};
+}
+
+/// Up to four near contacts in a row; in lanes that are left the last again.
+struct NearFour {
+  std::uint32_t size;
+  std::array<const NearContact*, 4> of;
+
+  NearFour(const NearContact* first, std::size_t left) noexcept
+      : size(static_cast<std::uint32_t>(std::min<std::size_t>(left, 4))),
+        of{first, first + std::min(size - 1, 1u), first + std::min(size - 1, 2u), first + (size - 1)} {}
+
+  template <class Member>
+  auto all(Member member) const noexcept {
+    return gathered(lanes_of_four, [&](std::size_t j) -> decltype(auto) { return (of[j]->*member); });
+  }
+  /// 1, and 0 in lanes that are left.
+  Pack live() const noexcept {
+    return gathered(lanes_of_four, [&](std::size_t j) -> Real { return j < size ? 1 : 0; });
+  }
+  /// 1 where the normal is off what body a touches, -1 where it is off the body; 0 in lanes that are left.
+  Pack sides(std::uint32_t a) const noexcept {
+    return gathered(lanes_of_four, [&](std::size_t j) -> Real { return j >= size ? 0 : of[j]->a == a ? 1 : -1; });
+  }
+};
+
+/// Four laws, number by number.
+template <class F>
+StageLawOf<Pack> each_number(F of) noexcept {
+  using Law = StageLawOf<Real>;
+  return {.k = of(&Law::k),
+          .eta_n = of(&Law::eta_n),
+          .eta_n_h = of(&Law::eta_n_h),
+          .max_eta_t = of(&Law::max_eta_t),
+          .v_per_xi = of(&Law::v_per_xi),
+          .mu = of(&Law::mu),
+          .kept = of(&Law::kept),
+          .given = of(&Law::given),
+          .relaxed = of(&Law::relaxed),
+          .behind = of(&Law::behind),
+          .max_stored_penetration = of(&Law::max_stored_penetration)};
+}
+inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noexcept {
+  return each_number(
+      [&](auto number) noexcept { return Pack(of[0].*number, of[1].*number, of[2].*number, of[3].*number); });
+}
+
+/// The laws of near contacts, law_of(contact): mostly this one, which is `law` in the stage; others are stage_law(law). In
+/// lanes that are left nothing bears.
+template <class LawOf, class OfStage>
+StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const StageLawOf<Real>& law,
+                         LawOf law_of, OfStage stage_law) noexcept {
+  bool alike = true;
+  for (std::uint32_t j = 0; j < 4; ++j) alike = alike && &law_of(*near.of[j]) == &mostly;
+  if (alike && near.size == 4) return each_number([&](auto number) noexcept { return Pack(law.*number); });
+  std::array<StageLawOf<Real>, 4> each{};
+  for (std::uint32_t j = 0; j < near.size; ++j) {
+    const ContactLaw& its = law_of(*near.of[j]);
+    each[j] = &its == &mostly ? law : stage_law(its);
+  }
+  return gathered(each);
+}
+
+/// (24) of four near contacts at r. side: that of the body whose twist they see, 0 where there is none. Returns what their
+/// springs are found with (38), J.
+template <std::size_t max_contacts>
+Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side, const Vector3<Pack>& r,
+                Real h, const ContactStage& stage, Recall<max_contacts>& of_step,
+                Recall<max_contacts>& of_stage, BegunPack& begun, ContactPack& pack) noexcept {
+  const auto past_by = [&](auto& recall) noexcept {
+    return gathered({recall.find_or_none(near.of[0]->key), recall.find_or_none(near.of[1]->key),
+                     recall.find_or_none(near.of[2]->key), recall.find_or_none(near.of[3]->key)});
+  };
+  const ContactPastOf<Pack> by_step = past_by(of_step);
+  ContactPastOf<Pack> by_stage;
+  if (stage.goes_on) by_stage = past_by(of_stage);
+  const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
+  const Vector3<Pack> n_W = near.all(&NearContact::n_W);
+  // by extrapolation, to where the stage starts
+  const Pack closed = (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
+  const BegunContactOf<Pack> c = recalled(law, stage, by_step, by_stage, {.n_W = n_W, .d_0 = d_0, .closed = closed});
+  begun = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given};
+  set_contacts(law, c, side, n_W, r, d_0, v_n, pack);
+  return c.found;
+}
+
+/// What four contacts carry over where the stage ends: those that bear a force, or are deep.
+template <std::size_t max_contacts>
+void carry_over(const NearFour& near, const Pack& side, Real h, const BegunPack& begun,
+                const ContactPack& pack, ContactMemories<max_contacts>& next) noexcept {
+  const Vector3<Pack> n_W = pack.n * side, F_W = pack.F * side;
+  const Pack depth = pack.d_0 - h * pack.n.dot(pack.v);
+  const std::uint32_t stay = bits((Pack(0) < n_W.dot(F_W)) | (Pack(0) < depth)) & ((1u << near.size) - 1);
+  if (stay == 0) return;
+  const ContactPastOf<Pack> past = carried_over<Pack>(begun, h, n_W, depth, F_W);
+  const auto xi = columns(past.xi_W), xi_dot = columns(past.xi_dot_W), F = columns(F_W), n = columns(n_W);
+  for (std::uint32_t left = stay; left != 0; left &= left - 1) {
+    const auto j = static_cast<std::size_t>(std::countr_zero(left));
+    next.list[next.size++] = {.key = near.of[j]->key,
+                              .e = past.e[j],
+                              .pressed = past.pressed[j],
+                              .xi_W = xi[j],
+                              .xi_dot_W = xi_dot[j],
+                              .F_W = F[j],
+                              .n_W = n[j]};
+  }
+}
+
+/// (24) of a group of near contacts, four to a pack, from pack `first` on.
+template <class Contacts, std::size_t N>
+std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
+                          std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
+                          Recall<Contacts::max_contacts>& of_stage, Pack& found,
+                          BodyContactScratch<Contacts, N>& w) noexcept {
+  const NearContact& one = w.near.list[group.first];
+  const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
+  const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
+  const Vector3<Pack> p_W = w.finder.at[one.a].p_W.template cast<Pack>();
+  const auto law = [&](const ContactLaw& of) noexcept {
+    return stage_law<Contacts>(of, m, h, w.stage.relaxing, on_world);
+  };
+  const auto law_of_near = [&](const NearContact& near) noexcept -> const ContactLaw& {
+    return law_of(par, near);
+  };
+  const ContactLaw& mostly = law_of(par, one);
+  const StageLawOf<Real> its_law = law(mostly);
+  for (std::uint32_t i = group.first; i < group.end; i += 4, ++first) {
+    const NearFour near(&w.near.list[i], group.end - i);
+    found += begin_four(near, laws_of(near, mostly, its_law, law_of_near, law), near.sides(one.a),
+                        near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.begun[first],
+                        w.packs[first]);
+  }
+  return first;
+}
+
+/// (24) of the near contacts.
+template <class Contacts, std::size_t N>
+void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
+                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+  Recall of_step(before), of_stage(w.memories[w.last]);
+  for (std::size_t i = 0; i < num_bodies; ++i) w.graph.bodies[i].first_pack = w.graph.bodies[i].end_pack = 0;
+  std::uint32_t packs = 0;
+  Pack found = 0;
+  const auto begin = [&](const NearGroup& group, auto& of) noexcept {
+    of.first_pack = packs;
+    of.end_pack = packs = begin_group(par, group, h, packs, of_step, of_stage, found, w);
+  };
+  for (std::size_t g = 0; g < w.num_groups; ++g) {
+    const NearGroup& group = w.groups[g];
+    if (group.pair == NearGroup::no_pair) begin(group, w.graph.bodies[w.near.list[group.first].a]);
+    if constexpr (Contacts::between_bodies) {
+      if (group.pair == NearGroup::no_pair) continue;
+      TouchingPair& pair = w.graph.pairs[group.pair];
+      pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
+      begin(group, pair);
+    }
+  }
+  w.report.found += total(found);
+}
+
+}  // namespace godobject
