@@ -95,11 +95,11 @@ template <Scene S>
     const NetInput<NetOf<S>> net{par.net, x.net.contacts, par.gravity_W};
     begin_net(net, w.net.bases, h, contacts);
     solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts, net);
-    end_contacts(par.contacts, h, contacts);
-    end_net(par.contacts, net, h, contacts);
+    end_contacts(h, contacts);
+    end_net(h, contacts);
   } else {
     solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts);
-    end_contacts(par.contacts, h, contacts);
+    end_contacts(h, contacts);
   }
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {

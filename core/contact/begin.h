@@ -10,17 +10,17 @@ namespace godobject {
 template <class Contacts>
 StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing, bool on_world) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
-  const Real eta_n = h * law.k + law.c, eta_t = h * law.k_t + law.c_t, by = relaxing * law.push_out,
-             stored = max_stored_penetration(law, m), most = max_relaxation * stored;
-  const bool drags = law.k_t > 0;
+  const Real eta_t = h * law.k_t + law.c_t, per_eta_t = law.k_t > 0 ? 1 / eta_t : 0,
+             by = relaxing * law.push_out, stored = max_stored_penetration(law, m),
+             most = max_relaxation * stored;
   return {.k = law.k,
-          .eta_n = eta_n,
-          .eta_n_h = eta_n / h,
+          .eta_n = h * law.k + law.c,
+          .eta_n_h = law.k + law.c / h,
           .max_eta_t = eta_t,
-          .v_per_xi = drags ? law.k_t / eta_t : 0,
+          .v_per_xi = law.k_t * per_eta_t,
           .mu = law.mu,
-          .kept = drags ? law.c_t / eta_t : 0,
-          .given = drags ? h / eta_t : 0,
+          .kept = law.c_t * per_eta_t,
+          .given = h * per_eta_t,
           .relaxed = Contacts::between_bodies ? std::min(by, most) : by,
           .behind = on_world ? infinity : std::min(max_pushed_steps * by, most),
           .max_stored_penetration = stored};
@@ -45,7 +45,9 @@ struct NearFour {
   }
   /// 1 where the normal is off what body a touches, -1 where it is off the body; 0 in lanes that are left.
   Pack sides(std::uint32_t a) const noexcept {
-    return gathered(lanes_of_four, [&](std::size_t j) -> Real { return j >= size ? 0 : of[j]->a == a ? 1 : -1; });
+    return gathered(lanes_of_four, [&](std::size_t j) -> Real {
+      return j >= size ? 0 : of[j]->a == a ? 1 : -1;
+    });
   }
 };
 
@@ -97,13 +99,13 @@ Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& s
                      recall.find_or_none(near.of[2]->key), recall.find_or_none(near.of[3]->key)});
   };
   const ContactPastOf<Pack> by_step = past_by(of_step);
-  ContactPastOf<Pack> by_stage;
-  if (stage.goes_on) by_stage = past_by(of_stage);
   const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
   const Vector3<Pack> n_W = near.all(&NearContact::n_W);
   // by extrapolation, to where the stage starts
   const Pack closed = (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
-  const BegunContactOf<Pack> c = recalled(law, stage, by_step, by_stage, {.n_W = n_W, .d_0 = d_0, .closed = closed});
+  const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .closed = closed};
+  const BegunContactOf<Pack> c = stage.goes_on ? recalled(law, stage, by_step, past_by(of_stage), start)
+                                               : recalled(law, stage, by_step, by_step, start);
   begun = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given};
   set_contacts(law, c, side, n_W, r, d_0, v_n, pack);
   return c.found;

@@ -257,7 +257,7 @@ SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
 
 /// What the contacts carry over, and what they say.
 template <class Contacts, std::size_t N>
-void end_contacts(const typename Contacts::Params& par, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   w.last = 1 - w.last;
   ContactMemories<Contacts::max_contacts>& next = w.memories[w.last];
   next.size = 0;

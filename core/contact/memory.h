@@ -115,9 +115,10 @@ inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& o
 template <class T>
 struct StageLawOf {
   T k = 0, eta_n = 0, eta_n_h = 0, max_eta_t = 0, v_per_xi = 0, mu = 0;
-  T kept = 0, given = 0;  // xi at the end of a stage, without friction, of xi where it begins; and by friction, m/N
-  T relaxed = 0;          // m, by which e may fall
-  T behind = 0;           // m, by which it may be behind the depth when it falls
+  T kept = 0,
+    given = 0;    // xi at the end of a stage, without friction, of xi where it begins; and by friction, m/N
+  T relaxed = 0;  // m, by which e may fall
+  T behind = 0;   // m, by which it may be behind the depth when it falls
   T max_stored_penetration = 0;  // m
 };
 
@@ -176,8 +177,7 @@ BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
     F_n = select(by_stage, of_stage.n_W.dot(of_stage.F_W), F_n);
   }
   T offset = relax_offset(e, start.d_0, law.relaxed, law.behind);
-  if (stage.starts_at_an_end())
-    offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
+  if (stage.starts_at_an_end()) offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
   const T relaxed = select(T(0) < before, before + e - offset, T(0));
   const T now = stage.is_joined() ? T(max(start.d_0 - offset, T(0))) : relaxed;
   const T e_new = max(start.d_0 - start.closed - law.max_stored_penetration, T(0));

@@ -69,8 +69,9 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }
-    found += begin_four(near, gathered(laws), near.live(), gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }),
-                        h, w.stage, of_step, of_stage, of.begun[p], of.packs[p]);
+    found += begin_four(near, gathered(laws), near.live(),
+                        gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }), h,
+                        w.stage, of_step, of_stage, of.begun[p], of.packs[p]);
   }
   w.report.found += total(found);
 }
@@ -210,8 +211,7 @@ void get_off(const NetStage<Net, N>& w, Vector& V) noexcept {
 
 /// What contacts of nets carry over, their forces on bodies and what they say.
 template <class Contacts, std::size_t N>
-void end_net(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& in, Real h,
-             BodyContactScratch<Contacts, N>& w) noexcept {
+void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
   net.last = 1 - net.last;
   auto& next = net.memories[net.last];

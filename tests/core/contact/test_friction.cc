@@ -195,12 +195,13 @@ TYPED_TEST(Friction, OfNothingHoldsNothing) {
 
 /// Where a stage of implicit Euler was solved in parts, its rate is that of the last part alone.
 TEST(Friction, AStageAfterAnEulerStageGoesOnWithItsDrag) {
-  constexpr ContactLaw law{.k = 1000, .k_t = 500};
-  const Vec3 n_W = Vec3::UnitZ();
-  const ContactMemory of_step{.xi_W = Vec3(1e-4, 0, 0), .F_W = n_W, .n_W = n_W},
-      of_stage{.xi_W = Vec3(4e-4, 2e-4, 0), .xi_dot_W = Vec3(1, 1, 0), .F_W = n_W, .n_W = n_W};
+  const Vec3 n_W = Vec3::UnitZ(), none = Vec3::Zero(), xi_W(4e-4, 2e-4, 0);
+  const ContactPastOf<Real> of_step{
+      .xi_W = Vec3(1e-4, 0, 0), .xi_dot_W = none, .F_W = n_W, .n_W = n_W, .e = 0, .pressed = 0},
+      of_stage{.xi_W = xi_W, .xi_dot_W = Vec3(1, 1, 0), .F_W = n_W, .n_W = n_W, .e = 0, .pressed = 0};
   const ContactStage stage{.t_1 = 1e-4, .goes_on = true, .is_euler = true};
-  EXPECT_EQ(recalled(law, stage, &of_step, &of_stage, n_W, {}).xi_W, of_stage.xi_W);
+  EXPECT_EQ(recalled<Real>({.k = 1000}, stage, of_step, of_stage, {.n_W = n_W, .d_0 = 0, .closed = 0}).xi_W,
+            xi_W);
 }
 
 }  // namespace

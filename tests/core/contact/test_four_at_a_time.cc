@@ -1,0 +1,168 @@
+// What is done to four contacts at once, against the same for each by itself.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/contact/bodies.h"
+#include "tests/core/one_body.h"
+
+namespace godobject::test_four_at_a_time {
+namespace {
+
+using Contacts = BodyContacts<8, 8, 32>;
+
+/// What a contact of normal n_W, or of another, carried over.
+ContactMemory drawn_memory(Random& random, const Vec3& n_W) {
+  ContactMemory m;
+  m.e = random.uniform(0, 1e-3);
+  m.pressed = random.integer(0, 2) * random.uniform(0, 1e-3);
+  m.xi_W = Column(Vec3(1e-4 * random.vector()));
+  m.xi_dot_W = Column(Vec3(1e-1 * random.vector()));
+  m.n_W = Column(random.integer(0, 3) > 0 ? Vec3((n_W + 0.3 * random.vector()).normalized())
+                                          : random.direction());
+  m.F_W = Column(Vec3(random.uniform(-1, 10) * m.n_W.vec() + random.vector()));
+  return m;
+}
+ContactPastOf<Real> past(const ContactMemory& m) {
+  return {.xi_W = m.xi_W.vec(),
+          .xi_dot_W = m.xi_dot_W.vec(),
+          .F_W = m.F_W.vec(),
+          .n_W = m.n_W.vec(),
+          .e = m.e,
+          .pressed = m.pressed};
+}
+
+ContactLaw drawn_law(Random& random) {
+  const int kind = random.integer(0, 3);
+  return {.k = kind == 0 ? 0 : random.log_uniform(1e2, 1e8),
+          .c = random.log_uniform(1, 1e3),
+          .mu = kind == 1 ? 0 : random.uniform(0, 1),
+          .k_t = kind < 2 ? 0 : random.log_uniform(1e2, 1e8),
+          .c_t = random.log_uniform(1e-3, 1e3),
+          .push_out = random.uniform(0, 0.1)};
+}
+ContactStage drawn_stage(Random& random) {
+  ContactStage stage{.relaxing = random.uniform(0, 1e-3)};
+  if (random.integer(0, 1) > 0) stage.t_0 = random.uniform(0, 1e-3);
+  if (random.integer(0, 1) > 0) {
+    stage.goes_on = true;
+    stage.t_1 = random.uniform(0, 1e-3);
+    stage.follows = random.integer(0, 2) == 0;
+    stage.is_euler = random.integer(0, 2) == 0;
+  }
+  return stage;
+}
+
+void expect_near(Real a, Real b, Real size) { EXPECT_NEAR(a, b, 1e-13 * (size + std::abs(b))); }
+void expect_near(const Vec3& a, const Vec3& b, Real size) {
+  EXPECT_LE((a - b).norm(), 1e-13 * (size + b.norm()));
+}
+
+/// Contacts, what they carried over in the step and the stage before, and laws; numbers that are unlike in size.
+struct Drawn {
+  std::array<ContactMemory, 4> of_step, of_stage;
+  std::array<NearContact, 4> near;
+  std::array<StageLawOf<Real>, 4> laws;
+  std::array<Real, 4> d_0, closed;
+
+  Drawn(Random& random, Real h, Real relaxing) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      near[j].n_W = random.direction();
+      if (random.integer(0, 3) > 0) of_step[j] = drawn_memory(random, near[j].n_W);
+      if (random.integer(0, 3) > 0) of_stage[j] = drawn_memory(random, near[j].n_W);
+      laws[j] = stage_law<Contacts>(drawn_law(random), random.log_uniform(1e-3, 10), h, relaxing,
+                                    random.integer(0, 1) > 0);
+      d_0[j] = random.uniform(-1e-3, 2e-3);
+      closed[j] = random.uniform(0, 1e-3);
+    }
+  }
+};
+
+TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
+  Random random(1);
+  int known = 0, pressed = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const Real h = random.log_uniform(1e-4, 5e-3);
+    const ContactStage stage = drawn_stage(random);
+    const Drawn drawn(random, h, stage.relaxing);
+    const auto four = [](const auto& of) { return gathered({&of[0], &of[1], &of[2], &of[3]}); };
+    const auto lanes = [](const auto& of) { return Pack(of[0], of[1], of[2], of[3]); };
+    const StageLawOf<Pack> law = gathered(drawn.laws);
+    const Vector3<Pack> n_W = in_lanes(Column(drawn.near[0].n_W), Column(drawn.near[1].n_W),
+                                       Column(drawn.near[2].n_W), Column(drawn.near[3].n_W));
+    const BegunContactOf<Pack> begun =
+        recalled<Pack>(law, stage, four(drawn.of_step), four(drawn.of_stage),
+                       {.n_W = n_W, .d_0 = lanes(drawn.d_0), .closed = lanes(drawn.closed)});
+    const Vector3<Pack> F_W = in_lanes(Column(Vec3(5 * random.vector())), Column(Vec3(5 * random.vector())),
+                                       Column(Vec3(5 * random.vector())), Column(Vec3(5 * random.vector())));
+    const Pack d = random.uniform(-1e-3, 2e-3);
+    const ContactPastOf<Pack> next = carried_over<Pack>(
+        {.xi_W = begun.xi_W, .e = begun.e, .kept = law.kept, .given = law.given}, h, n_W, d, F_W);
+    for (std::size_t j = 0; j < 4; ++j) {
+      const BegunContactOf<Real> one =
+          recalled<Real>(drawn.laws[j], stage, past(drawn.of_step[j]), past(drawn.of_stage[j]),
+                         {.n_W = drawn.near[j].n_W, .d_0 = drawn.d_0[j], .closed = drawn.closed[j]});
+      expect_near(lane(begun.xi_W, j), one.xi_W, 1e-3);
+      expect_near(begun.e[j], one.e, 1e-2);
+      expect_near(begun.F_n[j], one.F_n, 10);
+      expect_near(begun.found[j], one.found, drawn.laws[j].k * 1e-4);
+      known += one.F_n >= 0;
+      const ContactPastOf<Real> end = carried_over<Real>(
+          {.xi_W = one.xi_W, .e = one.e, .kept = drawn.laws[j].kept, .given = drawn.laws[j].given}, h,
+          drawn.near[j].n_W, d[j], lane(F_W, j));
+      expect_near(lane(next.xi_W, j), end.xi_W, 1e-3 + 10 * drawn.laws[j].given);
+      expect_near(lane(next.xi_dot_W, j), end.xi_dot_W, (1e-3 + 10 * drawn.laws[j].given) / h);
+      expect_near(next.pressed[j], end.pressed, 1e-2);
+      pressed += end.xi_W.norm() > 0;
+    }
+  }
+  EXPECT_GT(known, 30000);
+  EXPECT_GT(pressed, 10000);
+}
+
+/// Lanes that are left bear nothing, whatever their neighbours do: the body feels a contact once.
+TEST(FourAtATime, LanesThatAreLeftBearNothing) {
+  Random random(2);
+  for (std::uint32_t size = 1; size <= 4; ++size) {
+    ContactMemories<32> memories{};
+    std::array<NearContact, 4> list;
+    const Vec3 n_W = random.direction();
+    for (std::uint32_t j = 0; j < size; ++j) {
+      list[j].key = memories.list[j].key = j + 1;
+      list[j].d = memories.list[j].pressed = 1e-3;
+      list[j].n_W = n_W;
+      list[j].p_W = random.vector();
+      memories.list[j].n_W = memories.list[j].F_W = Column(n_W);
+    }
+    memories.size = size;
+    constexpr Real h = 1e-3;
+    const ContactLaw law{.k = 1e4, .c = 10, .mu = 0.5, .k_t = 1e4, .c_t = 10};
+    const StageLawOf<Real> of_stage = stage_law<Contacts>(law, 1, h, h, true);
+    const NearFour near(list.data(), size);
+    const auto its_law = [&](const NearContact&) -> const ContactLaw& { return law; };
+    const StageLawOf<Pack> laws =
+        laws_of(near, law, of_stage, its_law, [&](const ContactLaw&) { return of_stage; });
+    Recall step(memories), stage_before(memories);
+    ContactPack pack;
+    BegunPack begun;
+    begin_four(near, laws, near.sides(0), near.all(&NearContact::p_W), h, {.relaxing = h}, step, stage_before,
+               begun, pack);
+    foresee<false>(pack, SpatialVector::zero());
+    ContactSums sums;
+    add<false>(pack, h, sums);
+    const SymmetricSpatialMatrix A = total(sums);
+    EXPECT_NEAR(A.vv.col[0].x() + A.vv.col[1].y() + A.vv.col[2].z(),
+                size * h * (of_stage.eta_n + 2 * pack.eta_t[0]), 1e-12);
+    for (std::size_t j = 0; j < 4; ++j) {
+      EXPECT_EQ(lane(pack.F, j).norm() > 0, j < size);
+      EXPECT_EQ(pack.touching[j], j < size ? 1 : 0);
+    }
+    ContactMemories<32> next{};
+    move(pack, SpatialVector::zero());
+    carry_over(near, near.sides(0), h, begun, pack, next);
+    EXPECT_EQ(next.size, size);
+  }
+}
+
+}  // namespace
+}  // namespace godobject::test_four_at_a_time
