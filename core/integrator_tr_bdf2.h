@@ -83,7 +83,7 @@ struct TrBdf2 {
 
     // (12)
     const StageEnd first = solve_first_stage(begin, par, x, w);
-    if (!first.solved) return StepEnd::unsolved;
+    if (!first.solved || (smooth && is_found_deeper(w))) return StepEnd::unsolved;
     const Real h_1 = first.h, dh = smooth ? d * h : 0;
 
     // (13)
@@ -108,10 +108,12 @@ struct TrBdf2 {
                     .t_1 = still_smooth ? bh : h_1,
                     .relaxing = (1 - c) * h,
                     .goes_on = true,
-                    .is_euler = !still_smooth},
+                    .follows = !still_smooth && asks_found<TouchingOf<S>>,
+                    .is_euler = !still_smooth,
+                    .ahead = still_smooth ? 2 * (b - d) * h : 0},
                    w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
-    if (!last.solved) return StepEnd::unsolved;
+    if (!last.solved || (still_smooth && is_found_deeper(w))) return StepEnd::unsolved;
     if constexpr (uses<NetOf<S>>)
       if (still_smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
 
@@ -183,7 +185,7 @@ struct TrBdf2 {
     start_nodes(par, x, dh, w);
     lead_joints(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
-    begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
+    begin_stage<S>({.t_0 = dh, .relaxing = c * h, .ahead = dh}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     return solve_stage(par, x, h_1, !smooth, inside, w);
   }
@@ -222,6 +224,13 @@ struct TrBdf2 {
       if (!(par.coupling.g_r > 0) && par.coupling.k_r > 0) max_turn = max_swing / par.body.anisotropy;
     }
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
+  }
+
+  /// (35)  Some contact is deeper than it may be found: to be asked of an Euler stage, which starts where another has ended.
+  template <Scene S>
+  static bool is_found_deeper(const Scratch<S>& w) noexcept {
+    if constexpr (asks_found<TouchingOf<S>>) return w.contacts.found_deeper;
+    return false;
   }
 
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step; so does a

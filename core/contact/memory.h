@@ -70,6 +70,7 @@ struct ContactStage {
       false;  // after another stage of the step; otherwise that one's memories are none of this step
   bool follows = false;   // it starts where that stage has ended
   bool is_euler = false;  // likewise, but (35) is asked between steps alone
+  Real ahead = 0;         // s: an extrapolation leads so far on from where the last stage ended
 
   /// It starts where another stage has ended, of this step or the one before.
   bool starts_at_an_end() const noexcept { return follows || (t_0 == 0 && !goes_on); }
@@ -109,6 +110,13 @@ struct BegunContact {
 /// (38)  Of a contact spring that was pressed by `before` where a stage ended, and is by `now` where the next one starts.
 inline Real found_energy(const ContactLaw& law, Real before, Real now) noexcept {
   return law.k > 0 ? Real(0.5) * law.k * (now * now - before * before) : 0;
+}
+
+/// (35)  Whether an extrapolation leads a contact of normal n that opens at v_n, d_0 deep there, deeper by more than `most` than its motion does. One
+/// whose normal has turned round a corner is another one.
+inline bool is_found_deeper(const ContactMemory& last, const Vec3& n_W, Real d_0, Real v_n, Real ahead,
+                            Real most) noexcept {
+  return last.n_W.dot(n_W) < same_contact || d_0 + ahead * v_n - last.e - last.pressed > most;
 }
 
 /// What a stage begins a contact of normal n with, from the memories of the step and of the stage before. Where the normal has turned round a

@@ -35,6 +35,10 @@ struct BodyContacts : FixedContacts<spheres_, surfaces_, contacts_> {
   static constexpr bool between_bodies = true;
 };
 
+/// (35) is asked in every stage of a step: of bodies on joints among bodies.
+template <class Contacts>
+inline constexpr bool asks_found = Contacts::between_bodies && Contacts::jointed && !Contacts::has_net;
+
 /// The contacts of a scene that has nodes or terms as well.
 template <class Contacts, class Terms_, std::size_t nodes>
 struct WithTerms : Contacts {
@@ -133,6 +137,7 @@ struct BodyContactScratch {
   std::array<ContactMemories<max_contacts>, 2> memories;
   std::size_t last = 0;
   ContactStage stage;
+  bool found_deeper = false;  // some contact, where an extrapolation led (35)
   std::array<Wrench, N> wrenches;
   ContactReport report;
 };
@@ -229,8 +234,15 @@ template <std::size_t max_contacts, class Contacts, std::size_t N>
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
   const Real d_0 = near.d + h * near.v_n;
+  const ContactMemory *const in_step = of_step.find(near.key),
+                      *const in_stage = w.stage.goes_on ? of_stage.find(near.key) : nullptr;
+  if constexpr (asks_found<Contacts>) {
+    const ContactMemory* const last = in_stage != nullptr ? in_stage : in_step;
+    if (w.stage.ahead > 0 && last != nullptr)
+      w.found_deeper |= is_found_deeper(*last, near.n_W, d_0, near.v_n, w.stage.ahead, law.max_stored_penetration);
+  }
   const BegunContact begun = recalled(
-      *law.of, w.stage, of_step.find(near.key), w.stage.goes_on ? of_stage.find(near.key) : nullptr, near.n_W,
+      *law.of, w.stage, in_step, in_stage, near.n_W,
       {.d_0 = d_0,
        .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
        .max_relaxed = Contacts::between_bodies ? law.max_relaxed : infinity,
@@ -272,6 +284,7 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
   Recall of_step(before), of_stage(w.memories[w.last]);
   for (std::size_t i = 0; i < num_bodies; ++i) w.graph.bodies[i].first_pack = w.graph.bodies[i].end_pack = 0;
   std::uint32_t packs = 0;
+  if constexpr (asks_found<Contacts>) w.found_deeper = false;
   const auto begin = [&](const NearGroup& group, auto& of) noexcept {
     of.first_pack = packs;
     of.end_pack = packs = begin_group(par, group, h, packs, of_step, of_stage, w);
