@@ -70,7 +70,7 @@ struct ContactStage {
       false;  // after another stage of the step; otherwise that one's memories are none of this step
   bool follows = false;   // it starts where that stage has ended
   bool is_euler = false;  // likewise, but (35) is asked between steps alone
-  Real ahead = 0;         // s: an extrapolation leads so far on from where the last stage ended
+  Real ahead = 0;         // s: an extrapolation has led so far on from where the last stage ended
 
   /// It starts where another stage has ended, of this step or the one before.
   bool starts_at_an_end() const noexcept { return follows || (t_0 == 0 && !goes_on); }
@@ -112,11 +112,18 @@ inline Real found_energy(const ContactLaw& law, Real before, Real now) noexcept 
   return law.k > 0 ? Real(0.5) * law.k * (now * now - before * before) : 0;
 }
 
-/// (35)  Whether an extrapolation leads a contact of normal n that opens at v_n, d_0 deep there, deeper by more than `most` than its motion does. One
-/// whose normal has turned round a corner is another one.
-inline bool is_found_deeper(const ContactMemory& last, const Vec3& n_W, Real d_0, Real v_n, Real ahead,
-                            Real most) noexcept {
-  return last.n_W.dot(n_W) < same_contact || d_0 + ahead * v_n - last.e - last.pressed > most;
+/// (35)  Scenes in which it is asked in every stage of a step: bodies on joints among bodies.
+template <class Contacts>
+inline constexpr bool asks_found = requires {
+  requires Contacts::between_bodies && Contacts::jointed && !Contacts::has_net;
+};
+
+/// (35)  Whether an extrapolation has led a contact of normal n, which opens at v_n, deeper than it moves by more than `most`. One whose
+/// normal has turned round a corner is another one.
+inline bool is_found_deeper(const ContactStage& stage, const ContactMemory* last, const Vec3& n_W, Real d_0,
+                            Real v_n, Real most) noexcept {
+  if (!(stage.ahead > 0) || last == nullptr) return false;
+  return last->n_W.dot(n_W) < same_contact || d_0 + stage.ahead * v_n - last->e - last->pressed > most;
 }
 
 /// What a stage begins a contact of normal n with, from the memories of the step and of the stage before. Where the normal has turned round a

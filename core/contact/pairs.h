@@ -35,10 +35,6 @@ struct BodyContacts : FixedContacts<spheres_, surfaces_, contacts_> {
   static constexpr bool between_bodies = true;
 };
 
-/// (35) is asked in every stage of a step: of bodies on joints among bodies.
-template <class Contacts>
-inline constexpr bool asks_found = Contacts::between_bodies && Contacts::jointed && !Contacts::has_net;
-
 /// The contacts of a scene that has nodes or terms as well.
 template <class Contacts, class Terms_, std::size_t nodes>
 struct WithTerms : Contacts {
@@ -137,7 +133,7 @@ struct BodyContactScratch {
   std::array<ContactMemories<max_contacts>, 2> memories;
   std::size_t last = 0;
   ContactStage stage;
-  bool found_deeper = false;  // some contact, where an extrapolation led (35)
+  bool found_deeper = false;  // (35)  some contact, where an extrapolation has led
   std::array<Wrench, N> wrenches;
   ContactReport report;
 };
@@ -234,20 +230,18 @@ template <std::size_t max_contacts, class Contacts, std::size_t N>
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real moved = w.stage.t_0 + w.stage.t_1;  // by extrapolation, to where the stage starts
   const Real d_0 = near.d + h * near.v_n;
-  const ContactMemory *const in_step = of_step.find(near.key),
-                      *const in_stage = w.stage.goes_on ? of_stage.find(near.key) : nullptr;
-  if constexpr (asks_found<Contacts>) {
-    const ContactMemory* const last = in_stage != nullptr ? in_stage : in_step;
-    if (w.stage.ahead > 0 && last != nullptr)
-      w.found_deeper |= is_found_deeper(*last, near.n_W, d_0, near.v_n, w.stage.ahead, law.max_stored_penetration);
-  }
-  const BegunContact begun = recalled(
-      *law.of, w.stage, in_step, in_stage, near.n_W,
-      {.d_0 = d_0,
-       .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
-       .max_relaxed = Contacts::between_bodies ? law.max_relaxed : infinity,
-       .most = on_world ? infinity : law.most(w.stage),
-       .max_stored_penetration = law.max_stored_penetration});
+  const ContactMemory* const in_step = of_step.find(near.key);
+  const ContactMemory* const in_stage = w.stage.goes_on ? of_stage.find(near.key) : nullptr;
+  if constexpr (asks_found<Contacts>)
+    w.found_deeper |= is_found_deeper(w.stage, in_stage != nullptr ? in_stage : in_step, near.n_W, d_0,
+                                      near.v_n, std::min(law.max_stored_penetration, h * law.of->push_out));
+  const BegunContact begun =
+      recalled(*law.of, w.stage, in_step, in_stage, near.n_W,
+               {.d_0 = d_0,
+                .e_new = d_0 - moved * std::max(-near.v_n, Real(0)) - law.max_stored_penetration,
+                .max_relaxed = Contacts::between_bodies ? law.max_relaxed : infinity,
+                .most = on_world ? infinity : law.most(w.stage),
+                .max_stored_penetration = law.max_stored_penetration});
   w.report.found += begun.found;
   const Vec3 n_W = side * near.n_W;
   set_contact(law.stage, begun.e, d_0, r, n_W, side * begun.xi_W, pack, j);

@@ -50,6 +50,12 @@ class DrawnPile : public JointedPileOf<I> {
  private:
   Real drawn_mass() { return mass_ * random_.log_uniform(0.03, 30); }
   JointKind drawn_joint() { return joint_kinds[static_cast<std::size_t>(random_.integer(0, 5))]; }
+  /// One joint in three has stops, which bodies at rest do not touch.
+  void draw_stops(std::size_t i) {
+    if (random_.integer(0, 2) > 0) return;
+    const Real k = random_.log_uniform(0.1, 1e3), end = random_.uniform(0.1, 1);
+    par.bodies[i].joint.stop.stops[0] = {.lower = -end, .upper = end, .k = k, .g = 1e-2 * k, .width = 0.05};
+  }
   Start thrown(const Vec3& p_W, Real speed) {
     return {.X_WB = {.p = p_W, .q = random_.rotation()},
             .V_WB = {.w = 10 * speed * random_.vector(), .v = speed * random_.direction()}};
@@ -73,6 +79,7 @@ class DrawnPile : public JointedPileOf<I> {
       const JointKind here = mixed ? drawn_joint() : kind;
       if (k > 0) {
         join(i, here, before, frame(end, axis), frame(-end, axis));
+        draw_stops(i);
       } else if (hangs) {
         const Mat3 R = start.X_WB.q.toRotationMatrix();
         JointFrame pivot = frame(end, axis), own = frame(-end, axis);
@@ -87,8 +94,8 @@ class DrawnPile : public JointedPileOf<I> {
     const Real m = drawn_mass(), height = 0.0655 + (random_.integer(0, 1) ? 0.1 : 0);
     const JointKind kind = random_.integer(0, 2) ? JointKind::hinge : JointKind::slider;
     const Real width = kind == JointKind::hinge ? 0.0195 : 0.024;
-    const std::size_t palm = add_brick({.X_WB = at(Vec3(0, 0, height)), .V_WB = {}}, drawn_mass(),
-                                       Vec3(0.03, 0.01, 0.005));
+    const std::size_t palm =
+        add_brick({.X_WB = at(Vec3(0, 0, height)), .V_WB = {}}, drawn_mass(), Vec3(0.03, 0.01, 0.005));
     const Real jaw_mass = drawn_mass();
     hold(palm, random_.log_uniform(1e2, 1e5), random_.log_uniform(0.1, 10));
     for (const Real side : {-1.0, 1.0}) {
@@ -117,10 +124,12 @@ class DrawnPile : public JointedPileOf<I> {
   }
   void draw_hit_chain() {
     const Vec3 middle(0, 0, 0.08);
-    add_chain(random_.integer(2, 4), {.X_WB = at(middle - Vec3(0.05, 0, 0)), .V_WB = {}}, random_.integer(0, 1));
+    add_chain(random_.integer(2, 4), {.X_WB = at(middle - Vec3(0.05, 0, 0)), .V_WB = {}},
+              random_.integer(0, 1));
     for (int n = random_.integer(2, 4); n > 0; --n) {
       const Vec3 way = (random_.direction() + Vec3(0, 0, 0.5)).normalized();
-      const Vec3 p_W = Vec3(random_.uniform(-0.05, 0.05), 0, middle.z()) + (0.03 + 0.025 * n) * way.cwiseAbs();
+      const Vec3 p_W =
+          Vec3(random_.uniform(-0.05, 0.05), 0, middle.z()) + (0.03 + 0.025 * n) * way.cwiseAbs();
       Start start = thrown(p_W, speed_);
       start.V_WB.v = -speed_ * way.cwiseAbs();
       add_brick(start, drawn_mass());
@@ -152,12 +161,12 @@ class DrawnPile : public JointedPileOf<I> {
       if (k == 0 && hangs) start.V_WB = {};
       const std::size_t i = add_brick(start, drawn_mass());
       if (k == 0 && !hangs) continue;
-      const std::size_t parent =
-          k == 0 ? world : static_cast<std::size_t>(random_.integer(0, k - 1));
+      const std::size_t parent = k == 0 ? world : static_cast<std::size_t>(random_.integer(0, k - 1));
       JointFrame P = random_frame(random_, 0.02);
       if (k == 0) P.p.z() += 0.1;
       join(i, drawn_joint(), parent, P, random_frame(random_, 0.02),
            {.q = 0.02 * random_.vector(), .q_dot = speed_ * random_.vector()});
+      draw_stops(i);
     }
     for (int n = random_.integer(1, 3); n > 0; --n)
       add_brick(thrown(Vec3(0, 0, 0.1) + 0.06 * random_.direction(), speed_), drawn_mass());
