@@ -83,7 +83,7 @@ struct TrBdf2 {
 
     // (12)
     const StageEnd first = solve_first_stage(begin, par, x, w);
-    if (!first.solved) return StepEnd::unsolved;
+    if (!first.solved || (smooth && is_found_deeper(w))) return StepEnd::unsolved;
     const Real h_1 = first.h, dh = smooth ? d * h : 0;
 
     // (13)
@@ -103,15 +103,9 @@ struct TrBdf2 {
     if (still_smooth) extend_bases(begin, par, x, h_1, h_2, w);
     else follow_bases(par, x, h_1, w);
     lead_joints(par, 1, w);
-    const Real bh = b * h;
-    begin_stage<S>({.t_0 = still_smooth ? bh : dh,
-                    .t_1 = still_smooth ? bh : h_1,
-                    .relaxing = (1 - c) * h,
-                    .goes_on = true,
-                    .is_euler = !still_smooth},
-                   w);
+    begin_stage(still_smooth ? extended_contacts(h) : following_contacts<S>(dh, h_1, h), w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
-    if (!last.solved) return StepEnd::unsolved;
+    if (!last.solved || (still_smooth && is_found_deeper(w))) return StepEnd::unsolved;
     if constexpr (uses<NetOf<S>>)
       if (still_smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
 
@@ -159,6 +153,18 @@ struct TrBdf2 {
     follow_nodes(par, x, h_1, w);
   }
 
+  /// What contacts start from in an extended second stage. Its bases are 2 (b - d) h of motion beyond the end of the first.
+  static ContactStage extended_contacts(Real h) noexcept {
+    return {.t_0 = b * h, .t_1 = b * h, .relaxing = (1 - c) * h, .goes_on = true, .ahead = 2 * (b - d) * h};
+  }
+  /// And in one that follows a first stage of h_1.
+  template <Scene S>
+  static ContactStage following_contacts(Real dh, Real h_1, Real h) noexcept {
+    const Real relaxing = (1 - c) * h;
+    if constexpr (asks_found<TouchingOf<S>>) return {.relaxing = relaxing, .goes_on = true, .follows = true};
+    return {.t_0 = dh, .t_1 = h_1, .relaxing = relaxing, .goes_on = true, .is_euler = true};
+  }
+
   /// (12), or where there is no K_0 an implicit Euler step of d h, or of c h.
   template <Scene S>
   static StageEnd solve_first_stage(Begin begin, const Params<S>& par, const State<S>& x,
@@ -183,7 +189,7 @@ struct TrBdf2 {
     start_nodes(par, x, dh, w);
     lead_joints(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
-    begin_stage<S>({.t_0 = dh, .relaxing = c * h}, w);
+    begin_stage<S>({.t_0 = dh, .relaxing = c * h, .ahead = dh}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     return solve_stage(par, x, h_1, !smooth, inside, w);
   }
@@ -222,6 +228,13 @@ struct TrBdf2 {
       if (!(par.coupling.g_r > 0) && par.coupling.k_r > 0) max_turn = max_swing / par.body.anisotropy;
     }
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
+  }
+
+  /// (35)  Some contact is deeper than it may be found: to be asked of an Euler stage, which starts where another has ended.
+  template <Scene S>
+  static bool is_found_deeper(const Scratch<S>& w) noexcept {
+    if constexpr (asks_found<TouchingOf<S>>) return w.contacts.found_deeper;
+    return false;
   }
 
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step; so does a

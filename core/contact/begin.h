@@ -23,7 +23,8 @@ StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing,
           .given = h * per_eta_t,
           .relaxed = Contacts::between_bodies ? std::min(by, most) : by,
           .behind = on_world ? infinity : std::min(max_pushed_steps * by, most),
-          .max_stored_penetration = stored};
+          .max_stored_penetration = stored,
+          .found_deeper = std::min(stored, h * law.push_out)};
 }
 
 /// Up to four near contacts in a row; in lanes that are left the last again.
@@ -65,7 +66,8 @@ StageLawOf<Pack> each_number(F of) noexcept {
           .given = of(&Law::given),
           .relaxed = of(&Law::relaxed),
           .behind = of(&Law::behind),
-          .max_stored_penetration = of(&Law::max_stored_penetration)};
+          .max_stored_penetration = of(&Law::max_stored_penetration),
+          .found_deeper = of(&Law::found_deeper)};
 }
 inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noexcept {
   return each_number(
@@ -89,11 +91,12 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const S
 }
 
 /// (24) of four near contacts at r. side: that of the body whose twist they see, 0 where there is none. Returns what their
-/// springs are found with (38), J.
-template <std::size_t max_contacts>
+/// springs are found with (38), J. found_deeper, if there is one: set where (35) finds some too deep.
+template <std::size_t max_contacts, class FoundDeeper>
 Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side, const Vector3<Pack>& r,
                 Real h, const ContactStage& stage, Recall<max_contacts>& of_step,
-                Recall<max_contacts>& of_stage, BegunPack& begun, ContactPack& pack) noexcept {
+                Recall<max_contacts>& of_stage, [[maybe_unused]] FoundDeeper& found_deeper, BegunPack& begun,
+                ContactPack& pack) noexcept {
   const auto past_by = [&](auto& recall) noexcept {
     return gathered({recall.find_or_none(near.of[0]->key), recall.find_or_none(near.of[1]->key),
                      recall.find_or_none(near.of[2]->key), recall.find_or_none(near.of[3]->key)});
@@ -104,8 +107,14 @@ Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& s
   // by extrapolation, to where the stage starts
   const Pack closed = (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
   const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .closed = closed};
-  const BegunContactOf<Pack> c = stage.goes_on ? recalled(law, stage, by_step, past_by(of_stage), start)
-                                               : recalled(law, stage, by_step, by_step, start);
+  const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
+    if constexpr (std::is_same_v<FoundDeeper, bool>) {
+      const auto deeper = are_found_deeper(stage, by_step, by_stage, start, v_n, law.found_deeper);
+      found_deeper = found_deeper || (stage.ahead > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
+    }
+    return recalled(law, stage, by_step, by_stage, start);
+  };
+  const BegunContactOf<Pack> c = stage.goes_on ? begin(past_by(of_stage)) : begin(by_step);
   begun = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given};
   set_contacts(law, c, side, n_W, r, d_0, v_n, pack);
   return c.found;
@@ -154,8 +163,8 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
   for (std::uint32_t i = group.first; i < group.end; i += 4, ++first) {
     const NearFour near(&w.near.list[i], group.end - i);
     found += begin_four(near, laws_of(near, mostly, its_law, law_of_near, law), near.sides(one.a),
-                        near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.begun[first],
-                        w.packs[first]);
+                        near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.found_deeper,
+                        w.begun[first], w.packs[first]);
   }
   return first;
 }
@@ -168,6 +177,7 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
   for (std::size_t i = 0; i < num_bodies; ++i) w.graph.bodies[i].first_pack = w.graph.bodies[i].end_pack = 0;
   std::uint32_t packs = 0;
   Pack found = 0;
+  if constexpr (asks_found<Contacts>) w.found_deeper = false;
   const auto begin = [&](const NearGroup& group, auto& of) noexcept {
     of.first_pack = packs;
     of.end_pack = packs = begin_group(par, group, h, packs, of_step, of_stage, found, w);

@@ -77,6 +77,7 @@ struct ContactStage {
       false;  // after another stage of the step; otherwise that one's memories are none of this step
   bool follows = false;   // it starts where that stage has ended
   bool is_euler = false;  // likewise, but (35) is asked between steps alone
+  Real ahead = 0;         // s: an extrapolation has led so far on from where the last stage ended
 
   /// It starts where another stage has ended, of this step or the one before.
   bool starts_at_an_end() const noexcept { return follows || (t_0 == 0 && !goes_on); }
@@ -120,6 +121,7 @@ struct StageLawOf {
   T relaxed = 0;  // m, by which e may fall
   T behind = 0;   // m, by which it may be behind the depth when it falls
   T max_stored_penetration = 0;  // m
+  T found_deeper = 0;            // m, by which an extrapolation may find it deeper than it moves
 };
 
 /// Contacts where a stage starts.
@@ -149,6 +151,26 @@ T relax_offset(const T& e, const T& d, const T& by, const T& behind) noexcept {
 template <class T>
 T found_energy(const T& k, const T& before, const T& now) noexcept {
   return T(0.5) * k * (now * now - before * before);
+}
+
+/// (35)  Scenes in which it is asked in every stage of a step: bodies on joints among bodies.
+template <class Contacts>
+inline constexpr bool asks_found = requires {
+  requires Contacts::between_bodies && Contacts::jointed && !Contacts::has_net;
+};
+
+/// (35)  Where an extrapolation has led contacts, which open at v_n, deeper than they move by more than `most`. One whose normal has
+/// turned round a corner is another one.
+template <class T>
+auto are_found_deeper(const ContactStage& stage, const ContactPastOf<T>& of_step,
+                      const ContactPastOf<T>& of_stage, const ContactStartOf<T>& start, const T& v_n,
+                      const T& most) noexcept {
+  const auto was = [](const ContactPastOf<T>& past) noexcept { return T(0) < past.n_W.dot(past.n_W); };
+  const auto by_stage = was(of_stage);
+  const T turned = select(by_stage, of_stage.n_W.dot(start.n_W), of_step.n_W.dot(start.n_W)),
+          end = select(by_stage, of_stage.e + of_stage.pressed, of_step.e + of_step.pressed);
+  return (by_stage | was(of_step)) &
+         ((turned < T(same_contact)) | (most < start.d_0 + T(stage.ahead) * v_n - end));
 }
 
 /// What a stage begins contacts with, from the memories of the step and of the stage before. Where the normal has turned round a

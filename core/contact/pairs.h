@@ -133,6 +133,8 @@ struct BodyContactScratch {
   std::array<ContactMemories<max_contacts>, 2> memories;
   std::size_t last = 0;
   ContactStage stage;
+  // (35)  some contact, where an extrapolation has led
+  [[no_unique_address]] std::conditional_t<asks_found<Contacts>, bool, Absent<23>> found_deeper{};
   std::array<Wrench, N> wrenches;
   ContactReport report;
 };
@@ -194,5 +196,4 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
   if constexpr (Contacts::has_net)
     if (w.net.first_body != w.net.no_body) w.graph.island_with(w.net.first_body).has_net = true;
 }
-
 }  // namespace godobject

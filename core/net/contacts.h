@@ -71,7 +71,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     }
     found += begin_four(near, gathered(laws), near.live(),
                         gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }), h,
-                        w.stage, of_step, of_stage, of.begun[p], of.packs[p]);
+                        w.stage, of_step, of_stage, w.found_deeper, of.begun[p], of.packs[p]);
   }
   w.report.found += total(found);
 }

@@ -84,12 +84,6 @@ std::string other_integrator(const Needs& needs, SceneConfig scene) {
   return "";
 }
 
-/// The one thing that TR-BDF2 is refused for (docs/decisions/047-capacities.md).
-std::string why_not_tr_bdf2(const Needs& needs) {
-  const bool refused = needs.joints && needs.contacts == ContactScope::bodies;
-  return refused ? ": TR-BDF2 may gain energy where articulated tools and bodies hit each other" : "";
-}
-
 std::string why_none(const Needs& needs, const SceneConfig& scene) {
   std::vector<Composition> candidates;
   for (Composition& c : compositions())
@@ -105,7 +99,7 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +
                            "' (" + (parts.empty() ? "free bodies" : parts) + ")";
   if (candidates.empty())
-    return "no compiled composition has " + what + why_not_tr_bdf2(needs) + other_integrator(needs, scene);
+    return "no compiled composition has " + what + other_integrator(needs, scene);
   return "no compiled composition with " + what + " has room for " + too_many(candidates, needs, scene);
 }
 

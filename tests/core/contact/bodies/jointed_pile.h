@@ -7,16 +7,17 @@
 namespace godobject {
 
 using AllJoints = TreeJoints<JointStops, ImposedJoints>;
+template <class I>
 struct Jointed {
   static constexpr std::size_t max_bodies = 8;
-  using Integrator = ImplicitEuler;
+  using Integrator = I;
   using Device = PoseDevice;
   using Joints = AllJoints;
   using Coupling = DampedSpring;
   using Feedback = None;
   using Contacts = BodyContacts<96, 10, 288>;
 };
-static_assert(Scene<Jointed>);
+static_assert(Scene<Jointed<ImplicitEuler>> && Scene<Jointed<TrBdf2>>);
 
 inline const Vec3 y_axis = Vec3::UnitY(), z_axis = Vec3::UnitZ();
 
@@ -25,8 +26,12 @@ inline JointFrame frame(const Vec3& p, const Vec3& axis = z_axis) {
   return {.p = p, .R = turn_from_z(axis).toRotationMatrix()};
 }
 
-class JointedPile : public Pile<Jointed> {
+template <class I>
+class JointedPileOf : public Pile<Jointed<I>> {
  public:
+  using Pile<Jointed<I>>::par, Pile<Jointed<I>>::x, Pile<Jointed<I>>::out;
+  using Pile<Jointed<I>>::at, Pile<Jointed<I>>::p, Pile<Jointed<I>>::add_brick;
+
   /// Hangs body i on another, where that one is.
   void join(std::size_t i, JointKind kind, std::size_t parent, const JointFrame& P, const JointFrame& C,
             const JointMove& m = {}) {
@@ -68,17 +73,21 @@ class JointedPile : public Pile<Jointed> {
   }
   Drift joints_apart() const { return drift(par, x); }
 };
+using JointedPile = JointedPileOf<ImplicitEuler>;
 
 /// Two plates hinged to a body that the device holds, turned against a brick between them by their couplings.
-class Gripper : public JointedPile {
+template <class I>
+class GripperOf : public JointedPileOf<I> {
  public:
+  using Base = JointedPileOf<I>;
+  using Base::par, Base::add_brick, Base::hold_at, Base::join, Base::p;
   static constexpr Real height = 0.2;
   static constexpr std::size_t palm = 0, brick = 3;
 
-  Gripper() {
+  GripperOf() {
     par.gravity_W = Vec3(0, 0, -earth_gravity);
     add_brick({.X_WB = at(Vec3(0, 0, height)), .V_WB = {}}, 0.05, Vec3(0.03, 0.01, 0.005));
-    hold_at(palm, Pile::at(palm).X_WB, spring(par.bodies[palm].body, 2000, 1));
+    hold_at(palm, Base::at(palm).X_WB, spring(par.bodies[palm].body, 2000, 1));
     for (const Real side : {-1.0, 1.0}) {
       const std::size_t jaw = add_brick({}, 0.01, Vec3(0.003, 0.008, 0.02));
       join(jaw, JointKind::hinge, palm, frame(Vec3(0.019 * side, 0, -0.02), y_axis),
@@ -87,8 +96,9 @@ class Gripper : public JointedPile {
     }
     add_brick({.X_WB = at(Vec3(0, 0, height - 0.05)), .V_WB = {}});
   }
-  using JointedPile::at;
+  using Base::at;
   static Pose at(const Vec3& p, const Vec3& turn = Vec3::Zero()) { return godobject::at(p, turn); }
 };
+using Gripper = GripperOf<ImplicitEuler>;
 
 }  // namespace godobject

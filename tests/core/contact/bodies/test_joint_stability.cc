@@ -11,8 +11,9 @@ namespace {
 
 /// Two pendulums of two links each, hinged to the world a brick's width apart, let fall against each other and a free
 /// brick between them.
-std::unique_ptr<JointedPile> pendulums() {
-  auto pile = std::make_unique<JointedPile>();
+template <class I>
+std::unique_ptr<JointedPileOf<I>> pendulums() {
+  auto pile = std::make_unique<JointedPileOf<I>>();
   pile->par.gravity_W = Vec3(0, 0, -earth_gravity);
   const Vec3 end(brick_half.x() + 0.001, 0, 0);
   const Mat3 down = exp_so3(Vec3(0, pi / 2, 0)).toRotationMatrix();  // x of the links
@@ -28,8 +29,9 @@ std::unique_ptr<JointedPile> pendulums() {
 }
 
 /// Three bricks, one of them heavy, fall on a chain that falls on a floor.
-std::unique_ptr<JointedPile> falling_chain(JointKind kind) {
-  auto pile = std::make_unique<JointedPile>();
+template <class I>
+std::unique_ptr<JointedPileOf<I>> falling_chain(JointKind kind) {
+  auto pile = std::make_unique<JointedPileOf<I>>();
   pile->add_floor();
   pile->add_chain(4, {.X_WB = at(Vec3(-0.05, 0, 0.03), Vec3(0.1, 0.2, 0)), .V_WB = {}}, kind);
   for (int i = 0; i < 3; ++i)
@@ -41,7 +43,8 @@ std::unique_ptr<JointedPile> falling_chain(JointKind kind) {
 
 /// The most that it gains in 0.6 s, or 1500 steps. Without what is in the springs of the contacts: none at first, never
 /// negative.
-Real gain(JointedPile& pile, const ContactLaw& law, Real h) {
+template <class I>
+Real gain(JointedPileOf<I>& pile, const ContactLaw& law, Real h) {
   pile.par.h = h;
   set_law(pile.par, law);
   const Real first = energy(pile.par, pile.x);
@@ -83,22 +86,31 @@ void expect_no_gain(const char* name, F gained) {
   std::printf("%s: %d cases, energy gained at most %.1e J\n", name, cases, worst);
 }
 
-TEST(TouchingJointStability, PendulumsGainNoEnergy) {
-  expect_no_gain("pendulums", [](const ContactLaw& law, Real h) { return gain(*pendulums(), law, h); });
+template <class I>
+class TouchingJointStability : public ::testing::Test {};
+using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;
+TYPED_TEST_SUITE(TouchingJointStability, BothIntegrators);
+
+TYPED_TEST(TouchingJointStability, PendulumsGainNoEnergy) {
+  expect_no_gain("pendulums",
+                 [](const ContactLaw& law, Real h) { return gain(*pendulums<TypeParam>(), law, h); });
 }
 
-TEST(TouchingJointStability, ChainsThatAreHitGainNoEnergy) {
+TYPED_TEST(TouchingJointStability, ChainsThatAreHitGainNoEnergy) {
   for (const auto& [kind, name] : {std::pair{JointKind::free, "free bricks"},
                                    {JointKind::fixed, "fixed joints"},
                                    {JointKind::hinge, "hinges"},
                                    {JointKind::ball, "ball joints"},
                                    {JointKind::slider, "sliders"}})
-    expect_no_gain(
-        name, [kind = kind](const ContactLaw& law, Real h) { return gain(*falling_chain(kind), law, h); });
+    expect_no_gain(name, [kind = kind](const ContactLaw& law, Real h) {
+      return gain(*falling_chain<TypeParam>(kind), law, h);
+    });
 }
 
 /// Led about by its palm while it holds a brick between its jaws. The most that it gains beyond the work of the hand.
+template <class I>
 Real gain_of_gripper(const ContactLaw& law, Real h) {
+  using Gripper = GripperOf<I>;
   const auto grip = std::make_unique<Gripper>();
   grip->par.h = h;
   set_law(grip->par, law);
@@ -118,8 +130,8 @@ Real gain_of_gripper(const ContactLaw& law, Real h) {
   return gained;
 }
 
-TEST(TouchingJointStability, AGripperGainsNoMoreThanTheWorkOfTheHand) {
-  expect_no_gain("gripper", gain_of_gripper);
+TYPED_TEST(TouchingJointStability, AGripperGainsNoMoreThanTheWorkOfTheHand) {
+  expect_no_gain("gripper", gain_of_gripper<TypeParam>);
 }
 
 }  // namespace

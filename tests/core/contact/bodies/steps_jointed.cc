@@ -1,0 +1,9 @@
+#include "tests/core/contact/bodies/jointed_pile.h"
+#include "tests/support/compiled_step.h"
+
+namespace godobject {
+
+GODOBJECT_STEP_OF(Jointed<ImplicitEuler>);
+GODOBJECT_STEP_OF(Jointed<TrBdf2>);
+
+}  // namespace godobject
