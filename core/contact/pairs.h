@@ -134,7 +134,7 @@ struct BodyContactScratch {
   std::size_t last = 0;
   ContactStage stage;
   // (35)  some contact, where an extrapolation has led
-  [[no_unique_address]] std::conditional_t<asks_found<Contacts>, bool, Absent<23>> found_deeper{};
+  [[no_unique_address]] std::conditional_t<asks_found<Contacts>, bool, Absent<24>> found_deeper{};
   std::array<Wrench, N> wrenches;
   ContactReport report;
 };
