@@ -112,7 +112,7 @@ inline Real found_energy(const ContactLaw& law, Real before, Real now) noexcept 
   return law.k > 0 ? Real(0.5) * law.k * (now * now - before * before) : 0;
 }
 
-/// (35)  Scenes in which it is asked in every stage of a step: bodies on joints among bodies.
+/// (35)  Scenes in which it is asked in steps of second order too: bodies on joints among bodies.
 template <class Contacts>
 inline constexpr bool asks_found = requires {
   requires Contacts::between_bodies && Contacts::jointed && !Contacts::has_net;

@@ -234,7 +234,7 @@ template <std::size_t max_contacts, class Contacts, std::size_t N>
   const ContactMemory* const in_stage = w.stage.goes_on ? of_stage.find(near.key) : nullptr;
   if constexpr (asks_found<Contacts>)
     w.found_deeper |= is_found_deeper(w.stage, in_stage != nullptr ? in_stage : in_step, near.n_W, d_0,
-                                      near.v_n, std::min(law.max_stored_penetration, h * law.of->push_out));
+                                      near.v_n, law.max_stored_penetration);
   const BegunContact begun =
       recalled(*law.of, w.stage, in_step, in_stage, near.n_W,
                {.d_0 = d_0,
