@@ -103,7 +103,14 @@ struct TrBdf2 {
     if (still_smooth) extend_bases(begin, par, x, h_1, h_2, w);
     else follow_bases(par, x, h_1, w);
     lead_joints(par, 1, w);
-    begin_stage(still_smooth ? extended_contacts(h) : following_contacts<S>(dh, h_1, h), w);
+    const Real bh = b * h;
+    begin_stage<S>({.t_0 = still_smooth ? bh : dh,
+                    .t_1 = still_smooth ? bh : h_1,
+                    .relaxing = (1 - c) * h,
+                    .goes_on = true,
+                    .is_euler = !still_smooth,
+                    .ahead = still_smooth ? 2 * (b - d) * h : 0},  // from y_1 to the base
+                   w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved || (still_smooth && is_found_deeper(w))) return StepEnd::unsolved;
     if constexpr (uses<NetOf<S>>)
@@ -151,18 +158,6 @@ struct TrBdf2 {
   static void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
     for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], h_1);
     follow_nodes(par, x, h_1, w);
-  }
-
-  /// What contacts start from in an extended second stage. Its bases are 2 (b - d) h of motion beyond the end of the first.
-  static ContactStage extended_contacts(Real h) noexcept {
-    return {.t_0 = b * h, .t_1 = b * h, .relaxing = (1 - c) * h, .goes_on = true, .ahead = 2 * (b - d) * h};
-  }
-  /// And in one that follows a first stage of h_1.
-  template <Scene S>
-  static ContactStage following_contacts(Real dh, Real h_1, Real h) noexcept {
-    const Real relaxing = (1 - c) * h;
-    if constexpr (asks_found<TouchingOf<S>>) return {.relaxing = relaxing, .goes_on = true, .follows = true};
-    return {.t_0 = dh, .t_1 = h_1, .relaxing = relaxing, .goes_on = true, .is_euler = true};
   }
 
   /// (12), or where there is no K_0 an implicit Euler step of d h, or of c h.
@@ -230,7 +225,7 @@ struct TrBdf2 {
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
   }
 
-  /// (35)  Some contact is deeper than it may be found: to be asked of an Euler stage, which starts where another has ended.
+  /// (35)  Some contact is deeper than it may be found: the step is taken again as Euler stages, which ask that.
   template <Scene S>
   static bool is_found_deeper(const Scratch<S>& w) noexcept {
     if constexpr (asks_found<TouchingOf<S>>) return w.contacts.found_deeper;

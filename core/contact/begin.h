@@ -23,8 +23,7 @@ StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing,
           .given = h * per_eta_t,
           .relaxed = Contacts::between_bodies ? std::min(by, most) : by,
           .behind = on_world ? infinity : std::min(max_pushed_steps * by, most),
-          .max_stored_penetration = stored,
-          .found_deeper = std::min(stored, h * law.push_out)};
+          .max_stored_penetration = stored};
 }
 
 /// Up to four near contacts in a row; in lanes that are left the last again.
@@ -66,8 +65,7 @@ StageLawOf<Pack> each_number(F of) noexcept {
           .given = of(&Law::given),
           .relaxed = of(&Law::relaxed),
           .behind = of(&Law::behind),
-          .max_stored_penetration = of(&Law::max_stored_penetration),
-          .found_deeper = of(&Law::found_deeper)};
+          .max_stored_penetration = of(&Law::max_stored_penetration)};
 }
 inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noexcept {
   return each_number(
@@ -109,7 +107,7 @@ Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& s
   const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .closed = closed};
   const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
     if constexpr (std::is_same_v<FoundDeeper, bool>) {
-      const auto deeper = are_found_deeper(stage, by_step, by_stage, start, v_n, law.found_deeper);
+      const auto deeper = are_found_deeper(stage, by_step, by_stage, start, v_n, law.max_stored_penetration);
       found_deeper = found_deeper || (stage.ahead > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
     }
     return recalled(law, stage, by_step, by_stage, start);

@@ -121,7 +121,6 @@ struct StageLawOf {
   T relaxed = 0;  // m, by which e may fall
   T behind = 0;   // m, by which it may be behind the depth when it falls
   T max_stored_penetration = 0;  // m
-  T found_deeper = 0;            // m, by which an extrapolation may find it deeper than it moves
 };
 
 /// Contacts where a stage starts.
@@ -153,7 +152,7 @@ T found_energy(const T& k, const T& before, const T& now) noexcept {
   return T(0.5) * k * (now * now - before * before);
 }
 
-/// (35)  Scenes in which it is asked in every stage of a step: bodies on joints among bodies.
+/// (35)  Scenes in which it is asked in steps of second order too: bodies on joints among bodies.
 template <class Contacts>
 inline constexpr bool asks_found = requires {
   requires Contacts::between_bodies && Contacts::jointed && !Contacts::has_net;

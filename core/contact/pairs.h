@@ -196,4 +196,5 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
   if constexpr (Contacts::has_net)
     if (w.net.first_body != w.net.no_body) w.graph.island_with(w.net.first_body).has_net = true;
 }
+
 }  // namespace godobject

@@ -74,16 +74,6 @@ std::string too_many(const std::vector<Composition>& candidates, const Needs& ne
   return text.empty() ? "all its bodies, spheres and surfaces at once" : text;
 }
 
-/// What to do where there is a composition with another integrator.
-std::string other_integrator(const Needs& needs, SceneConfig scene) {
-  for (const char* name : integrator_names) {
-    scene.integrator = name;
-    for (const Composition& c : compositions())
-      if (has_parts_for(c, needs, scene)) return "; there is one with integrator '" + scene.integrator + "'";
-  }
-  return "";
-}
-
 std::string why_none(const Needs& needs, const SceneConfig& scene) {
   std::vector<Composition> candidates;
   for (Composition& c : compositions())
@@ -98,8 +88,7 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   add(needs.contacts == ContactScope::bodies, "contacts between bodies");
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +
                            "' (" + (parts.empty() ? "free bodies" : parts) + ")";
-  if (candidates.empty())
-    return "no compiled composition has " + what + other_integrator(needs, scene);
+  if (candidates.empty()) return "no compiled composition has " + what;
   return "no compiled composition with " + what + " has room for " + too_many(candidates, needs, scene);
 }
 

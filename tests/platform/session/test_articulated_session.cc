@@ -38,10 +38,7 @@ TEST(ArticulatedEngine, SmallestCompositionThatCoversTheSceneIsTaken) {
   EXPECT_EQ(composition(load_shipped("grasp.toml")), "joints-touching-64 implicit-euler");
   scene = load_shipped("grasp.toml");
   scene.integrator = "tr-bdf2";
-  EXPECT_THAT(composition(scene),
-              AllOf(HasSubstr("no compiled composition"), HasSubstr("joints, contacts between bodies"),
-                    HasSubstr("TR-BDF2 may gain energy"),
-                    HasSubstr("there is one with integrator 'implicit-euler'")));
+  EXPECT_EQ(composition(scene), "joints-touching-64 tr-bdf2");
 }
 
 /// The device's kind is nothing that joints depend on: a mouse may lead scissors, too.

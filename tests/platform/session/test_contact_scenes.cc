@@ -18,11 +18,13 @@ const std::string scenes = GODOBJECT_SOURCE_DIR "/sim/scenes/";
 /// A shipped scene without a bus, on a motion file or its own motion.
 class SceneRun {
  public:
-  explicit SceneRun(const std::string& name, const std::string& motion = "") {
+  explicit SceneRun(const std::string& name, const std::string& motion = "",
+                    const std::string& integrator = "") {
     LoadResult loaded = load_scene(scenes + name);
     EXPECT_THAT(loaded.errors, testing::IsEmpty());
     EXPECT_THAT(loaded.warnings, testing::IsEmpty());
     scene_ = loaded.scene.value();
+    if (!integrator.empty()) scene_.integrator = integrator;
     Motion moves(scene_);
     if (!motion.empty()) {
       MotionResult read = Motion::read(motion, scene_);
@@ -88,8 +90,9 @@ TEST(ContactScenes, PressIsItsReferenceCase) {
 }
 
 /// The upper brick goes up with the jaws and is put back on the lower one, twice.
-TEST(ContactScenes, GraspLiftsABrickAndPutsItBack) {
-  SceneRun run("grasp.toml");
+class GraspScene : public testing::TestWithParam<const char*> {};
+TEST_P(GraspScene, LiftsABrickAndPutsItBack) {
+  SceneRun run("grasp.toml", "", GetParam());
   for (const double bottom : {0.0, 4.0}) {
     run.until(bottom + 2);
     EXPECT_GT(run.body("upper").X_WB.p.z(), 0.03);
@@ -102,6 +105,7 @@ TEST(ContactScenes, GraspLiftsABrickAndPutsItBack) {
   }
   EXPECT_LT((run.body("lower").X_WB.p - Vec3(0, 0, 0.005)).norm(), 2e-5);
 }
+INSTANTIATE_TEST_SUITE_P(BothIntegrators, GraspScene, testing::ValuesIn(integrator_names));
 
 #ifdef NDEBUG
 TEST(ContactScenes, LegoTakesTwoBricksAndPutsOneOnTheOther) {

@@ -3,6 +3,7 @@
 
 #include "tests/core/contact/bodies/bricks.h"
 #include "tests/core/joint/random_tool.h"
+#include "tests/support/compiled_step.h"
 
 namespace godobject {
 
@@ -18,6 +19,8 @@ struct Jointed {
   using Contacts = BodyContacts<96, 10, 288>;
 };
 static_assert(Scene<Jointed<ImplicitEuler>> && Scene<Jointed<TrBdf2>>);
+extern GODOBJECT_STEP_OF(Jointed<ImplicitEuler>);
+extern GODOBJECT_STEP_OF(Jointed<TrBdf2>);
 
 inline const Vec3 y_axis = Vec3::UnitY(), z_axis = Vec3::UnitZ();
 

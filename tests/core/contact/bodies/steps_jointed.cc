@@ -1,5 +1,4 @@
 #include "tests/core/contact/bodies/jointed_pile.h"
-#include "tests/support/compiled_step.h"
 
 namespace godobject {
 

@@ -4,18 +4,12 @@
 #include <cstdio>
 
 #include "tests/core/contact/bodies/drawn_piles.h"
-#include "tests/support/compiled_step.h"
 
-namespace godobject {
-
-extern GODOBJECT_STEP_OF(Jointed<ImplicitEuler>);
-extern GODOBJECT_STEP_OF(Jointed<TrBdf2>);
-
-namespace test_drawn_piles {
+namespace godobject::test_drawn_piles {
 namespace {
 
 #ifdef NDEBUG
-constexpr unsigned num_seeds = 150;
+constexpr unsigned num_seeds = 100;
 constexpr double longest = 1500;  // steps
 #else
 constexpr unsigned num_seeds = 2;  // builds with assertions and sanitizers take a hundred times as long
@@ -59,6 +53,15 @@ Outcome run(DrawnKind kind, unsigned seed) {
 }
 
 template <class I>
+Outcome expect_no_gain(DrawnKind kind, unsigned seed) {
+  const Outcome end = run<I>(kind, seed);
+  EXPECT_FALSE(end.told) << "kind " << static_cast<int>(kind) << ", seed " << seed;
+  // tools that fly swing by the order of the step, as in test_heavy_ends.cc
+  EXPECT_LE(end.gained, 1e-3 * end.at_work + 1e-9) << "kind " << static_cast<int>(kind) << ", seed " << seed;
+  return end;
+}
+
+template <class I>
 class DrawnPiles : public ::testing::Test {};
 using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;
 TYPED_TEST_SUITE(DrawnPiles, BothIntegrators);
@@ -69,12 +72,8 @@ TYPED_TEST(DrawnPiles, GainNoEnergy) {
     double steps = 0, of_first_order = 0;
     Real worst = 0;
     for (unsigned seed = 0; seed < num_seeds; ++seed) {
-      const Outcome end = run<TypeParam>(kind, seed);
+      const Outcome end = expect_no_gain<TypeParam>(kind, seed);
       if (!end.begins_apart) continue;
-      const auto number = static_cast<int>(kind);
-      EXPECT_FALSE(end.told) << "kind " << number << ", seed " << seed;
-      // tools that fly swing by the order of the step: as test_heavy_ends.cc
-      EXPECT_LE(end.gained, 1e-3 * end.at_work + 1e-9) << "kind " << number << ", seed " << seed;
       worst = std::max(worst, end.gained / end.at_work);
       ++cases;
       touch += end.contacts > 0 ? 1 : 0;
@@ -87,6 +86,13 @@ TYPED_TEST(DrawnPiles, GainNoEnergy) {
   }
 }
 
+/// These gained with TR-BDF2, of 18 705 drawn, while (35) was asked between steps alone.
+TYPED_TEST(DrawnPiles, GainNoEnergyWhereTheyDid) {
+  for (const unsigned seed : {336u, 949u, 1689u, 1836u, 2512u, 2525u})
+    expect_no_gain<TypeParam>(DrawnKind::hit_chain, seed);
+  for (const unsigned seed : {1803u, 1927u, 2297u}) expect_no_gain<TypeParam>(DrawnKind::pendulums, seed);
+  for (const unsigned seed : {338u, 463u, 1642u}) expect_no_gain<TypeParam>(DrawnKind::thrown_tree, seed);
+}
+
 }  // namespace
-}  // namespace test_drawn_piles
-}  // namespace godobject
+}  // namespace godobject::test_drawn_piles

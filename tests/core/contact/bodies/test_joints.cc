@@ -10,6 +10,11 @@ namespace {
 
 using Tool = Articulated<ImplicitEuler, AllJoints>;
 
+template <class I>
+class TouchingJointsOf : public ::testing::Test {};
+using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;
+TYPED_TEST_SUITE(TouchingJointsOf, BothIntegrators);
+
 /// With nothing to touch, the tree of contacts is the tree of joints: all kinds of joints, stops, and violations.
 TEST(TouchingJoints, ToolsByThemselvesMoveAsWithoutContacts) {
   Random random(1);
@@ -56,9 +61,9 @@ TEST(TouchingJoints, ToolsByThemselvesMoveAsWithoutContacts) {
 }
 
 /// A brick is thrown at a chain that floats.
-TEST(TouchingJoints, AChainThatIsHitKeepsMomentumAndGainsNoEnergy) {
+TYPED_TEST(TouchingJointsOf, AChainThatIsHitKeepsMomentumAndGainsNoEnergy) {
   for (const JointKind kind : {JointKind::hinge, JointKind::ball, JointKind::fixed}) {
-    const auto pile = std::make_unique<JointedPile>();
+    const auto pile = std::make_unique<JointedPileOf<TypeParam>>();
     pile->add_chain(4, {}, kind);
     const Vec3 half = brick_half;
     pile->add_brick({.X_WB = at(Vec3(0.05, 0.002, 0.03), Vec3(0.3, 0.2, 0.1)),
@@ -93,8 +98,8 @@ TEST(TouchingJoints, AChainThatIsHitKeepsMomentumAndGainsNoEnergy) {
 }
 
 /// Over two bricks that stand apart on a floor; then another brick falls on it.
-TEST(TouchingJoints, AChainComesToRestOnBricks) {
-  const auto pile = std::make_unique<JointedPile>();
+TYPED_TEST(TouchingJointsOf, AChainComesToRestOnBricks) {
+  const auto pile = std::make_unique<JointedPileOf<TypeParam>>();
   pile->add_floor();
   pile->add_chain(4, {.X_WB = at(Vec3(-0.05, 0, 0.0165)), .V_WB = {}});
   pile->add_brick({.X_WB = at(Vec3(-0.05, 0, 0.005)), .V_WB = {}});
@@ -118,7 +123,8 @@ TEST(TouchingJoints, AChainComesToRestOnBricks) {
   EXPECT_LT(apart.rad, 1e-8);
 }
 
-TEST(TouchingJoints, AGripperHoldsAndLiftsABrick) {
+TYPED_TEST(TouchingJointsOf, AGripperHoldsAndLiftsABrick) {
+  using Gripper = GripperOf<TypeParam>;
   const auto grip = std::make_unique<Gripper>();
   ASSERT_TRUE(grip->run(0.5));
   const Vec3 held = grip->p(Gripper::brick);
@@ -157,12 +163,12 @@ TEST(TouchingJoints, AGripperHoldsAndLiftsABrick) {
 }
 
 /// With nothing to touch, up to fifty radians a step.
-TEST(TouchingJoints, ToolsThatSpinGainNoEnergy) {
+TYPED_TEST(TouchingJointsOf, ToolsThatSpinGainNoEnergy) {
   for (const Real h : {1e-3, 5e-3})
     for (const Real spin : {30, 100, 1000, 10000}) {
       Random random(3);
       for (int n = 0; n < 20; ++n) {
-        const auto pile = std::make_unique<JointedPile>();
+        const auto pile = std::make_unique<JointedPileOf<TypeParam>>();
         pile->par.h = h;
         pile->par.num_bodies = static_cast<std::size_t>(random.integer(2, 8));
         for (std::size_t i = 0; i < pile->par.num_bodies; ++i) add_random_body(pile->par, i, 0.1, random);
@@ -179,7 +185,8 @@ TEST(TouchingJoints, ToolsThatSpinGainNoEnergy) {
 }
 
 /// Led together by the device, whatever is between.
-TEST(TouchingJoints, ImposedJawsCloseOnABrick) {
+TYPED_TEST(TouchingJointsOf, ImposedJawsCloseOnABrick) {
+  using Gripper = GripperOf<TypeParam>;
   const auto grip = std::make_unique<Gripper>();
   for (const std::size_t jaw : {1, 2}) {
     grip->par.bodies[jaw].coupling = {};

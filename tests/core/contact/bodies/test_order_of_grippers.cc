@@ -2,14 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/core/contact/bodies/jointed_pile.h"
-#include "tests/support/compiled_step.h"
 
-namespace godobject {
-
-extern GODOBJECT_STEP_OF(Jointed<ImplicitEuler>);
-extern GODOBJECT_STEP_OF(Jointed<TrBdf2>);
-
-namespace test_order_of_grippers {
+namespace godobject::test_order_of_grippers {
 namespace {
 
 constexpr Real duration = 0.128;  // s
@@ -91,5 +85,4 @@ TEST(OrderOfGrippers, IsThatOfTheIntegrator) {
 }
 
 }  // namespace
-}  // namespace test_order_of_grippers
-}  // namespace godobject
+}  // namespace godobject::test_order_of_grippers
