@@ -145,6 +145,7 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
     Recall step(memories), stage_before(memories);
     ContactPack pack;
     BegunPack begun;
+    None none;
     begin_four(near, laws, near.sides(0), near.all(&NearContact::p_W), h, {.relaxing = h}, step, stage_before,
                begun, pack);
     foresee<false>(pack, SpatialVector::zero());
