@@ -225,7 +225,7 @@ struct TrBdf2 {
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
   }
 
-  /// (35)  Some contact is deeper than it may be found: the step is taken again as Euler stages, which ask that.
+  /// (35)  Some contact is deeper than it may be found: the step is taken again as two Euler stages, whose first asks that.
   template <Scene S>
   static bool is_found_deeper(const Scratch<S>& w) noexcept {
     if constexpr (asks_found<TouchingOf<S>>) return w.contacts.found_deeper;
