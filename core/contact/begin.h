@@ -113,7 +113,7 @@ Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& s
     return recalled(law, stage, by_step, by_stage, start);
   };
   const BegunContactOf<Pack> c = stage.goes_on ? begin(past_by(of_stage)) : begin(by_step);
-  begun = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given};
+  begun = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given, .F_n = c.F_n};
   set_contacts(law, c, side, n_W, r, d_0, v_n, pack);
   return c.found;
 }

@@ -100,30 +100,23 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
   if constexpr (Contacts::jointed) add_stops(island, w);
   if constexpr (Contacts::has_net) {
     w.system.keep();
-    if (!island.has_net) return;
-    // nodes have moved little since the stage before: its factor is as good a preconditioner
-    const bool is_factored = !first || (w.stage.goes_on && w.net.factored_h == h);
-    if (is_factored) take_contacts_out(w.net);
-    gather_net_contacts(h, w.net);
-    load_impulses(w);
-    load_riding(w);
-    if (is_factored) put_contacts_in(w.net);
-    else factor_nodes(w.net);
-    w.net.factored_h = h;
+    if (island.has_net) load_nodes(h, first, w);
   }
 }
 
 /// Forces of the contacts of an island at the velocities of their points, and their modes in the next iteration. True:
 /// the forces obey the law.
 template <class Seeking, class Contacts, std::size_t N>
-bool settle_contacts(int iteration, const Island& island, BodyContactScratch<Contacts, N>& w,
-                     ContactResidual& most) noexcept {
+bool settle_contacts(int iteration, [[maybe_unused]] Real h, const Island& island,
+                     BodyContactScratch<Contacts, N>& w, ContactResidual& most) noexcept {
   const Real F_small = Seeking::friction_left_alone * most.F_n();
   most = {};
   const Pass next = pass_of<Seeking>(iteration + 1);
   bool changed = false;
-  each_pack(island, w, [&](ContactPack& c) noexcept {
-    settle<Seeking::tangents>(c, next, F_small, most);
+  each_pack(w.x.V, island, w, [&]<class V>(ContactPack& c, [[maybe_unused]] const V& v) noexcept {
+    if constexpr (std::is_same_v<V, PackVelocity>)
+      settle<Seeking::tangents>(c, next, F_small, most, slip_ahead(v.number, h, w.net));
+    else settle<Seeking::tangents>(c, next, F_small, most);
     changed = changed || c.changed;
   });
   const Real F_n = most.F_n();
@@ -181,10 +174,11 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
                           : seeks            ? max_cg_iterations_seeking
                                              : max_cg_iterations;
       factorize(w.system);
-      const int taken = iterate(allowed, how.tolerance, system, x,
-                                [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
-      converged = taken < allowed;  // or in the last one
-      iterations += taken;
+      const Iterated taken{iterate(allowed, how.tolerance, system, x, [&](auto u, const auto& V) noexcept {
+        return speed_sq_of(w.stages, u, V);
+      })};
+      converged = taken.converged;
+      iterations += taken.iterations;
       if constexpr (System::is_coupled) compute_residual(system, x);
       left = largest_left(1, system, w);
     }
@@ -193,7 +187,7 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
     }
-    done = settle_contacts<Seeking>(newton_iterations, island, w, most);
+    done = settle_contacts<Seeking>(newton_iterations, h, island, w, most);
     if constexpr (System::is_coupled) {
       w.net.is_solved = done && converged;
       done = w.net.is_solved || iterations >= how.most_iterations;

@@ -214,6 +214,7 @@ template <class T>
 struct BegunOf {
   Vector3<T> xi_W;
   T e, kept, given;
+  T F_n;  // normal force of the stage before, N; < 0: the contact is new
 };
 
 /// What contacts carry over, d deep in the end, F_W their forces.

@@ -84,9 +84,10 @@ inline void move(ContactPack& c, const SpatialVector& V) noexcept {
   c.v = V_v + V_w.cross(c.r);
 }
 
-/// The same of contacts that each have a velocity of their own.
+/// The same of contacts that each have a velocity of their own; number: of the pack.
 struct PackVelocity {
   Vector3<Pack> v;
+  std::size_t number = 0;
 };
 inline void move(ContactPack& c, const PackVelocity& V) noexcept { c.v = V.v; }
 
@@ -107,10 +108,15 @@ inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& spe
   c.f_slip = slips * c.mu * F_n;
 }
 
+/// Friction is taken at the speed that an iteration has left.
+struct SpeedAsItIs {};
+
 /// The forces of an iteration, and the modes of the next, at the velocities of the contact points. tangents: as in
 /// add(); otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
-template <bool tangents>
-void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most) noexcept {
+/// ahead: SpeedAsItIs, or ahead(pack, slip, its speed, normal forces) are the speeds at which friction is taken, above zero.
+template <bool tangents, class Ahead = SpeedAsItIs>
+void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
+            [[maybe_unused]] const Ahead& ahead = {}) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
   const Pack speed = speed_of(s);
@@ -127,9 +133,10 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most) noex
   c.changed = differ(c.touching, touching);
   c.touching = touching;
   Pack slip_eta = law_eta;
+  if constexpr (!std::is_same_v<Ahead, SpeedAsItIs>) slip_eta = friction(c, ahead(c, s, speed, law_n), law_n);
   // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
   if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, law_eta);
-  else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.touching * c.eta_t, law_eta);
+  else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.touching * c.eta_t, slip_eta);
   c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
   c.changed = c.changed || differ(c.eta_t, eta_before);
   if constexpr (tangents) {

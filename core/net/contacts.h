@@ -3,6 +3,7 @@
 
 #include "core/contact/begin.h"
 #include "core/net/find.h"
+#include "core/net/modes.h"
 
 namespace godobject {
 
@@ -28,7 +29,7 @@ template <class V, class Stage, class F>
 void each_net_pack(const V& of, Stage& w, F f) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {
     ContactPack& c = w.packs[p];
-    PackVelocity velocity{Vector3<Pack>::Constant(Pack(0))};
+    PackVelocity velocity{.v = Vector3<Pack>::Constant(Pack(0)), .number = p};
     for (std::size_t j = 0; j < 4 && 4 * p + j < w.near.size; ++j) {
       const NearContact& near = w.near.list[4 * p + j];
       Column v = of[NetNodeNumber{near.a}];
@@ -193,6 +194,26 @@ void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
       w.system.add_to_factor(pair.entry, shifted(coupling(at_end, net.r[contact.node]), contact.r));
     }
   }
+}
+
+/// The nodes of an island, in a Newton iteration: their contacts in the modes they are in, impulses, E and factor.
+template <class Contacts, std::size_t N>
+void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& net = w.net;
+  // nodes have moved little since the stage before: its factor is as good a preconditioner
+  const bool is_factored = !first || (w.stage.goes_on && net.factored_h == h);
+  if (is_factored) {
+    take_contacts_out(net);
+  } else {
+    gather_net_contacts(h, net);
+    factor_nodes(net);
+    net.factored_h = h;
+  }
+  if (first) foresee_friction(h, net);  // those that touch stay the same
+  gather_net_contacts(h, net);
+  put_contacts_in(net);
+  load_impulses(w);
+  load_riding(w);
 }
 
 /// Velocities of the nodes against their carriers, from those against the world and those of the carriers; and back.

@@ -14,6 +14,12 @@ struct SystemVectors {
   typename System::Vector V, V_0, r, AV_0, z, p, Ap;
 };
 
+/// How an iteration ended: after how many, and, of a coupled system, whether by itself and not at its most.
+struct Iterated {
+  int iterations = 0;
+  bool converged = false;
+};
+
 /// (28) of V, A V = b - r, but for rounding: by the multiple of V that has it.
 template <class System, class Vectors>
 void keep_balance(const System& system, Vectors& x) noexcept {
@@ -36,10 +42,9 @@ void keep_balance(const System& system, Vectors& x) noexcept {
 ///
 /// the balance of energy of the exact solution, as it does from rest; what rounding takes of it is given back in the
 /// end. Every step is the best one along its direction. The system keeps what was loaded: is_complete is false.
-/// speed_sq(u, V): of unknown u at V, squared; below the tolerance, m/s, for all of them the iteration ends. Returns the
-/// number of iterations.
+/// speed_sq(u, V): of unknown u at V, squared; below the tolerance, m/s, for all of them the iteration ends.
 template <class System, class Vectors, class Speed>
-int iterate(int most_iterations, Real tolerance, const System& system, Vectors& x, Speed speed_sq) noexcept {
+auto iterate(int most_iterations, Real tolerance, const System& system, Vectors& x, Speed speed_sq) noexcept {
   constexpr Real tiny = std::numeric_limits<Real>::min();
   const auto& b = system.b;
   system.multiply(x.V_0, x.AV_0);
@@ -97,7 +102,8 @@ int iterate(int most_iterations, Real tolerance, const System& system, Vectors& 
     system.each([&](auto u) noexcept { x.r[u] = b[u] - x.Ap[u]; });
   }
   keep_balance(system, x);
-  return iterations;
+  if constexpr (System::is_coupled) return Iterated{iterations, converged};
+  else return iterations;
 }
 
 }  // namespace godobject

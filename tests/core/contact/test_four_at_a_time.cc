@@ -97,7 +97,8 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
                                        Column(Vec3(5 * random.vector())), Column(Vec3(5 * random.vector())));
     const Pack d = random.uniform(-1e-3, 2e-3);
     const ContactPastOf<Pack> next = carried_over<Pack>(
-        {.xi_W = begun.xi_W, .e = begun.e, .kept = law.kept, .given = law.given}, h, n_W, d, F_W);
+        {.xi_W = begun.xi_W, .e = begun.e, .kept = law.kept, .given = law.given, .F_n = begun.F_n}, h, n_W, d,
+        F_W);
     for (std::size_t j = 0; j < 4; ++j) {
       const BegunContactOf<Real> one =
           recalled<Real>(drawn.laws[j], stage, past(drawn.of_step[j]), past(drawn.of_stage[j]),
@@ -107,9 +108,12 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
       expect_near(begun.F_n[j], one.F_n, 10);
       expect_near(begun.found[j], one.found, drawn.laws[j].k * 1e-4);
       known += one.F_n >= 0;
-      const ContactPastOf<Real> end = carried_over<Real>(
-          {.xi_W = one.xi_W, .e = one.e, .kept = drawn.laws[j].kept, .given = drawn.laws[j].given}, h,
-          drawn.near[j].n_W, d[j], lane(F_W, j));
+      const ContactPastOf<Real> end = carried_over<Real>({.xi_W = one.xi_W,
+                                                          .e = one.e,
+                                                          .kept = drawn.laws[j].kept,
+                                                          .given = drawn.laws[j].given,
+                                                          .F_n = one.F_n},
+                                                         h, drawn.near[j].n_W, d[j], lane(F_W, j));
       expect_near(lane(next.xi_W, j), end.xi_W, 1e-3 + 10 * drawn.laws[j].given);
       expect_near(lane(next.xi_dot_W, j), end.xi_dot_W, (1e-3 + 10 * drawn.laws[j].given) / h);
       expect_near(next.pressed[j], end.pressed, 1e-2);

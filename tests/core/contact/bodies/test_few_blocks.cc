@@ -120,5 +120,33 @@ TEST(FewBlocksAtRest, CarryTheHeap) {
   EXPECT_NEAR(f.z(), num_bricks * brick_mass * earth_gravity, 1e-3 * num_bricks * brick_mass * earth_gravity);
 }
 
+/// What a step says is of its worst stage: one of TR-BDF2 that knows no acceleration begins with an implicit Euler stage of c h,
+/// and says no less than an implicit Euler step of that length does.
+TEST(FewBlocks, AreToldOfTheWorstStage) {
+  constexpr Real rounding = 1e-6;  // of two programs
+  const Case c{.k = 1e6, .zeta = 0.1, .h = 1e-3, .mu = 0.5};
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    Random random(seed), again(seed);
+    const auto whole = heap<Heap<TrBdf2, tenth>>(c, random);
+    const auto first = heap<Heap<ImplicitEuler, tenth>>(c, again);
+    first->par.h = TrBdf2::c * whole->par.h;
+    for (int n = 0; n < 100; ++n) {
+      for (std::size_t i = 0; i < num_bricks; ++i) {
+        whole->x.bodies[i].memory.known = false;
+        first->x.bodies[i].x = whole->x.bodies[i].x;
+      }
+      first->x.contacts = whole->x.contacts;
+      first->x.tick = whole->x.tick;
+      whole->step();
+      first->step();
+      const ContactReport &all = whole->out.contacts, &one = first->out.contacts;
+      EXPECT_GE(all.newton_iterations, one.newton_iterations) << "seed " << seed << ", step " << n;
+      EXPECT_GE(all.iterations, one.iterations) << "seed " << seed << ", step " << n;
+      EXPECT_GE(all.num_without_room, one.num_without_room) << "seed " << seed << ", step " << n;
+      EXPECT_GE(all.residual, (1 - rounding) * one.residual) << "seed " << seed << ", step " << n;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace godobject::test_few_blocks

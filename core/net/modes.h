@@ -1,0 +1,66 @@
+// In which modes contacts of nodes are taken (24): what their forces do to the nodes is foreseen.
+//
+// Newton iterations by secants take the friction of (24) at the speed that it leaves, and where a contact is about to stick that is
+// less and less each time: of what friction misses, four fifths are left by each. But a node gives way to a force as the
+// factor of the nodes says,
+//
+//   (50)  by h / m a newton,  m = d^T D d along d, D of (43) without the contact:
+//         slip     s* = s + (F_t - mu F_n) h / m,                            where friction is as the law says
+//         at first F_n = F_n- + (F_0 - eta_n v_n - F_n-) / (1 + eta_n h / m),  F_n- of the stage before
+//
+// and eta_t is taken at s*. Neighbours give way, too, so that the node goes farther than that, never less. Whatever the modes are
+// that an iteration begins with, its eta_t is friction that does no work on what slips.
+#pragma once
+
+#include "core/net/incomplete_factor.h"
+
+namespace godobject {
+
+/// (50)  How the nodes of a pack give way, each along its own d of length 1, m/s per N. own: what their contacts in the pack have
+/// of m, which others of the same node hold as well.
+template <class Net, std::size_t N>
+Pack give_way(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real h,
+              const NetStage<Net, N>& w) noexcept {
+  Pack give = 0;
+  for (std::size_t j = 0; j < 4 && 4 * pack + j < w.near.size; ++j) {
+    const std::uint32_t n = w.near.list[4 * pack + j].a;
+    const Column along(lane(d, j));
+    const Real m = dot(along, w.D[n] * along), held = dot(along, w.of_contacts[n] * along) - own[j];
+    if (m > 0) give.set(j, h / (m + std::max(held, Real(0))));  // otherwise there is no direction
+  }
+  return give;
+}
+
+/// Speeds that can be divided by; where they are none the contact sticks.
+inline Pack above_zero(const Pack& speed) noexcept {
+  return max(speed, Pack(std::numeric_limits<Real>::min()));
+}
+
+/// (50)  The speeds of a pack where friction is as the law says.
+template <class Net, std::size_t N>
+auto slip_ahead(std::size_t pack, Real h, const NetStage<Net, N>& w) noexcept {
+  return [=, &w](const ContactPack& c, const Vector3<Pack>& s, const Pack& speed, const Pack& F_n) noexcept {
+    const Pack give = give_way(pack, s * (1 / speed), c.eta_t * h, h, w);
+    return above_zero(speed + give * (c.eta_t * speed - c.mu * F_n));
+  };
+}
+
+/// The friction of the first iteration, once the nodes are factored, from the velocities that are predicted: those with the friction
+/// of the stage before. What touches stays as it was foreseen: (29) finds it, and what it assumes instead drives nets that are
+/// pinched where iterations are few.
+template <class Net, std::size_t N>
+void foresee_friction(Real h, NetStage<Net, N>& w) noexcept {
+  for (std::size_t p = 0; p < w.num_packs; ++p) {
+    ContactPack& c = w.packs[p];
+    const Pack F_before = max(w.begun[p].F_n, Pack(0));  // of a new one, none
+    const Pack v_n = c.n.dot(c.v);
+    const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
+    const Pack speed = speed_of(s);
+    const Pack stiffer = 1 + c.eta_n * give_way(p, c.n, c.touching * c.eta_n * h, h, w);
+    const Pack F_n = max(F_before + (c.F_0 - c.eta_n * v_n - F_before) / stiffer, Pack(0));
+    const Pack slip = speed + give_way(p, s * (1 / speed), c.eta_t * h, h, w) * c.mu * (F_before - F_n);
+    c.eta_t = c.touching * friction(c, above_zero(slip), F_n);
+  }
+}
+
+}  // namespace godobject

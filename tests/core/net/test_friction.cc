@@ -1,0 +1,68 @@
+// Friction of nodes that slide slowly, begin to slide and stick again: it is found in few iterations (50), and is what (23) says.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "tests/core/net/usual_scene.h"
+
+namespace godobject::test_net_friction {
+namespace {
+
+constexpr Real mu = 0.4;
+
+/// A sheet on a carrier that is let down on a plane, then led to and fro along it, slower and slower.
+template <class I>
+struct Dragged : Running<NetScene<I>> {
+  Dragged() {
+    auto& par = this->par;
+    par.h = 1e-3;
+    par.bodies[0].body = rigid_body(0.1, Mat3(1e-4 * Mat3::Identity()));
+    par.bodies[0].coupling = {.k = 2000, .g = 20, .k_r = 1, .g_r = 0.02};
+    par.bodies[0].device.rise = 0;
+    add_sheet(par, {.m = 2e-5, .k = 200, .g = 0.013, .k_a = 20, .g_a = 0.04, .radius = 1e-3, .carrier = 0}, 8,
+              8, 3e-3);
+    par.contacts.surfaces[par.contacts.num_surfaces++] = {.shape = {.X_WS = {.p = Vec3(0, 0, -1e-3)}}};
+    par.contacts.laws[0][0] = {.k = 2000, .c = 0.1, .mu = mu, .k_t = 2000, .c_t = 0.1};
+    place(this->x, 0, {});
+    place_net(par.net, this->x);
+    engage_at(this->x, 0, {});
+    EXPECT_EQ(validate(par), Invalid::nothing);
+  }
+  void step_to(Real t) {
+    const Real omega = 2 * pi * 4, far = 4e-3 * std::exp(-2 * t);
+    this->in.devices[0] = {.target = {.X_WD = {.p = Vec3(far * std::sin(omega * t), 0, -2e-3)},
+                                      .V_WD = {.v = Vec3(far * omega * std::cos(omega * t), 0, 0)}}};
+    this->in.devices[0].engaged = this->in.devices[0].valid = true;
+    this->step();
+  }
+};
+
+/// Of 1000 steps, those of four Newton iterations or more: 144 with implicit Euler and 28 with TR-BDF2 without (50), 72 and 12
+/// with it.
+template <class I>
+int count_long_steps() {
+  auto run = std::make_unique<Dragged<I>>();
+  int long_steps = 0, newton_iterations = 0;
+  for (int n = 1; n <= 1000; ++n) {
+    run->step_to(n * run->par.h);
+    EXPECT_EQ(run->out.fault, Fault::none);
+    newton_iterations += run->out.net.newton_iterations;
+    if (run->out.net.newton_iterations >= 4) ++long_steps;
+    constexpr Real missed = 2e-3;  // N
+    for (std::size_t i = 0; i < run->x.net.contacts.size; ++i) {
+      const ContactMemory& one = run->x.net.contacts.list[i];
+      const Real F_n = one.n_W.dot(one.F_W), F_t = (one.F_W - F_n * one.n_W).norm();
+      EXPECT_LE(F_t, mu * F_n + missed) << "step " << n;
+    }
+  }
+  std::printf("%s: %d long steps, %d Newton iterations\n", I::name, long_steps, newton_iterations);
+  return long_steps;
+}
+
+TEST(NetFriction, IsFoundInFewIterationsWithImplicitEuler) {
+  EXPECT_LT(count_long_steps<ImplicitEuler>(), 105);
+}
+TEST(NetFriction, IsFoundInFewIterationsWithTrBdf2) { EXPECT_LT(count_long_steps<TrBdf2>(), 20); }
+
+}  // namespace
+}  // namespace godobject::test_net_friction
