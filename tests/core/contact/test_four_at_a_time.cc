@@ -151,7 +151,7 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
     BegunPack begun;
     None none;
     begin_four(near, laws, near.sides(0), near.all(&NearContact::p_W), h, {.relaxing = h}, step, stage_before,
-               begun, pack);
+               none, begun, pack);
     foresee<false>(pack, SpatialVector::zero());
     ContactSums sums;
     add<false>(pack, h, sums);

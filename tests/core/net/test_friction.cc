@@ -51,7 +51,8 @@ int count_long_steps() {
     constexpr Real missed = 2e-3;  // N
     for (std::size_t i = 0; i < run->x.net.contacts.size; ++i) {
       const ContactMemory& one = run->x.net.contacts.list[i];
-      const Real F_n = one.n_W.dot(one.F_W), F_t = (one.F_W - F_n * one.n_W).norm();
+      const Vec3 n_W = one.n_W.vec(), F_W = one.F_W.vec();
+      const Real F_n = n_W.dot(F_W), F_t = (F_W - F_n * n_W).norm();
       EXPECT_LE(F_t, mu * F_n + missed) << "step " << n;
     }
   }
