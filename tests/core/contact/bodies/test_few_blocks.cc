@@ -123,7 +123,7 @@ TEST(FewBlocksAtRest, CarryTheHeap) {
 /// What a step says is of its worst stage: one of TR-BDF2 that knows no acceleration begins with an implicit Euler stage of c h,
 /// and says no less than an implicit Euler step of that length does.
 TEST(FewBlocks, AreToldOfTheWorstStage) {
-  constexpr Real rounding = 1e-6;  // of two programs
+  constexpr Real rounding = 1e-6, of_forces = 1e-11;  // of two programs; N
   const Case c{.k = 1e6, .zeta = 0.1, .h = 1e-3, .mu = 0.5};
   for (unsigned seed = 0; seed < 4; ++seed) {
     Random random(seed), again(seed);
@@ -143,7 +143,7 @@ TEST(FewBlocks, AreToldOfTheWorstStage) {
       EXPECT_GE(all.newton_iterations, one.newton_iterations) << "seed " << seed << ", step " << n;
       EXPECT_GE(all.iterations, one.iterations) << "seed " << seed << ", step " << n;
       EXPECT_GE(all.num_without_room, one.num_without_room) << "seed " << seed << ", step " << n;
-      EXPECT_GE(all.residual, (1 - rounding) * one.residual) << "seed " << seed << ", step " << n;
+      EXPECT_GE(all.residual, (1 - rounding) * one.residual - of_forces) << "seed " << seed << ", step " << n;
     }
   }
 }
