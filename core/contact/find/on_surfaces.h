@@ -1,0 +1,143 @@
+// The spheres of a body against surfaces of the world, or of another body, four at a time where these are planes and boxes.
+#pragma once
+
+#include "core/contact/find/before.h"
+#include "core/contact/find/four_spheres.h"
+#include "core/contact/find/sweep.h"
+
+namespace godobject {
+
+/// Adds a contact of bodies, or of a body and the world, with the speed at which it opens: if it is within reach where the
+/// stage is predicted to end, or where it starts. What presses a body down again may not let it come off as predicted.
+template <class Contacts, std::size_t N>
+void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
+              NearContacts<Contacts::max_contacts>& near) noexcept {
+  at.v_n = at.n_W.dot(velocity_at(w, at.a, at.p_W) - velocity_at(w, at.b, at.p_W));
+  if (std::max(at.d, at.d + w.h * at.v_n) > -reach) near.add(at);
+}
+
+/// Spheres of body a against the surfaces [first, end) of body b. Those of a body with shapes that are deep in a box of the
+/// world leave it through one face. leaving_W: the way by which all spheres of a leave b, if they are deep in each other.
+/// True: they are, and the result is undefined.
+template <class Contacts, std::size_t N>
+// NOLINTNEXTLINE(readability-function-size): a list of cases
+bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+                      std::uint64_t pair, std::uint32_t first, std::uint32_t end, const Vec3* leaving_W,
+                      NearContacts<Contacts::max_contacts>& near) noexcept {
+  constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
+  const auto& on_a = w.owned[a];
+  Real travel = on_a.travel;
+  if (b < N) travel += w.owned[b].travel;
+  for (std::uint32_t o = first; o < end; ++o) {
+    const Real ball = ball_round(w.posed[o]);
+    for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
+      const SpherePack& pack = w.packs[k];
+      std::uint32_t sought = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
+      if constexpr (Contacts::between_bodies) {
+        if (b < N) sought &= reaching(pack, on_a.travel, w.broad.boxes[b]);
+        if (sought == 0) continue;
+      }
+      const ShapeParams& shape = w.posed[o];
+      const Mat3& R_WS = w.R_WS[o];
+      const auto found = [&](std::uint32_t j, Real d, const Vec3& n_W) noexcept {
+        add_near(w,
+                 {.key = pair | touch_key(s + j, o),
+                  .of = spheres + s + j,
+                  .on = o,
+                  .a = a,
+                  .b = b,
+                  .d = d,
+                  .p_W = lane(pack.p_W, j) - pack.r[j] * n_W,
+                  .n_W = n_W},
+                 contact_reach * pack.r[j], near);
+      };
+      const auto found_all = [&](std::uint32_t hits, const Pack& d, const Vector3<Pack>& n_W) noexcept {
+        if (hits == 0) return;
+        const Vector3<Pack> p_W = pack.p_W - n_W * pack.r;
+        const Pack v_n = opening_at(w, a, b, p_W, n_W);
+        hits &= bits(pack.r * -contact_reach < max(d, d + w.h * v_n));
+        const auto p = columns(p_W), n = columns(n_W);
+        for (; hits != 0; hits &= hits - 1) {
+          const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+          near.add({.key = pair | touch_key(s + j, o),
+                    .of = spheres + s + j,
+                    .on = o,
+                    .a = a,
+                    .b = b,
+                    .d = d[j],
+                    .v_n = v_n[j],
+                    .p_W = p[j].vec(),
+                    .n_W = n[j].vec()});
+        }
+      };
+      const auto first_touch = [&](std::uint32_t j) noexcept {
+        const Vec3 p_W = lane(pack.p_W, j);
+        return swept(shape, R_WS, p_W, -w.since() * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)),
+                     pack.r[j]);
+      };
+      const auto before = [&](std::uint32_t j, const SurfacePoint& nearest) noexcept {
+        return behind_face_before(pair | touch_key(s + j, o), w.before, w.of_stage, shape, R_WS,
+                                  lane(pack.p_W, j), nearest);
+      };
+      Pack d;
+      Vector3<Pack> n_W;
+      if (shape.kind == ShapeKind::plane) {
+        const std::uint32_t hits = sought & near_plane(shape, R_WS, pack, travel, d, n_W);
+        found_all(hits, d, n_W);
+        continue;
+      }
+      if (Contacts::between_bodies && on_a.has_surfaces() && shape.kind == ShapeKind::box) {
+        std::uint32_t hits = 0;
+        if (leaving_W != nullptr) {
+          hits = sought & behind_face(shape, R_WS, pack, face_along(R_WS, *leaving_W), d, n_W);
+        } else {
+          hits = sought & near_box(shape, R_WS, pack, travel, nullptr, d, n_W);
+          // it may have come in over another face, or be through
+          const std::uint32_t past = shape.half_extents.minCoeff() < travel ? 15 : bits(Pack(0) < d);
+          std::uint32_t fast = b < N ? 0 : hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
+          for (; fast != 0; fast &= fast - 1) {
+            const auto j = static_cast<std::uint32_t>(std::countr_zero(fast));
+            const SweptContact touch = first_touch(j);
+            if (touch.touches) {
+              found(j, touch.depth, touch.n_W);
+            } else if (touch.was_inside && d[j] < pack.r[j]) {
+              const SurfacePoint behind = before(j, {.distance = pack.r[j] - d[j], .n = lane(n_W, j)});
+              found(j, pack.r[j] - behind.distance, behind.n);
+            } else {
+              continue;
+            }
+            hits &= ~(1u << j);
+          }
+          if ((hits & bits(pack.r <= d)) != 0) {
+            if (b < N) return true;
+            const Vec3 face = face_along(R_WS, way_out(w, o, o + 1, a).n_W);
+            hits = sought & near_box(shape, R_WS, pack, travel, &face, d, n_W);
+          }
+        }
+        found_all(hits, d, n_W);
+        continue;
+      }
+      std::uint32_t hits = sought & may_touch(shape, R_WS, ball, pack, travel);
+      for (; hits != 0; hits &= hits - 1) {
+        const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
+        const Real radius = pack.r[j], reach = contact_reach * radius + travel;
+        SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
+        if (b >= N && (travel > radius || surface.distance < 0)) {
+          const SweptContact touch = first_touch(j);
+          if (touch.touches) {
+            found(j, touch.depth, touch.n_W);
+            continue;
+          }
+          if (shape.kind == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
+            surface = before(j, surface);
+        }
+        const Real depth = radius - surface.distance;
+        if (depth <= -reach || (leaving_W != nullptr && leaving_W->dot(surface.n) < 0)) continue;
+        found(j, depth, surface.n);
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace godobject
