@@ -112,15 +112,20 @@ inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& o
           .pressed = numbers(&ContactMemory::pressed)};
 }
 
-/// The law of a contact in a stage of length h. What none asks for is zero: a contact that bears nothing.
+/// The law of contacts in a stage of length h (24). A law of zeros bears nothing.
 template <class T>
 struct StageLawOf {
-  T k = 0, eta_n = 0, eta_n_h = 0, max_eta_t = 0, v_per_xi = 0, mu = 0;
-  T kept = 0,
-    given = 0;    // xi at the end of a stage, without friction, of xi where it begins; and by friction, m/N
-  T relaxed = 0;  // m, by which e may fall
-  T behind = 0;   // m, by which it may be behind the depth when it falls
-  T max_stored_penetration = 0;  // m
+  T k = 0;                       // N/m
+  T eta_n = 0;                   // N s/m
+  T eta_n_h = 0;                 // eta_n / h, N/m
+  T max_eta_t = 0;               // N s/m, of a contact point that sticks
+  T v_per_xi = 0;                // k_t / max_eta_t, 1/s
+  T mu = 0;                      // Coulomb
+  T kept = 0;                    // share of xi that is left at the end of a stage without friction
+  T given = 0;                   // m/N, by which friction moves xi
+  T relaxed = 0;                 // m, by which e may fall
+  T behind = 0;                  // m, by which it may be behind the depth when it falls
+  T max_stored_penetration = 0;  // m (35)
 };
 
 /// Contacts where a stage starts.
