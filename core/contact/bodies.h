@@ -174,9 +174,9 @@ void solve_island(Real h, const Island& island, const Solving& how, System& syst
                           : seeks            ? max_cg_iterations_seeking
                                              : max_cg_iterations;
       factorize(w.system);
-      const Iterated taken{iterate(allowed, how.tolerance, system, x, [&](auto u, const auto& V) noexcept {
+      const Iterated taken = iterate(allowed, how.tolerance, system, x, [&](auto u, const auto& V) noexcept {
         return speed_sq_of(w.stages, u, V);
-      })};
+      });
       converged = taken.converged;
       iterations += taken.iterations;
       if constexpr (System::is_coupled) compute_residual(system, x);

@@ -91,10 +91,12 @@ struct PackVelocity {
 };
 inline void move(ContactPack& c, const PackVelocity& V) noexcept { c.v = V.v; }
 
-/// A speed of slip that can be divided by.
-inline Pack speed_of(const Vector3<Pack>& s) noexcept {
-  return max(sqrt(s.squaredNorm()), Pack(std::numeric_limits<Real>::min()));
+/// Speeds that can be divided by; where they are none the contact sticks.
+inline Pack above_zero(const Pack& speed) noexcept {
+  return max(speed, Pack(std::numeric_limits<Real>::min()));
 }
+/// A speed of slip that can be divided by.
+inline Pack speed_of(const Vector3<Pack>& s) noexcept { return above_zero(sqrt(s.squaredNorm())); }
 /// eta_t of (24) at a speed of slip.
 inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) noexcept {
   return min(c.mu * F_n / speed, c.max_eta_t);

@@ -44,7 +44,7 @@ inline Lead lead(const ImposedJoints::State& x, int turns, const JointMotionSamp
   Lead l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
   if (!pull.ramp.engaged || !pull.live) {
     const JointCoordinates q = x.last.q + h * x.last.q_dot;
-    const bool in_turn = turns == 0 || turns == 3 || q.head(turns).cwiseAbs().maxCoeff() <= pi;
+    const bool in_turn = unwrapped(q, JointCoordinates::Zero(), turns) == q;
     if (pull.ramp.engaged && pull.gap.bridged && in_turn) l.to = {.q = q, .q_dot = x.last.q_dot};
     return l;
   }

@@ -31,11 +31,6 @@ Pack give_way(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real h,
   return give;
 }
 
-/// Speeds that can be divided by; where they are none the contact sticks.
-inline Pack above_zero(const Pack& speed) noexcept {
-  return max(speed, Pack(std::numeric_limits<Real>::min()));
-}
-
 /// (50)  The speeds of a pack where friction is as the law says.
 template <class Net, std::size_t N>
 auto slip_ahead(std::size_t pack, Real h, const NetStage<Net, N>& w) noexcept {

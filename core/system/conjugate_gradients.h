@@ -14,7 +14,7 @@ struct SystemVectors {
   typename System::Vector V, V_0, r, AV_0, z, p, Ap;
 };
 
-/// How an iteration ended: after how many, and, of a coupled system, whether by itself and not at its most.
+/// How an iteration ended: after how many, and whether because all velocities were known.
 struct Iterated {
   int iterations = 0;
   bool converged = false;
@@ -44,7 +44,8 @@ void keep_balance(const System& system, Vectors& x) noexcept {
 /// end. Every step is the best one along its direction. The system keeps what was loaded: is_complete is false.
 /// speed_sq(u, V): of unknown u at V, squared; below the tolerance, m/s, for all of them the iteration ends.
 template <class System, class Vectors, class Speed>
-auto iterate(int most_iterations, Real tolerance, const System& system, Vectors& x, Speed speed_sq) noexcept {
+Iterated iterate(int most_iterations, Real tolerance, const System& system, Vectors& x,
+                 Speed speed_sq) noexcept {
   constexpr Real tiny = std::numeric_limits<Real>::min();
   const auto& b = system.b;
   system.multiply(x.V_0, x.AV_0);
@@ -102,8 +103,7 @@ auto iterate(int most_iterations, Real tolerance, const System& system, Vectors&
     system.each([&](auto u) noexcept { x.r[u] = b[u] - x.Ap[u]; });
   }
   keep_balance(system, x);
-  if constexpr (System::is_coupled) return Iterated{iterations, converged};
-  else return iterations;
+  return {.iterations = iterations, .converged = converged};
 }
 
 }  // namespace godobject

@@ -119,8 +119,9 @@ void expect_balance(const char* name) {
     for (std::uint32_t i = 0; i < size; ++i) x->r[i] = n % 3 == 0 ? SpatialVector::zero() : x->V_0[i];
     solve(*s.system, x->r, x->V_0);
     const int iterations =
-        iterate(limit, velocity_tolerance, *s.system, *x,
-                [&](std::uint32_t u, const SpatialVector& V) { return speed_sq(s, u, V); });
+        iterate(limit, velocity_tolerance, *s.system, *x, [&](std::uint32_t u, const SpatialVector& V) {
+          return speed_sq(s, u, V);
+        }).iterations;
     const LongVector V = in_full(x->V, size), b = in_full(s.system->b, size);
     const LongVector exact = B * LongMatrix(B.transpose() * A * B).ldlt().solve(B.transpose() * b);
     keep_worst(balance, std::abs(V.dot(A * V) - V.dot(b)) / V.dot(b));
@@ -162,8 +163,9 @@ TEST(ConjugateGradients, TakeOneIterationWhereTheFactorIsComplete) {
     auto x = std::make_unique<SystemVectors<Some>>();
     x->V_0 = random_impulses<Some>(size, random);
     const int iterations =
-        iterate(8, velocity_tolerance, *s.system, *x,
-                [&](std::uint32_t u, const SpatialVector& V) { return speed_sq(s, u, V); });
+        iterate(8, velocity_tolerance, *s.system, *x, [&](std::uint32_t u, const SpatialVector& V) {
+          return speed_sq(s, u, V);
+        }).iterations;
     EXPECT_EQ(iterations, 1);
     const LongMatrix A = in_full(s);
     const LongVector off = in_full(x->V, size) - A.ldlt().solve(in_full(s.system->b, size));
