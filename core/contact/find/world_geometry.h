@@ -50,21 +50,22 @@ struct ContactFinder {
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
 
-/// How fast a point of a body moves at the end of the stage, or four points; the world rests.
-template <class T = Real, class Contacts, std::size_t N>
-Vector3<T> velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body,
-                       const Vector3<T>& p_W) noexcept {
-  if (body >= N) return Vector3<T>::Constant(T(0));
+/// How fast a point of a body moves at the end of the stage; the world rests.
+template <class Contacts, std::size_t N>
+Vec3 velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& p_W) noexcept {
+  if (body >= N) return Vec3::Zero();
   const TreePlace& at = w.at[body];
-  const Vector3<T> v = at.V.v.template cast<T>(), w_W = at.V.w.template cast<T>(),
-                   r = p_W - at.a_W.template cast<T>();
-  return v + w_W.cross(r);
+  return at.V.v + at.V.w.cross(p_W - at.a_W);
 }
-/// How fast points open along normals that are off body b, if they move with body a.
+/// How fast a point opens along a normal that is off body b, if it moves with body a; or four points.
 template <class T = Real, class Contacts, std::size_t N>
 T opening_at(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, const Vector3<T>& p_W,
              const Vector3<T>& n_W) noexcept {
-  return n_W.dot(velocity_at<T>(w, a, p_W) - velocity_at<T>(w, b, p_W));
+  const auto along = [&](const TreePlace& at) noexcept {
+    const Vector3<T> r = p_W - at.a_W.template cast<T>(), rxn = r.cross(n_W);
+    return T(n_W.dot(at.V.v.template cast<T>()) + rxn.dot(at.V.w.template cast<T>()));
+  };
+  return b < N ? along(w.at[a]) - along(w.at[b]) : along(w.at[a]);
 }
 
 /// The spheres of a body in the world, up to number `end`, four to a pack from `packs` on. Returns the number of packs.
