@@ -102,8 +102,8 @@ Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& s
   const ContactPastOf<Pack> by_step = past_by(of_step);
   const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
   const Vector3<Pack> n_W = near.all(&NearContact::n_W);
-  // by extrapolation, to where the stage starts
-  const Pack closed = (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
+  // an extrapolation to where the stage starts is measured; what a stage has led into another, unnoticed, is not
+  const Pack closed = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
   const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .closed = closed};
   const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
     if constexpr (std::is_same_v<FoundDeeper, bool>) {

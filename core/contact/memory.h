@@ -133,7 +133,7 @@ template <class T>
 struct ContactStartOf {
   Vector3<T> n_W;
   T d_0;     // depth, m
-  T closed;  // by which they came nearer since the step began, m
+  T closed;  // by which an extrapolation has led them nearer, m: 0 where a stage starts at an end
 };
 
 /// What a stage knows of contacts where it begins.

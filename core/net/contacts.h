@@ -168,15 +168,8 @@ void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
     return A;
   };
   each_carried(net, [&](const NetRun& run) noexcept {
-    SymmetricSpatialMatrix A = net.prestress[run.body];
-    for (std::uint32_t n = run.first; n < run.end; ++n) {
-      const Column &r = net.r[n], mr = r * net.m[n];
-      A.ww += Block::identity() * dot(r, mr);
-      A.ww -= outer(mr, r);
-      A.wv += cross(mr, Block::identity());
-      A.vv += Block::identity() * net.m[n];
-    }
-    w.system.add(static_cast<std::uint32_t>(run.body), A);
+    w.system.add(static_cast<std::uint32_t>(run.body), net.prestress[run.body]);
+    w.system.add(static_cast<std::uint32_t>(run.body), inertia_of(net, run));
   });
   for (std::size_t c = 0; c < net.num_contacts; ++c) {
     const NetContactTerm& contact = net.contacts[c];
@@ -202,14 +195,13 @@ void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept
   auto& net = w.net;
   // nodes have moved little since the stage before: its factor is as good a preconditioner
   const bool is_factored = !first || (w.stage.goes_on && net.factored_h == h);
-  if (is_factored) {
-    take_contacts_out(net);
-  } else {
+  if (!is_factored) {
     gather_net_contacts(h, net);
     factor_nodes(net);
     net.factored_h = h;
   }
   if (first) foresee_friction(h, net);  // those that touch stay the same
+  take_contacts_out(net);
   gather_net_contacts(h, net);
   put_contacts_in(net);
   load_impulses(w);

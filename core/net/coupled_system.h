@@ -38,6 +38,39 @@ void each_carried(const NetStage<Net, N>& w, F f) noexcept {
     if (w.runs[k].body != world) f(w.runs[k]);
 }
 
+/// Inertia of the nodes of a run about the centre of mass of their carrier.
+template <class Net, std::size_t N>
+SymmetricSpatialMatrix inertia_of(const NetStage<Net, N>& w, const NetRun& run) noexcept {
+  Pack m_sum = 0;
+  Vector3<Pack> mr_sum = Vector3<Pack>::Constant(Pack(0)), squares = mr_sum, products = mr_sum;  // yz, xz, xy
+  for (std::uint32_t n = run.first; n < run.end; n += 4) {
+    const auto at = [&](std::uint32_t j) noexcept { return std::min(n + j, run.end - 1); };
+    const auto m_of = [&](std::uint32_t j) noexcept { return n + j < run.end ? w.m[n + j] : 0; };
+    const Pack m(m_of(0), m_of(1), m_of(2), m_of(3));
+    const Vector3<Pack> r = in_lanes(w.r[at(0)], w.r[at(1)], w.r[at(2)], w.r[at(3)]);
+    const Pack mx = m * r[0], my = m * r[1], mz = m * r[2];
+    m_sum += m;
+    mr_sum[0] += mx;
+    mr_sum[1] += my;
+    mr_sum[2] += mz;
+    squares[0] += mx * r[0];
+    squares[1] += my * r[1];
+    squares[2] += mz * r[2];
+    products[0] += my * r[2];
+    products[1] += mx * r[2];
+    products[2] += mx * r[1];
+  }
+  const auto total_of = [](const Vector3<Pack>& sum) noexcept -> Vec3 {
+    return {total(sum[0]), total(sum[1]), total(sum[2])};
+  };
+  const Vec3 xx = total_of(squares), yz = total_of(products), mr = total_of(mr_sum);
+  Mat3 I;
+  I << xx.y() + xx.z(), -yz.z(), -yz.y(), -yz.z(), xx.x() + xx.z(), -yz.x(), -yz.y(), -yz.x(),
+      xx.x() + xx.y();
+  return {
+      .ww = block_of(I), .wv = cross(Column(mr), Block::identity()), .vv = Block::identity() * total(m_sum)};
+}
+
 /// The system of bodies `bodies` and the nets that they carry and touch, or are attached to.
 template <class OfBodies, class Stage>
 struct CoupledSystem {

@@ -4,35 +4,47 @@
 //
 // the diagonal alone is changed as it is factored (Meijerink and van der Vorst 1977). Every D is positive definite: if
 // D_i >= sum of the K_il, l > i, then K_ij D_i^-1 K_ij <= K_ij, and what is left of A_jj, the sum of all K at j and the mass,
-// is D_j >= sum of the K_jl, l > j, and the mass. Nodes are taken in the order of NetParams: the factor is that of their
-// numbers.
+// is D_j >= sum of the K_jl, l > j, and the mass. i < j is the order of the groups of NetParams, whose four nodes are worked
+// on at once.
 #pragma once
 
 #include "core/net/springs.h"
 
 namespace godobject {
 
-/// Effective mass K of a spring.
-inline Block effective_mass(const Pack& q_a) noexcept {
-  const Column q(q_a);
-  Block K = outer(q, q);
-  if (q_a[3] > 0) K += Block::identity() * q_a[3];
-  return K;
+/// A += K.
+inline void add(const SlotMass& K, SymmetricPack& A) noexcept {
+  const auto& [u, a, b] = K;
+  const Vector3<Pack> bu(b * u[0], b * u[1], b * u[2]);
+  A.diagonal += Vector3<Pack>(bu[0] * u[0] + a, bu[1] * u[1] + a, bu[2] * u[2] + a);
+  A.off += Vector3<Pack>(bu[1] * u[2], bu[0] * u[2], bu[0] * u[1]);
 }
-/// D += K - K E K, K = a 1 + q q^T.
-inline void add_eliminated(const Pack& q_a, const Block& E, Block& D) noexcept {
-  const Column q(q_a), e = E * q;
-  const Real a = q_a[3];
-  D += outer(q * (1 - dot(q, e)), q);
-  if (!(a > 0)) return;
-  D += Block::identity() * a;
-  D -= E * (a * a);
-  D -= outer(e * a, q) + outer(q * a, e);
+/// K - K E K.
+inline SymmetricPack eliminated(const SlotMass& K, const SymmetricPack& E) noexcept {
+  // e = b E u:  K E K = a^2 E + a (e u^T + u e^T) + b (u . e) u u^T
+  const auto& [u, a, b] = K;
+  const Vector3<Pack> Eu = E * u;
+  const Pack ab = a * b, a_sq = a * a, left = b - b * b * u.dot(Eu);
+  const Vector3<Pack> e(ab * Eu[0], ab * Eu[1], ab * Eu[2]);
+  const Vector3<Pack> f(left * u[0] - e[0], left * u[1] - e[1], left * u[2] - e[2]);
+  return {.diagonal = {f[0] * u[0] - e[0] * u[0] + (a - a_sq * E.diagonal[0]),
+                       f[1] * u[1] - e[1] * u[1] + (a - a_sq * E.diagonal[1]),
+                       f[2] * u[2] - e[2] * u[2] + (a - a_sq * E.diagonal[2])},
+          .off = {f[1] * u[2] - u[1] * e[2] - a_sq * E.off[0], f[0] * u[2] - u[0] * e[2] - a_sq * E.off[1],
+                  f[0] * u[1] - u[0] * e[1] - a_sq * E.off[2]}};
 }
 
 /// Effective mass of a contact.
-inline Block effective_mass(const NetContactTerm& contact) noexcept {
-  return Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
+inline SymmetricBlock effective_mass(const NetContactTerm& contact) noexcept {
+  SymmetricBlock K = outer_square(contact.n, contact.b);
+  return K += SymmetricBlock::multiple(contact.a);
+}
+
+/// Those of a group's nodes, each in its lane.
+template <std::size_t max_nodes>
+SymmetricPack in_lanes(const std::array<SymmetricBlock, max_nodes>& A, const NodeGroup& group) noexcept {
+  const auto& n = group.nodes;
+  return in_lanes(A[n[0]], A[n[1]], A[n[2]], A[n[3]]);
 }
 
 /// Factors the nodes as their springs, anchors and contacts are.
@@ -40,57 +52,68 @@ template <class Net, std::size_t N>
 void factor_nodes(NetStage<Net, N>& w) noexcept {
   auto& D = w.D;
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
-    D[n] = Block::identity() * (w.m[n] + w.kappa[n]);
-    w.of_contacts[n] = Block::zero();
+    D[n] = SymmetricBlock::multiple(w.m[n] + w.kappa[n]);
+    w.of_contacts[n] = SymmetricBlock::zero();
   }
   for (std::size_t c = 0; c < w.num_contacts; ++c)
     w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
-  for (std::uint32_t o = 0; o < w.num_nodes; ++o) {
-    const std::uint32_t i = w.order[o], s = w.first_of[i + 1];
-    Block D_i = D[i];
-    for (std::uint32_t t = w.first_of[i]; t < s; ++t) D_i += effective_mass(w.q_a[t]);
-    D[i] = D_i;
-    D_i = w.D_inverse[i] = inverse(D_i + w.of_contacts[i]);
-    for (std::uint32_t t = w.first_of[i]; t < s; ++t) add_eliminated(w.q_a[t], D_i, D[w.other[t]]);
+  for (std::size_t g = 0; g < w.par->num_groups; ++g) {
+    const NodeGroup& group = w.par->groups[g];
+    SymmetricPack D_i = in_lanes(D, group);
+    for (std::uint32_t s = group.first; s < group.end; ++s) add(w.masses[s], D_i);
+    const std::array<SymmetricBlock, 4> D_n = blocks(D_i);
+    for (std::size_t j = 4; j-- > 0;)
+      D[group.nodes[j]] = D_n[j];  // last the lane that is the first node's own
+    const SymmetricPack E = w.D_inverse[g] = inverse(D_i + in_lanes(w.of_contacts, group));
+    for (std::uint32_t s = group.first; s < group.end; ++s) {
+      const std::array<SymmetricBlock, 4> left = blocks(eliminated(w.masses[s], E));
+      for (std::size_t j = 0; j < 4; ++j) D[w.par->slots[s].others[j]] += left[j];
+    }
   }
 }
 
 /// The contacts of nodes, out of their D and into it: what they change elsewhere is left as it was factored, a
 /// preconditioner all the same, since D_j is positive definite without the contacts of j.
 template <class Net, std::size_t N>
-void take_contacts_out(NetStage<Net, N>& w) noexcept {
+void renew_inverses(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c) {
-    const std::uint32_t n = w.contacts[c].node;
-    w.D_inverse[n] = inverse(w.D[n]);
+    const std::uint32_t g = w.par->places[w.contacts[c].node].group;
+    const NodeGroup& group = w.par->groups[g];
+    w.D_inverse[g] = inverse(in_lanes(w.D, group) + in_lanes(w.of_contacts, group));
   }
 }
 template <class Net, std::size_t N>
+void take_contacts_out(NetStage<Net, N>& w) noexcept {
+  for (std::size_t c = 0; c < w.num_contacts; ++c) w.of_contacts[w.contacts[c].node] = SymmetricBlock::zero();
+  renew_inverses(w);
+}
+/// Those that were in it are out.
+template <class Net, std::size_t N>
 void put_contacts_in(NetStage<Net, N>& w) noexcept {
-  auto& of_node = w.of_contacts;  // which may touch more than one thing
-  for (std::size_t c = 0; c < w.num_contacts; ++c) of_node[w.contacts[c].node] = Block::zero();
   for (std::size_t c = 0; c < w.num_contacts; ++c)
-    of_node[w.contacts[c].node] += effective_mass(w.contacts[c]);
-  for (std::size_t c = 0; c < w.num_contacts; ++c) {
-    const std::uint32_t n = w.contacts[c].node;
-    w.D_inverse[n] = inverse(w.D[n] + of_node[n]);
-  }
+    w.of_contacts[w.contacts[c].node] +=
+        effective_mass(w.contacts[c]);  // a node may touch more than one thing
+  renew_inverses(w);
 }
 
 /// z = M^-1 r; r is used up.
 template <class Net, std::size_t N, class Vector>
 void solve_nodes(const NetStage<Net, N>& w, Vector& r, Vector& z) noexcept {
-  for (std::uint32_t o = 0; o < w.num_nodes; ++o) {
-    const std::uint32_t i = w.order[o];
-    const Column z_i = z[i] = w.D_inverse[i] * r[i];
-    for (std::uint32_t s = w.first_of[i], end = w.first_of[i + 1]; s < end; ++s)
-      r[w.other[s]] += spring_product(w.q_a[s], z_i);
+  const auto groups = w.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const NodeGroup& group = groups[g];
+    const Vector3<Pack> z_i = w.D_inverse[g] * in_lanes(r, group.nodes);
+    const std::array<Column, 4> z_n = columns(z_i);
+    for (std::size_t j = 4; j-- > 0;) z[group.nodes[j]] = z_n[j];
+    for (std::uint32_t s = group.first; s < group.end; ++s)
+      add_lanes(w.masses[s] * z_i, w.par->slots[s].others, r);
   }
-  for (std::uint32_t o = static_cast<std::uint32_t>(w.num_nodes); o-- > 0;) {
-    const std::uint32_t i = w.order[o];
-    Column sum(Pack(0));
-    for (std::uint32_t s = w.first_of[i]; s < w.first_of[i + 1]; ++s)
-      sum += spring_product(w.q_a[s], z[w.other[s]]);
-    z[i] += w.D_inverse[i] * sum;
+  for (std::size_t g = groups.size(); g-- > 0;) {
+    const NodeGroup& group = groups[g];
+    Vector3<Pack> sum = Vector3<Pack>::Constant(Pack(0));
+    for (std::uint32_t s = group.first; s < group.end; ++s)
+      sum += w.masses[s] * in_lanes(z, w.par->slots[s].others);
+    add_lanes(w.D_inverse[g] * sum, group.nodes, z);
   }
 }
 

@@ -135,8 +135,8 @@ bool flies([[maybe_unused]] const Params<S>& par, const Scratch<S>& w, std::size
 /// A spring joins a node of the run to one of another carrier.
 template <class Net, std::size_t N>
 bool joins_carriers(const NetStage<Net, N>& w, const NetRun& run) noexcept {
-  for (std::uint32_t s = 0; s < w.first_of[w.num_nodes]; ++s)
-    if ((w.first_of[run.first] <= s && s < w.first_of[run.end]) != run.holds(w.other[s])) return true;
+  for (std::size_t s = 0; s < w.par->num_springs; ++s)
+    if (run.holds(w.par->springs[s].i) != run.holds(w.par->springs[s].j)) return true;
   return false;
 }
 

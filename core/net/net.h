@@ -3,8 +3,9 @@
 // net, which is a body like any other (the god-object), or on a point of the world. Attachments join nodes to other bodies.
 //
 // The room: springs.h is what anchors and springs are in a stage, attachment.h what attachments are, incomplete_factor.h the
-// preconditioner of the nodes, coupled_system.h bodies and nodes as one system, find.h and contacts.h what nodes touch, solve.h a stage of all of it,
-// momentum.h what a net in flight keeps, setup.h what is checked and put in order before the first step.
+// preconditioner of the nodes, coupled_system.h bodies and nodes as one system, find.h and contacts.h what nodes touch, solve.h a
+// stage of all of it, momentum.h what a net in flight keeps, setup.h what is checked and put in order before the first step,
+// groups.h by which four nodes, and four springs, are worked on at once.
 #pragma once
 
 #include <algorithm>
@@ -58,18 +59,41 @@ struct NetAttachments<0> {
   static constexpr const NetAttachment* end() noexcept { return nullptr; }
 };
 
-/// Constant while running. Springs are in the order of i, then j, attachments in that of their nodes, and nodes have one of
-/// elimination: put_in_order() of setup.h.
+/// Up to four nodes of one carrier that no spring joins: they are worked on at once, each in a lane. Lanes that are left hold
+/// the first node again.
+struct NodeGroup {
+  std::array<std::uint32_t, 4> nodes{};
+  std::uint32_t size = 0;
+  std::uint32_t first = 0, end = 0;  // its slots
+};
+
+/// Up to four springs, each the next of the node in its lane, of which it is the first end. A lane that has none left holds
+/// no_spring, from the node to itself.
+struct SpringSlot {
+  std::array<std::uint32_t, 4> springs{}, others{};
+};
+
+/// Where a node is in the groups.
+struct NodePlace {
+  std::uint32_t group = 0, lane = 0;
+};
+
+/// Constant while running. Springs are in the order of i, then j, attachments in that of their nodes, and nodes in groups:
+/// put_in_order() of setup.h.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments = 0>
 struct NetParams {
+  static constexpr std::uint32_t no_spring = max_springs;
   std::array<NetNode, max_nodes> nodes;
   std::size_t num_nodes = 0;
-  std::array<NetSpring, max_springs> springs;
+  std::array<NetSpring, max_springs + 1> springs;  // and no_spring, which has no stiffness
   std::size_t num_springs = 0;
   [[no_unique_address]] NetAttachments<max_attachments> attachments;
-  // of elimination: each node after those that springs join to it from below
-  std::array<std::uint32_t, max_nodes> order{};
-  int max_iterations = 12;  // of conjugate gradients in a stage
+  // in an order of elimination: each node after those that springs join to it from below
+  std::array<NodeGroup, max_nodes> groups;
+  std::size_t num_groups = 0;
+  std::array<SpringSlot, max_springs> slots;
+  std::array<NodePlace, max_nodes> places;  // of the nodes in the groups
+  int max_iterations = 12;                  // of conjugate gradients in a stage
   // m/s^3: an iteration that changes no velocity by more than this times h^2, h of the stage, is the last. Steps add up what
   // it leaves: so that falls as the error of the integrator does.
   Real tolerance = 100;

@@ -7,14 +7,15 @@
 #include "core/contact/candidates.h"
 #include "core/contact/find/sphere_pack.h"
 #include "core/contact/stage.h"
+#include "core/math/symmetric.h"
 #include "core/net/net.h"
 
 namespace godobject {
 
-/// Nodes [first, end) that have one carrier.
+/// Nodes [first, end) that have one carrier, and their groups.
 struct NetRun {
   std::size_t body = world;
-  std::uint32_t first = 0, end = 0;
+  std::uint32_t first = 0, end = 0, first_group = 0, end_group = 0;
 
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
@@ -35,6 +36,17 @@ struct NetPair {
   std::uint32_t carrier = 0, touched = 0, entry = 0;  // entry: of the system of their island
 };
 
+/// (41)  Effective masses K = a 1 + b u u^T of the springs of a slot.
+struct SlotMass {
+  Vector3<Pack> u;
+  Pack a, b;
+
+  Vector3<Pack> operator*(const Vector3<Pack>& d) const noexcept {
+    const Pack along = b * u.dot(d);
+    return {d[0] * a + u[0] * along, d[1] * a + u[1] * along, d[2] * a + u[2] * along};
+  }
+};
+
 /// The nets of a scene in a stage. N: bodies. Scratch: undefined between steps.
 template <class Net, std::size_t N>
 struct NetStage {
@@ -53,12 +65,10 @@ struct NetStage {
   std::array<Column, max_nodes> J_anchor;
   std::array<Column, max_nodes> b;  // impulses of all but contacts
 
-  // by spring: q, and a in the fourth place, of its effective mass a 1 + q q^T
-  std::array<Pack, Net::max_springs> q_a;
-  std::array<std::uint32_t, Net::max_springs> other;  // its second node
-  std::array<std::uint32_t, Net::max_nodes + 1>
-      first_of;                          // springs of node i: [first_of[i], first_of[i + 1])
-  const std::uint32_t* order = nullptr;  // of elimination: NetParams
+  const typename Net::Params* par = nullptr;
+  // by slot: effective masses of springs, and impulses were the ends at rest
+  std::array<SlotMass, Net::max_springs> masses;
+  std::array<Vector3<Pack>, Net::max_springs> J_springs;
   std::array<SymmetricSpatialMatrix, N>
       prestress;  // what springs that pull resist of their carrier's turning
 
@@ -80,8 +90,9 @@ struct NetStage {
   std::array<ContactMemories<Net::max_contacts>, 2> memories;
   std::size_t last = 0;
 
-  // of the incomplete factor of the nodes: D but for their own contacts, and the inverse of all of it
-  std::array<Block, max_nodes> D, of_contacts, D_inverse;
+  // of the incomplete factor of the nodes: D but for their own contacts, and by group the inverse of all of it
+  std::array<SymmetricBlock, max_nodes> D, of_contacts;
+  std::array<SymmetricPack, max_nodes> D_inverse;
   Real factored_h = 0;  // length of the stage that it is of, s; 0: it is not to be taken again
   std::array<Column, max_nodes> riding_v;  // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;
@@ -90,6 +101,7 @@ struct NetStage {
   bool is_solved = true;  // false: the iteration was stopped at its most
   NetReport report;
 
+  std::span<const NodeGroup> groups() const noexcept { return {par->groups.data(), par->num_groups}; }
   std::span<NetContactTerm> attached() noexcept { return {contacts.data(), num_attachments}; }
   std::span<const NetContactTerm> attached() const noexcept { return {contacts.data(), num_attachments}; }
 };

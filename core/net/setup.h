@@ -4,32 +4,21 @@
 #include <algorithm>
 
 #include "core/math/so3.h"
-#include "core/net/net.h"
+#include "core/net/groups.h"
 
 namespace godobject {
 
-/// Nodes by how many springs lead up to them: those of one level are not joined, so that a processor may work on several of
-/// them at a time, where in the order of their numbers each node waits for the one before.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-void order_by_levels(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
-  std::array<std::uint32_t, max_nodes> level{};
-  for (std::size_t s = 0; s < par.num_springs; ++s) {
-    const NetSpring& spring = par.springs[s];
-    if (spring.j < par.num_nodes) level[spring.j] = std::max(level[spring.j], level[spring.i] + 1);
-  }
-  for (std::size_t n = 0; n < par.num_nodes; ++n) par.order[n] = static_cast<std::uint32_t>(n);
-  std::sort(
-      par.order.begin(), par.order.begin() + static_cast<std::ptrdiff_t>(par.num_nodes),
-      [&](std::uint32_t a, std::uint32_t b) { return level[a] != level[b] ? level[a] < level[b] : a < b; });
-}
-
-/// Springs in the order that a step needs: i < j, by i, then j; attachments by nodes, and nodes in that of elimination. What has
-/// no room is left as it is, for is_valid_net() to refuse.
+/// Springs in the order that a step needs: i < j, by i, then j; attachments by nodes; and nodes in groups. What has no
+/// room, or is no spring, is left as it is, for is_valid_net() to refuse.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   if (par.num_nodes > max_nodes || par.num_springs > max_springs) return;
-  for (std::size_t s = 0; s < par.num_springs; ++s)
-    if (par.springs[s].j < par.springs[s].i) std::swap(par.springs[s].i, par.springs[s].j);
+  bool are_springs = true;
+  for (std::size_t s = 0; s < par.num_springs; ++s) {
+    NetSpring& spring = par.springs[s];
+    if (spring.j < spring.i) std::swap(spring.i, spring.j);
+    are_springs = are_springs && spring.i < spring.j && spring.j < par.num_nodes;
+  }
   std::sort(par.springs.begin(), par.springs.begin() + static_cast<std::ptrdiff_t>(par.num_springs),
             [](const NetSpring& a, const NetSpring& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
   if constexpr (max_attachments > 0) {
@@ -38,19 +27,9 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
               list.begin() + static_cast<std::ptrdiff_t>(std::min(par.attachments.size, max_attachments)),
               [](const NetAttachment& a, const NetAttachment& b) { return a.node < b.node; });
   }
-  order_by_levels(par);
-}
-
-/// Every node once, after those that springs join to it from below.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-bool is_elimination_order(const NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
-  std::array<std::uint32_t, max_nodes> place{};  // from 1
-  for (std::uint32_t o = 0; o < par.num_nodes; ++o) {
-    if (par.order[o] >= par.num_nodes || place[par.order[o]] != 0) return false;
-    place[par.order[o]] = o + 1;
-  }
-  return std::all_of(par.springs.begin(), par.springs.begin() + static_cast<std::ptrdiff_t>(par.num_springs),
-                     [&](const NetSpring& spring) { return place[spring.i] < place[spring.j]; });
+  if (!are_springs) return;
+  NodeGrouping(par).put_in_groups();
+  put_in_slots(par);
 }
 
 /// Nodes of one carrier are in a row, springs and nodes in order, numbers positive where they must be. Bodies are below
@@ -79,7 +58,7 @@ bool is_valid_net(const NetParams<max_nodes, max_springs, max_attachments>& par,
       return false;
     if (!is_number(spring.k) || !is_number(spring.g) || !is_number(spring.l_0)) return false;
   }
-  return is_elimination_order(par);
+  return are_valid_groups(par);
 }
 
 /// Attachments of nodes below num_nodes, in their order, to bodies that are there and do not carry them. The net is valid.

@@ -1,12 +1,12 @@
 // Anchors and springs of nets in a stage: effective masses and impulses, linear from where the stage is predicted to end.
 //
-//   (41)  spring:  impulse J - K x' on j,  K = a 1 + q q^T,  a = h^2 k max(1 - l_0 / l, 0),  q q^T = (h^2 k + h g - a) u u^T
+//   (41)  spring:  impulse J - K x' on j,  K = a 1 + b u u^T,  a = h^2 k max(1 - l_0 / l, 0),  b = h^2 k + h g - a
 //   (47)  or from where the stage starts, at rest:  a = h^2 k
 //   (42)  anchor:  impulse J - kappa (v_n - v_b - w_b x r),  kappa = h (h k + g)
 //
-// Both as (37). A spring is four numbers in the system: its product takes no matrix. Where it is shorter than l_0, what it
-// loses across itself is left out, since the system is to be positive definite; where it is longer, nothing is. The lever
-// of an anchor is where its node is: so it does nothing where body and node turn as one.
+// Both as (37). A spring is u, a and b in the system: its product takes no matrix, and is done for the four springs of a slot
+// (groups.h). Where it is shorter than l_0, what it loses across itself is left out, since the system is to be positive definite;
+// where it is longer, nothing is. The lever of an anchor is where its node is: so it does nothing where body and node turn as one.
 #pragma once
 
 #include "core/joint/tree.h"
@@ -14,46 +14,49 @@
 
 namespace godobject {
 
-/// K d of a spring.
-inline Column spring_product(const Pack& q_a, const Column& d) noexcept {
-  const Pack m = q_a * d.p;
-  const Pack q_d = m + rotated(m) + shuffled<2, 0, 1, 3>(m, m);
-  return Column(d.p * shuffled<3, 3, 3, 3>(q_a, q_a) + q_a * q_d);
+/// What v has for the nodes of a group, or the second ends of a slot, each in its lane.
+template <class Vector>
+Vector3<Pack> in_lanes(const Vector& v, const std::array<std::uint32_t, 4>& n) noexcept {
+  return in_lanes(v[n[0]], v[n[1]], v[n[2]], v[n[3]]);
+}
+/// y += a, one after the other: lanes may be of the same node.
+template <class Vector>
+void add_lanes(const Vector3<Pack>& a, const std::array<std::uint32_t, 4>& n, Vector& y) noexcept {
+  const std::array<Column, 4> of = columns(a);
+  for (std::size_t j = 0; j < 4; ++j) y[n[j]] += of[j];
 }
 
 /// y += A_springs v.
 template <class Net, std::size_t N, class Vector>
 void add_springs_product(const NetStage<Net, N>& w, const Vector& v, Vector& y) noexcept {
-  for (std::uint32_t i = 0, s = 0; i < w.num_nodes; ++i) {
-    const Column v_i = v[i];
-    Column on_i(Pack(0));
-    for (const std::uint32_t end = w.first_of[i + 1]; s < end; ++s) {
-      const std::uint32_t j = w.other[s];
-      const Column J = spring_product(w.q_a[s], v[j] - v_i);
-      y[j] += J;
-      on_i += J;
+  for (const NodeGroup& group : w.groups()) {
+    const Vector3<Pack> v_i = in_lanes(v, group.nodes);
+    Vector3<Pack> on_i = Vector3<Pack>::Constant(Pack(0));
+    for (std::uint32_t s = group.first; s < group.end; ++s) {
+      const auto& others = w.par->slots[s].others;
+      const Vector3<Pack> J = w.masses[s] * (in_lanes(v, others) - v_i);
+      add_lanes(J, others, y);
+      on_i -= J;
     }
-    y[i] -= on_i;
+    add_lanes(on_i, group.nodes, y);
   }
 }
 
-/// Who carries whom, and which springs are of which node.
+/// Who carries whom.
 template <class Net, std::size_t N>
 void index_net(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
+  w.par = &par;
   w.num_nodes = par.num_nodes;
   w.num_runs = 0;
-  for (std::uint32_t n = 0; n < par.num_nodes; ++n) {
-    if (n == 0 || par.nodes[n].body != par.nodes[n - 1].body)
-      w.runs[w.num_runs++] = {.body = par.nodes[n].body, .first = n};
-    w.runs[w.num_runs - 1].end = n + 1;
+  std::uint32_t end = 0;
+  for (std::uint32_t g = 0; g < par.num_groups; ++g) {
+    const std::size_t body = par.nodes[par.groups[g].nodes[0]].body;
+    if (g == 0 || body != w.runs[w.num_runs - 1].body)
+      w.runs[w.num_runs++] = {.body = body, .first = end, .first_group = g};
+    NetRun& run = w.runs[w.num_runs - 1];
+    run.end = end += par.groups[g].size;
+    run.end_group = g + 1;
   }
-  std::uint32_t s = 0;
-  for (std::uint32_t n = 0; n <= par.num_nodes; ++n) {
-    while (s < par.num_springs && par.springs[s].i < n) ++s;
-    w.first_of[n] = s;
-  }
-  for (s = 0; s < par.num_springs; ++s) w.other[s] = par.springs[s].j;
-  w.order = par.order.data();
 }
 
 /// Where the nodes are predicted to be at the end of the stage: where their bases lead them.
@@ -92,54 +95,38 @@ void begin_anchors(const typename Net::Params& par, const NetRun& run, const Tre
   }
 }
 
-/// Columns whose fourth places are these lanes.
-inline std::array<Column, 4> columns(const Vector3<Pack>& a, const Pack& fourth) noexcept {
-  const Pack xy_02 = shuffled<0, 4, 2, 6>(a[0], a[1]), xy_13 = shuffled<1, 5, 3, 7>(a[0], a[1]);
-  const Pack z_02 = shuffled<0, 4, 2, 6>(a[2], fourth), z_13 = shuffled<1, 5, 3, 7>(a[2], fourth);
-  return {Column(shuffled<0, 1, 4, 5>(xy_02, z_02)), Column(shuffled<0, 1, 4, 5>(xy_13, z_13)),
-          Column(shuffled<2, 3, 6, 7>(xy_02, z_02)), Column(shuffled<2, 3, 6, 7>(xy_13, z_13))};
+/// A number of each spring of a slot.
+template <class Springs>
+Pack of_each(const Springs& springs, const SpringSlot& slot, Real NetSpring::*of_one) noexcept {
+  const auto& n = slot.springs;
+  return {springs[n[0]].*of_one, springs[n[1]].*of_one, springs[n[2]].*of_one, springs[n[3]].*of_one};
 }
-
-/// Four springs that follow each other; the last of `left` ones for those that are missing.
-struct FourSprings {
-  std::array<const NetSpring*, 4> of;
-
-  FourSprings(const NetSpring* first, std::uint32_t left) noexcept {
-    for (std::uint32_t n = 0; n < 4; ++n) of[n] = first + std::min(n, left - 1);
-  }
-  Pack of_each(Real NetSpring::*of_one) const noexcept {
-    return {of[0]->*of_one, of[1]->*of_one, of[2]->*of_one, of[3]->*of_one};
-  }
-  /// From their first nodes to their second.
-  template <class Nodes>
-  Vector3<Pack> between(const Nodes& at) const noexcept {
-    return in_lanes(at[of[0]->j] - at[of[0]->i], at[of[1]->j] - at[of[1]->i], at[of[2]->j] - at[of[2]->i],
-                    at[of[3]->j] - at[of[3]->i]);
-  }
-};
 
 /// As what springs are taken: linear where the stage is predicted to end, or (47).
 enum class Springs { linear, majorised };
 
-/// (41)  Four springs: with the ends x and x' apart where the stage is predicted to end.
-struct SpringPack {
-  Vector3<Pack> q, J;
-  Pack a, l;
-};
+/// (41)  Springs with the ends x and x' apart where the stage is predicted to end.
 template <Springs as>
-SpringPack spring_stage(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pack>& x,
-                        const Vector3<Pack>& x_dot, Real h) noexcept {
-  const Pack l = sqrt(x.squaredNorm()), h_k = k * h, h_g = g * h;
+void begin_slot(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pack>& x,
+                const Vector3<Pack>& x_dot, Real h, SlotMass& K, Vector3<Pack>& J) noexcept {
+  const Pack l_sq = x.squaredNorm(), l = sqrt(l_sq), h_k = k * h, h_g = g * h;
   const PackMask has_length = Pack(0) < l;
-  const Pack r = 1 / select(has_length, l, Pack(1));
-  const Vector3<Pack> u(x[0] * r, x[1] * r, select(has_length, x[2] * r, Pack(1)));
+  const Pack r = l / select(has_length, l_sq, Pack(1));  // while the root is taken
+  const Pack u_x = x[0] * r, u_y = x[1] * r, u_z = select(has_length, x[2] * r, Pack(1));
   const Pack a = as == Springs::majorised
                      ? h_k * h
                      : max(h_k * (1 - l_0 * r), Pack(0)) * h * select(has_length, Pack(1), Pack(0));
-  const Pack along = max(h_k * h + h_g - a, Pack(0)), u_x_dot = u.dot(x_dot);
+  const Pack b = max(h_k * h + h_g - a, Pack(0));
   // J = K x' - h (k (l - l_0) + g u . x') u: the force of the law at the predicted velocities
-  return {
-      .q = u * sqrt(along), .J = x_dot * a + u * ((along - h_g) * u_x_dot - h_k * (l - l_0)), .a = a, .l = l};
+  const Pack along = (b - h_g) * (u_x * x_dot[0] + u_y * x_dot[1] + u_z * x_dot[2]) - h_k * (l - l_0);
+  J[0] = x_dot[0] * a + u_x * along;
+  J[1] = x_dot[1] * a + u_y * along;
+  J[2] = x_dot[2] * a + u_z * along;
+  K.u[0] = u_x;
+  K.u[1] = u_y;
+  K.u[2] = u_z;
+  K.a = a;
+  K.b = b;
 }
 
 /// The springs; b of their nodes. Of springs that pull, what they resist of the turning of the carrier that both ends ride on:
@@ -149,29 +136,33 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
   for (std::size_t k = 0; k < w.num_runs; ++k) {
     const NetRun& run = w.runs[k];
     std::array<Pack, 6> a_xx{0, 0, 0, 0, 0, 0};  // sum a x x^T: xx, yy, zz, xy, xz, yz
-    const std::uint32_t end = w.first_of[run.end];
-    for (std::uint32_t s = w.first_of[run.first]; s < end; s += 4) {
-      const FourSprings springs(&par.springs[s], end - s);
-      const auto& of = springs.of;
-      const Vector3<Pack> x = springs.between(w.p);
-      const SpringPack four = spring_stage<as>(springs.of_each(&NetSpring::k), springs.of_each(&NetSpring::g),
-                                               springs.of_each(&NetSpring::l_0), x, springs.between(w.v), h);
-      const std::array<Column, 4> q_a = columns(four.q, four.a), J = columns(four.J);
-      Pack a = four.a;  // of springs between nodes of this run
-      for (std::uint32_t n = 0; n < 4; ++n) {
-        if (s + n >= end || of[n]->j >= run.end) a.set(n, 0);
-        if (s + n >= end) continue;
-        w.q_a[s + n] = q_a[n].p;
-        w.b[of[n]->j] += J[n];
-        w.b[of[n]->i] -= J[n];
+    for (std::uint32_t g = run.first_group; g < run.end_group; ++g) {
+      const NodeGroup& group = par.groups[g];
+      const Vector3<Pack> p_i = in_lanes(w.p, group.nodes), v_i = in_lanes(w.v, group.nodes);
+      Vector3<Pack> on_i = Vector3<Pack>::Constant(Pack(0));
+      for (std::uint32_t s = group.first; s < group.end; ++s) {
+        const SpringSlot& slot = par.slots[s];
+        const Vector3<Pack> x = in_lanes(w.p, slot.others) - p_i, x_dot = in_lanes(w.v, slot.others) - v_i;
+        SlotMass& K = w.masses[s];
+        Vector3<Pack>& J = w.J_springs[s];
+        begin_slot<as>(of_each(par.springs, slot, &NetSpring::k), of_each(par.springs, slot, &NetSpring::g),
+                       of_each(par.springs, slot, &NetSpring::l_0), x, x_dot, h, K, J);
+        add_lanes(J, slot.others, w.b);
+        on_i -= J;
+        Pack a = K.a;  // of springs between nodes of this run
+        if (std::any_of(slot.others.begin(), slot.others.end(),
+                        [&](std::uint32_t n) { return n >= run.end; })) [[unlikely]]
+          for (std::size_t j = 0; j < 4; ++j)
+            if (slot.others[j] >= run.end) a.set(j, 0);
+        const Vector3<Pack> ax = x * a;
+        a_xx[0] += ax[0] * x[0];
+        a_xx[1] += ax[1] * x[1];
+        a_xx[2] += ax[2] * x[2];
+        a_xx[3] += ax[0] * x[1];
+        a_xx[4] += ax[0] * x[2];
+        a_xx[5] += ax[1] * x[2];
       }
-      const Vector3<Pack> ax = x * a;
-      a_xx[0] += ax[0] * x[0];
-      a_xx[1] += ax[1] * x[1];
-      a_xx[2] += ax[2] * x[2];
-      a_xx[3] += ax[0] * x[1];
-      a_xx[4] += ax[0] * x[2];
-      a_xx[5] += ax[1] * x[2];
+      add_lanes(on_i, group.nodes, w.b);
     }
     if (run.body == world) continue;
     const auto sum = [&](std::size_t k_l) noexcept { return total(a_xx[k_l]); };
@@ -202,25 +193,23 @@ SpringGain spring_gain(const typename Net::Params& par, const Velocities& v, Rea
     sum.mass += w.m[n];
   }
   Pack gained = 0, exchanged = 0;
-  const auto num_springs = static_cast<std::uint32_t>(par.num_springs);
-  for (std::uint32_t s = 0; s < num_springs; s += 4) {
-    const FourSprings springs(&par.springs[s], num_springs - s);
-    const Pack k = springs.of_each(&NetSpring::k), g = springs.of_each(&NetSpring::g),
-               l_0 = springs.of_each(&NetSpring::l_0);
-    const Vector3<Pack> x = springs.between(w.p), x_dot = springs.between(w.v), v_j_i = springs.between(v);
-    const Vector3<Pack> d = v_j_i - x_dot;
-    const Pack l = sqrt(x.squaredNorm()), l_start = sqrt((x - x_dot * Pack(h)).squaredNorm()),
-               l_end = sqrt((x + d * Pack(h)).squaredNorm()), per_l = 1 / l;
-    const Pack F = k * (1 - l_0 * per_l) + g * x.dot(x_dot) * per_l * per_l;  // along x
-    std::array<Pack, 4> q_a;
-    for (std::uint32_t n = 0; n < 4; ++n) q_a[n] = w.q_a[std::min(s + n, num_springs - 1)];
-    const auto [q_x, q_y, q_z, a] = columns({q_a[0], q_a[1], q_a[2]}, q_a[3]);
-    const Vector3<Pack> q(q_x.p, q_y.p, q_z.p), J = -(x * (F * h) + d * a.p + q * q.dot(d));
-    const Pack dU = k * (l_end - l_start) * ((l_end + l_start) * Real(0.5) - l_0);
-    Pack gain = select(Pack(0) < l, dU + J.dot(v_j_i), Pack(0));
-    for (std::uint32_t n = num_springs - s; n < 4; ++n) gain.set(n, 0);
-    gained += gain;
-    exchanged += max(dU, -dU);
+  for (const NodeGroup& group : w.groups()) {
+    // where the stage starts, and how far the nodes move in it
+    const auto start = [&](const auto& nodes) noexcept -> Vector3<Pack> {
+      return in_lanes(w.p, nodes) - in_lanes(w.v, nodes) * Pack(h);
+    };
+    const Vector3<Pack> start_i = start(group.nodes), v_i = in_lanes(v, group.nodes);
+    for (std::uint32_t s = group.first; s < group.end; ++s) {
+      const SpringSlot& slot = par.slots[s];
+      const Pack k = of_each(par.springs, slot, &NetSpring::k),
+                 l_0 = of_each(par.springs, slot, &NetSpring::l_0);
+      const Vector3<Pack> x = start(slot.others) - start_i, v_j_i = in_lanes(v, slot.others) - v_i;
+      const Pack l_start = sqrt(x.squaredNorm()), l_end = sqrt((x + v_j_i * Pack(h)).squaredNorm());
+      const Pack dU = k * (l_end - l_start) * ((l_end + l_start) * Real(0.5) - l_0);
+      const Vector3<Pack> J = w.J_springs[s] - w.masses[s] * v_j_i;
+      gained += dU + J.dot(v_j_i);
+      exchanged += max(dU, -dU);
+    }
   }
   sum.gained += total(gained);
   sum.exchanged = total(exchanged);

@@ -1,0 +1,199 @@
+// Groups of the nodes of nets, before the first step: four at a time, in the order in which the factor (43) is worked off.
+//
+// Nodes of a group must not be joined, and each waits for those before it that are. In the order of their numbers almost every
+// node waits for the one before: so the nodes of a carrier are taken as so many strips, in the order of their numbers each,
+// and one of each strip after the other. Four that follow each other are of different strips and seldom joined, and neither are
+// the next four: a processor works on both groups. What a factor is worth hardly depends on it (docs/decisions/059).
+#pragma once
+
+#include <algorithm>
+
+#include "core/net/net.h"
+#include "core/tuning.h"
+
+namespace godobject {
+
+/// The springs of each node that it has: has(spring, node), of both nodes that a spring joins.
+template <class Par>
+struct SpringsOfNodes;
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+struct SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments>> {
+  std::array<std::uint32_t, max_nodes + 1> first{};  // of node n: list[first[n]] to list[first[n + 1] - 1]
+  std::array<std::uint32_t, 2 * max_springs> list{};
+
+  template <class Has>
+  SpringsOfNodes(const NetParams<max_nodes, max_springs, max_attachments>& par, Has has) noexcept {
+    const auto each = [&](auto f) {
+      for (std::uint32_t s = 0; s < par.num_springs; ++s)
+        for (const std::uint32_t n : {par.springs[s].i, par.springs[s].j})
+          if (has(par.springs[s], n)) f(n, s);
+    };
+    each([&](std::uint32_t n, std::uint32_t) { ++first[n + 1]; });
+    for (std::size_t n = 0; n < par.num_nodes; ++n) first[n + 1] += first[n];
+    auto next = first;
+    each([&](std::uint32_t n, std::uint32_t s) { list[next[n]++] = s; });
+  }
+  std::uint32_t num(std::uint32_t n) const noexcept { return first[n + 1] - first[n]; }
+};
+
+/// The node that a spring joins to n.
+inline std::uint32_t other_end(const NetSpring& spring, std::uint32_t n) noexcept {
+  return spring.i == n ? spring.j : spring.i;
+}
+
+/// Who is in which group. Springs join nodes that are there.
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+class NodeGrouping {
+ public:
+  using Par = NetParams<max_nodes, max_springs, max_attachments>;
+  explicit NodeGrouping(Par& par) noexcept
+      : par_(par), springs_(par, [](const NetSpring&, std::uint32_t) { return true; }) {}
+
+  void put_in_groups() noexcept {
+    par_.num_groups = 0;
+    for (std::uint32_t n = 0; n < par_.num_nodes; ++n) left_[n] = springs_.num(n);
+    for (std::uint32_t first = 0, end = 0; first < par_.num_nodes; first = end) {
+      while (end < par_.num_nodes && par_.nodes[end].body == par_.nodes[first].body) ++end;
+      const std::size_t num_ends = wait_from_ends(first, end), size = wait_in_strips(first, end, num_ends);
+      group(0, num_ends, true);
+      group(num_ends, size, false);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t taken = max_nodes;
+
+  template <class F>
+  void each_neighbour(std::uint32_t n, F f) const noexcept {
+    for (std::uint32_t k = springs_.first[n]; k < springs_.first[n + 1]; ++k)
+      f(other_end(par_.springs[springs_.list[k]], n));
+  }
+
+  /// Nodes of [first, end) that are joined to one other, or none, and those that are so without them: threads and trees from
+  /// their ends. Of those the factor leaves nothing out. How many.
+  std::size_t wait_from_ends(std::uint32_t first, std::uint32_t end) noexcept {
+    std::size_t size = 0;
+    const auto wait = [&](std::uint32_t n) noexcept {
+      waits_[n] = true;
+      waiting_[size++] = n;
+    };
+    for (std::uint32_t n = first; n < end; ++n)
+      if (left_[n] <= 1) wait(n);
+    for (std::size_t k = 0; k < size; ++k)
+      each_neighbour(waiting_[k], [&](std::uint32_t n) noexcept {
+        --left_[n];
+        if (first <= n && n < end && left_[n] <= 1 && !waits_[n]) wait(n);
+      });
+    return size;
+  }
+
+  /// The others, one of each strip after the other. How many wait then.
+  std::size_t wait_in_strips(std::uint32_t first, std::uint32_t end, std::size_t num_ends) noexcept {
+    std::size_t size = 0;
+    for (std::uint32_t n = first; n < end; ++n)
+      if (!waits_[n]) in_order_[size++] = n;
+    const std::size_t length = (size + node_strips - 1) / node_strips;
+    std::size_t all = num_ends;
+    for (std::size_t k = 0; k < length; ++k)
+      for (std::size_t of = k; of < size; of += length) waiting_[all++] = in_order_[of];
+    return all;
+  }
+
+  bool joins(std::uint32_t n, const NodeGroup& group) const noexcept {
+    bool found = false;
+    each_neighbour(n, [&](std::uint32_t other) noexcept {
+      for (std::uint32_t j = 0; j < group.size; ++j) found = found || group.nodes[j] == other;
+    });
+    return found;
+  }
+
+  /// The nodes that wait at [from, end): in their order, or each where there is room first.
+  void group(std::size_t from, std::size_t end, bool in_order) noexcept {
+    for (; from < end; ++from) {
+      if (waiting_[from] == taken) continue;
+      const auto number = static_cast<std::uint32_t>(par_.num_groups);
+      NodeGroup& group = par_.groups[par_.num_groups++] = {};
+      for (std::size_t k = from; k < std::min(end, from + nodes_looked_ahead) && group.size < 4; ++k) {
+        const std::uint32_t n = waiting_[k];
+        if (n == taken) continue;
+        if (joins(n, group)) {
+          if (in_order) break;
+          continue;
+        }
+        par_.places[n] = {.group = number, .lane = group.size};
+        group.nodes[group.size++] = n;
+        waiting_[k] = taken;
+      }
+      std::fill(group.nodes.begin() + group.size, group.nodes.end(), group.nodes[0]);
+    }
+  }
+
+  Par& par_;
+  SpringsOfNodes<Par> springs_;
+  std::array<std::uint32_t, max_nodes> left_{}, waiting_{},
+      in_order_{};  // left_: neighbours that do not wait
+  std::array<bool, max_nodes> waits_{};
+};
+
+/// The springs of each group: those to nodes of later ones.
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+void put_in_slots(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
+  const SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments>> own(
+      par, [&](const NetSpring& spring, std::uint32_t n) {
+        return par.places[n].group < par.places[other_end(spring, n)].group;
+      });
+  std::uint32_t num_slots = 0;
+  for (std::size_t g = 0; g < par.num_groups; ++g) {
+    NodeGroup& group = par.groups[g];
+    std::uint32_t most = 0;
+    for (const std::uint32_t n : group.nodes) most = std::max(most, own.num(n));
+    group.first = num_slots;
+    group.end = num_slots += most;
+    for (std::uint32_t k = 0; k < most; ++k) {
+      SpringSlot& slot = par.slots[group.first + k];
+      for (std::uint32_t j = 0; j < 4; ++j) {
+        const std::uint32_t n = group.nodes[j];
+        const bool has_one = j < group.size && k < own.num(n);
+        slot.springs[j] = has_one ? own.list[own.first[n] + k] : par.no_spring;
+        slot.others[j] = has_one ? other_end(par.springs[slot.springs[j]], n) : n;
+      }
+    }
+  }
+}
+
+/// Every node is in one group, of its carrier, and every spring in one slot of the group of that of its nodes that comes first.
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+bool are_valid_groups(const NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
+  const NetSpring& none = par.springs[par.no_spring];
+  if (par.num_groups > par.num_nodes || none.k != 0 || none.g != 0) return false;
+  std::size_t num_placed = 0, num_held = 0;
+  std::uint32_t num_slots = 0;
+  std::array<bool, max_springs + 1> is_held{};
+  for (std::uint32_t g = 0; g < par.num_groups; ++g) {
+    const NodeGroup& group = par.groups[g];
+    if (group.size < 1 || group.size > 4 || group.first != num_slots || group.end < group.first ||
+        group.end > max_springs)
+      return false;
+    num_slots = group.end;
+    num_placed += group.size;
+    for (std::uint32_t j = 0; j < 4; ++j) {
+      const std::uint32_t n = group.nodes[j];
+      if (n >= par.num_nodes || par.nodes[n].body != par.nodes[group.nodes[0]].body) return false;
+      const NodePlace& place = par.places[n];
+      if (place.group != g || place.lane != (j < group.size ? j : 0)) return false;
+      for (std::uint32_t k = group.first; k < group.end; ++k) {
+        const std::uint32_t s = par.slots[k].springs[j], other = par.slots[k].others[j];
+        if (s == par.no_spring && other == n) continue;
+        if (j >= group.size || s >= par.num_springs || is_held[s] || other >= par.num_nodes) return false;
+        const NetSpring& spring = par.springs[s];
+        if (std::min(n, other) != spring.i || std::max(n, other) != spring.j || par.places[other].group <= g)
+          return false;
+        is_held[s] = true;
+        ++num_held;
+      }
+    }
+  }
+  return num_placed == par.num_nodes && num_held == par.num_springs;
+}
+
+}  // namespace godobject
