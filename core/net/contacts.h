@@ -7,8 +7,8 @@
 
 namespace godobject {
 
-/// What a stage is told of nets: constants, what contacts carried over, and whether it is solved again (39): iterations go on from
-/// its last solution.
+/// What a stage is told of nets: constants, what contacts carried over, and whether it is solved again (39): with joints,
+/// iterations go on from its last solution.
 template <class Net>
 struct NetInput {
   const typename Net::Params& par;

@@ -86,7 +86,7 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   net.report = {};
   if (net.num_nodes == 0) return;
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
-  const auto& begin = in.again ? w.x.V.nodes : net.v;
+  const auto& begin = Contacts::jointed && in.again ? w.x.V.nodes : net.v;
   std::copy_n(begin.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
   if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net)
