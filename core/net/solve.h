@@ -89,7 +89,7 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   const auto& begin = Contacts::jointed && in.again ? w.x.V.nodes : net.v;
   std::copy_n(begin.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
-  if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net)
+  if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, in.gravity_W, h, net)
           .is_too_much(in.par.tolerated_change(h)))
     solve_majorised(h, in, w);
   net.report.cover(stages_before);
