@@ -124,7 +124,7 @@ struct TrBdf2 {
                      .known = is_calm(w) && last.calm};
       next.x = moved(w.bases[g], V_2, last.h);
     }
-    end_nodes(par, x, h_2, w);
+    end_nodes(par, x, last.h, w);
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
       if (ContactsOf<S>::between_bodies && smooth && !touch_alike(memories[0], memories[1]))
@@ -151,13 +151,6 @@ struct TrBdf2 {
       if constexpr (has_stages<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
     }
     extend_nodes(par, x, b * par.h, h_1, w);
-  }
-
-  /// Those of a second Euler step: where the first one has ended.
-  template <Scene S>
-  static void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
-    for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], h_1);
-    follow_nodes(par, x, h_1, w);
   }
 
   /// (12), or where there is no K_0 an implicit Euler step of d h, or of c h.

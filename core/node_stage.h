@@ -39,11 +39,26 @@ void extend_nodes(const Params<S>& par, const State<S>& x, Real bh, Real h_1, Sc
   });
 }
 
-/// Those of a second Euler step: where the first one ended.
+/// Those of another Euler step: where the one before, of length h_1, has ended.
 template <Scene S>
 void follow_nodes(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
   each_node(par, x, w, [&](const NodeState<S>&, NodeMotion& base, const Vec3& v_1, NodeState<S>&) noexcept {
     base = {.p_W = base.p_W + h_1 * v_1, .v_W = v_1};
+  });
+}
+
+/// The bases of a stage that is to be solved in parts (39) are kept where its end will be written, and are its bases again.
+template <Scene S>
+void keep_node_starts(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+  each_node(par, x, w, [](const NodeState<S>&, NodeMotion& base, const Vec3&, NodeState<S>& next) noexcept {
+    next.p_W = base.p_W;
+    next.v_W = base.v_W;
+  });
+}
+template <Scene S>
+void restore_node_starts(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+  each_node(par, x, w, [](const NodeState<S>&, NodeMotion& base, const Vec3&, NodeState<S>& next) noexcept {
+    base = {.p_W = next.p_W, .v_W = next.v_W};
   });
 }
 

@@ -1,7 +1,7 @@
 // A stage, from its bases to the velocities it ends with. Where it has joints it is solved until they hold.
 #pragma once
 
-#include "core/stage.h"
+#include "core/node_stage.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -82,6 +82,11 @@ class ContactParts {
       last_ = 1 - w.contacts.last;
       if constexpr (has_stages<S>) w.iteration.of_stage_before.assign(w.contacts.memories[last_]);
     }
+    if constexpr (uses<NetOf<S>>) {
+      const auto& net = w.contacts.net;
+      last_of_nets_ = 1 - net.last;
+      if constexpr (has_stages<S>) w.net.of_stage_before.assign(net.memories[last_of_nets_]);
+    }
   }
   /// Before part k.
   void begin([[maybe_unused]] int k, [[maybe_unused]] int parts,
@@ -94,12 +99,24 @@ class ContactParts {
       w.contacts.last = last_;
       if constexpr (has_stages<S>) w.contacts.memories[last_].assign(w.iteration.of_stage_before);
     }
+    if constexpr (uses<NetOf<S>>) {
+      auto& net = w.contacts.net;
+      net.last = last_of_nets_;
+      if constexpr (has_stages<S>) net.memories[last_of_nets_].assign(w.net.of_stage_before);
+    }
   }
 
  private:
   std::conditional_t<uses<ContactsOf<S>>, ContactStage, None> stage_;
-  std::size_t last_ = 0;
+  std::size_t last_ = 0, last_of_nets_ = 0;
 };
+
+/// The bases of another Euler step, or part: where the one before, of length h_1, has ended.
+template <Scene S>
+void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
+  for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], h_1);
+  follow_nodes(par, x, h_1, w);
+}
 
 /// (39)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
 /// w.velocities are those of the last.
@@ -108,14 +125,15 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
                     Scratch<S>& w) noexcept {
   const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
   w.iteration.starts = w.bases;
+  keep_node_starts(par, x, w);
   ContactParts<S> contacts(w);
+  constexpr int most = uses<NetOf<S>> ? max_parts_with_nets : max_parts;
   for (int parts = part_ratio;; parts *= part_ratio) {
     const Real t = h / parts;
-    const bool last_try = parts == max_parts;
+    const bool last_try = parts == most;
     bool hold = true;
     for (int k = 0; k < parts && (hold || last_try); ++k) {
-      if (k > 0)
-        for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], t);
+      if (k > 0) follow_bases(par, x, t, w);
       contacts.begin(k, parts, w);
       if (k == 0) solve_once(par, x, t, target_of, w);
       else solve_once<Solve::first_of_part>(par, x, t, target_of, w);
@@ -126,6 +144,7 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
     }
     if (hold || last_try) return t;
     w.bases = w.iteration.starts;
+    restore_node_starts(par, x, w);
   }
 }
 
@@ -149,7 +168,6 @@ template <Scene S, class TargetOfGroup>
     return {.h = h};
   }
   if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
-  if constexpr (uses<NodesOf<S>> || uses<NetOf<S>>) return {.calm = false, .h = h};  // these are not parted
   if (!may_part) return {.solved = false, .calm = false, .h = h};
   return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
 }

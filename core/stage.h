@@ -92,7 +92,7 @@ template <Scene S>
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, which == Solve::first, h, w.tree, contacts);
   if constexpr (uses<TermsOf<S>>) begin_terms(par.terms, h, contacts);
   if constexpr (uses<NetOf<S>>) {
-    const NetInput<NetOf<S>> net{par.net, x.net.contacts, par.gravity_W};
+    const NetInput<NetOf<S>> net{par.net, x.net.contacts, par.gravity_W, which == Solve::again};
     begin_net(net, w.net.bases, h, contacts);
     solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts, net);
     end_contacts(h, contacts);

@@ -96,6 +96,9 @@ template <class S>
 struct NetMotions {
   std::array<NodeMotion, NetOf<S>::max_nodes> bases;
   std::array<NodeState<S>, NetOf<S>::max_nodes> next;  // committed if finite
+  [[no_unique_address]] std::conditional_t<has_stages<S> && iterates_joints<S>,
+                                           ContactMemories<NetOf<S>::max_contacts>, Absent<25>>
+      of_stage_before;  // contacts
 };
 
 /// Scratch: undefined between steps.

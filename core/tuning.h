@@ -43,6 +43,8 @@ inline constexpr Real max_predicted_turn = 0.5;
 inline constexpr Real max_bend = 1e-5;
 /// How often a stage is iterated, and in how many parts it is taken where that does not do: more by this factor each time.
 inline constexpr int max_joint_iterations = 8, part_ratio = 4, max_parts = 16;
+/// The same of scenes with nets, whose iteration stops early. tests/core/net/test_attached_sweep.cc; docs/decisions/055.
+inline constexpr int max_parts_with_nets = 64;
 /// rad: the farthest turn in an iteration.
 inline constexpr Real max_iterated_turn = 3;
 /// After more of these iterations TR-BDF2 forgets its acceleration.

@@ -7,12 +7,14 @@
 
 namespace godobject {
 
-/// What a stage is told of nets: constants, and what contacts carried over.
+/// What a stage is told of nets: constants, what contacts carried over, and whether it is solved again (39): with joints,
+/// iterations go on from its last solution.
 template <class Net>
 struct NetInput {
   const typename Net::Params& par;
   const ContactMemories<Net::max_contacts>& before;
   Vec3 gravity_W;
+  bool again = false;
 };
 
 template <class Contacts, class Net>

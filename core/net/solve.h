@@ -86,9 +86,10 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   net.report = {};
   if (net.num_nodes == 0) return;
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
-  std::copy_n(net.v.begin(), net.num_nodes, w.x.V_0.nodes.begin());
+  const auto& begin = Contacts::jointed && in.again ? w.x.V.nodes : net.v;
+  std::copy_n(begin.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
-  if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, h, net)
+  if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, in.gravity_W, h, net)
           .is_too_much(in.par.tolerated_change(h)))
     solve_majorised(h, in, w);
   net.report.cover(stages_before);

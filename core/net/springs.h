@@ -184,14 +184,17 @@ struct SpringGain {
   }
 };
 template <class Net, std::size_t N, class Velocities>
-SpringGain spring_gain(const typename Net::Params& par, const Velocities& v, Real h,
+SpringGain spring_gain(const typename Net::Params& par, const Velocities& v, const Vec3& gravity_W, Real h,
                        const NetStage<Net, N>& w) noexcept {
   SpringGain sum;
+  const Column by_gravity(Vec3(h * gravity_W));
+  Real m_v_sq = 0;
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
-    const Column by_others = v[n] - w.v_free[n];
-    sum.gained -= Real(0.5) * w.m[n] * dot(by_others, by_others);
+    const Column change = v[n] - w.v_free[n] + by_gravity;
+    m_v_sq += w.m[n] * dot(change, change);
     sum.mass += w.m[n];
   }
+  sum.gained = Real(-0.5) * m_v_sq;
   Pack gained = 0, exchanged = 0;
   for (const NodeGroup& group : w.groups()) {
     // where the stage starts, and how far the nodes move in it

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "tests/core/contact/contact_scene.h"
+#include "tests/core/snapping_chain.h"
 #include "tests/oracle/solve.h"
 #include "tests/oracle/target.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 template <class I>
 struct Tethered {
-  static constexpr std::size_t max_bodies = 3;  // one of them unused
+  static constexpr std::size_t max_bodies = 4;  // two of them unused, but in a chain
   using Integrator = I;
   using Device = PoseDevice;
   using Joints = TreeJoints<>;
@@ -179,6 +180,35 @@ TEST(Terms, AreInWhatAJointBears) {
   rig->moved();
   const Vec3 exact = reaction(0.02);
   EXPECT_LT((rig->out.bodies[1].joint.F_C.f - exact).norm(), 2e-2 * exact.norm());
+}
+
+/// Particles that hang on the first two links of a chain whose stages are parted (39).
+template <class I>
+void expect_chain_to_hold(Real m, Real k) {
+  using S = Tethered<I>;
+  auto run = std::make_unique<Running<S>>();
+  auto& par = run->par;
+  par.h = 1e-2;
+  build_snapping_chain(*run, 4, 175 * pi / 180, true);
+  auto& springs = par.terms.template of<0>();
+  for (par.nodes.size = 0; par.nodes.size < 2; ++par.nodes.size) {
+    const auto j = static_cast<std::uint32_t>(par.nodes.size);
+    par.nodes.list[j].m = m;
+    run->x.nodes[j].p_W = run->x.bodies[j].x.X_WB.p;
+    springs.list[springs.size++] = {
+        .a = {.on = j}, .b = {.on = node_number<S>(j)}, .k = k, .g = 0.02 * std::sqrt(k * m)};
+  }
+  ASSERT_EQ(validate(par), Invalid::nothing);
+  const Snapped snapped = snap(*run, 2000);
+  EXPECT_LT(snapped.drift, 1e-5) << I::name << ", " << m << " kg on " << k << " N/m";
+  EXPECT_FALSE(snapped.gains) << I::name << ", " << m << " kg on " << k << " N/m";
+}
+
+TEST(Terms, HangOnChainsThatSnapTaut) {
+  for (const auto& [m, k] : {std::pair{0.005, 1e6}, {0.2, 200.0}}) {
+    expect_chain_to_hold<ImplicitEuler>(m, k);
+    expect_chain_to_hold<TrBdf2>(m, k);
+  }
 }
 
 template <class I>

@@ -137,22 +137,29 @@ struct Sweep : Running<AttachedNetScene<I>> {
 };
 
 template <class I>
-void expect_no_gain() {
-  for (unsigned seed = 0; seed < seeds; ++seed) {
-    auto sweep = std::make_unique<Sweep<I>>(seed);
-    for (int n = 0; n < 400; ++n) {
-      ASSERT_TRUE(sweep->step_and_watch()) << I::name << " seed " << seed << ": " << sweep->of.text();
-      const GainWatch& watch = sweep->balance.watch();
-      if (!sweep->balance.gains()) continue;
-      ADD_FAILURE() << I::name << " seed " << seed << " step " << n << ": gains " << watch.gained()
-                    << " J of " << watch.at_work() << " J: " << sweep->of.text();
-      break;
-    }
+void expect_no_gain(unsigned seed) {
+  auto sweep = std::make_unique<Sweep<I>>(seed);
+  for (int n = 0; n < 400; ++n) {
+    ASSERT_TRUE(sweep->step_and_watch()) << I::name << " seed " << seed << ": " << sweep->of.text();
+    const GainWatch& watch = sweep->balance.watch();
+    ASSERT_FALSE(sweep->balance.gains())
+        << I::name << " seed " << seed << " step " << n << ": gains " << watch.gained() << " J of "
+        << watch.at_work() << " J: " << sweep->of.text();
   }
+}
+template <class I>
+void expect_no_gain() {
+  for (unsigned seed = 0; seed < seeds; ++seed) expect_no_gain<I>(seed);
 }
 
 TEST(NetAttachedSweep, GainsNoEnergyWithImplicitEuler) { expect_no_gain<ImplicitEuler>(); }
 TEST(NetAttachedSweep, GainsNoEnergyWithTrBdf2) { expect_no_gain<TrBdf2>(); }
+
+/// Those of 3000 that gained while stages with nets were not parted (39), and do not now.
+TEST(NetAttachedSweep, GainsNoEnergyWhereStagesAreParted) {
+  for (const unsigned seed : {495, 863, 978, 1462, 1595, 1616, 2660}) expect_no_gain<ImplicitEuler>(seed);
+  for (const unsigned seed : {227, 1376, 1595}) expect_no_gain<TrBdf2>(seed);
+}
 
 /// Damped, held by the target and let alone for 2.5 s.
 template <class I>

@@ -98,6 +98,21 @@ TYPED_TEST(NetStability, PinchedInTheWorld) { this->outlive_all(Ordeal::pinched)
 TYPED_TEST(NetStability, PinchedBetweenBodies) { this->outlive_all(Ordeal::jaws); }
 TYPED_TEST(NetStability, ThroughAHole) { this->outlive_all(Ordeal::hole); }
 
+/// (46)  What holds a net against gravity takes no energy that its springs might gain: one that turns slowly on a soft coupling, with
+/// springs of 1e8 N/m, in steps of 5 ms.
+TEST(NetGravity, AllowsSpringsNoGain) {
+  for (const Real m : {1e-3, 1e-2, 1e-1}) {
+    RandomNet<ImplicitEuler> net(11, static_cast<int>(Ordeal::far_node), [m](Drawn& of) {
+      of.k = 1e8;
+      of.m = m;
+      of.h = 5e-3;
+    });
+    const Outcome outcome = outlive(net);
+    EXPECT_TRUE(outcome.finite) << net.of.text();
+    EXPECT_FALSE(outcome.gains) << outcome.worst << " of the energy at work: " << net.of.text();
+  }
+}
+
 /// Damped nets, 2.3 s or more after the hand has come to rest: springs and anchors within reach of each other, half a second or
 /// less to settle.
 template <class I>

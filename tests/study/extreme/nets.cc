@@ -12,7 +12,6 @@ namespace {
 template <class I>
 double net_gain(double h, double k, double m, unsigned seed) {
   const auto net = std::make_unique<RandomNet<I>>(seed, -1, [&](Drawn& of) {
-    of.contact_k *= k / of.k;
     of.k = k;
     of.m = m;
     of.h = h;
