@@ -225,7 +225,7 @@ TEST(NetGroups, GainIsThatOfEachSpring) {
     const Real h = run.par.h;
     Real gained = 0, exchanged = 0, mass = 0;
     for (std::uint32_t n = 0; n < run.num(); ++n) {
-      gained -= w.m[n] / 2 * (v[n].vec() - w.v_free[n].vec()).squaredNorm();
+      gained -= w.m[n] / 2 * (v[n].vec() - w.v_free[n].vec() + h * run.par.gravity_W).squaredNorm();
       mass += w.m[n];
     }
     for (std::size_t s = 0; s < run.par.net.num_springs; ++s) {
@@ -238,7 +238,7 @@ TEST(NetGroups, GainIsThatOfEachSpring) {
       gained += dU + (spring.J - spring.K * v_ji).dot(v_ji);
       exchanged += std::abs(dU);
     }
-    const SpringGain sum = spring_gain<S::Net>(run.par.net, v, h, w);
+    const SpringGain sum = spring_gain<S::Net>(run.par.net, v, run.par.gravity_W, h, w);
     EXPECT_NEAR(sum.gained, gained, 1e-9 * (std::abs(gained) + exchanged)) << run.of.text();
     EXPECT_NEAR(sum.exchanged, exchanged, 1e-9 * exchanged) << run.of.text();
     EXPECT_NEAR(sum.mass, mass, 1e-12 * mass);
