@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/contact/pairs.h"
+#include "core/math/flatten.h"
 
 namespace godobject {
 
@@ -91,7 +92,7 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const S
 /// (24) of four near contacts at r. side: that of the body whose twist they see, 0 where there is none. Returns what their
 /// springs are found with (38), J. found_deeper, if there is one: set where (35) finds some too deep.
 template <std::size_t max_contacts, class FoundDeeper>
-Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side, const Vector3<Pack>& r,
+GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side, const Vector3<Pack>& r,
                 Real h, const ContactStage& stage, Recall<max_contacts>& of_step,
                 Recall<max_contacts>& of_stage, [[maybe_unused]] FoundDeeper& found_deeper, BegunPack& begun,
                 ContactPack& pack) noexcept {
@@ -120,7 +121,7 @@ Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& s
 
 /// What four contacts carry over where the stage ends: those that bear a force, or are deep.
 template <std::size_t max_contacts>
-void carry_over(const NearFour& near, const Pack& side, Real h, const BegunPack& begun,
+GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h, const BegunPack& begun,
                 const ContactPack& pack, ContactMemories<max_contacts>& next) noexcept {
   const Vector3<Pack> n_W = pack.n * side, F_W = pack.F * side;
   const Pack depth = pack.d_0 - h * pack.n.dot(pack.v);
