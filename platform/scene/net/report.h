@@ -27,10 +27,10 @@ struct NetTimes {
 
 NetTimes time_constants(const SceneNets& nets);
 
-/// Floating-point operations of an iteration of conjugate gradients: of a spring 23 in the product and 17 each way through
+/// Floating-point operations of an iteration of conjugate gradients: of a spring 24 in the product and 18 each way through
 /// the incomplete factor; of a node 75, with what the iteration does to vectors.
 inline double flops_of_an_iteration(const SceneNets& nets) {
-  return 57.0 * static_cast<double>(nets.springs.size()) + 75.0 * static_cast<double>(nets.nodes.size());
+  return 60.0 * static_cast<double>(nets.springs.size()) + 75.0 * static_cast<double>(nets.nodes.size());
 }
 
 }  // namespace godobject

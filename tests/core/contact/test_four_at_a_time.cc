@@ -169,5 +169,43 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
   }
 }
 
+/// A contact that is new in the second stage of a step, 1 mm deep where it starts: an extrapolation to there has measured its
+/// approach; a stage that has ended there has not, it led into the other what it did not notice. The spring drives with no more than
+/// the depenetration velocity then (35).
+TEST(FourAtATime, OfANewContactOnlyWhatAnExtrapolationMeasuredIsPressed) {
+  constexpr Real h = 1e-3, depth = 1e-3, v_n = -3;
+  const ContactLaw law{.k = 1e6, .c = 1, .push_out = 0.01};
+  const StageLawOf<Real> of_stage = stage_law<Contacts>(law, 1e-5, h, h, false);
+  std::array<NearContact, 4> list;
+  for (std::uint32_t j = 0; j < 4; ++j) {
+    list[j].key = j + 1;
+    list[j].d = depth - h * v_n;  // where the stage is predicted to end
+    list[j].v_n = v_n;
+    list[j].n_W = Vec3::UnitZ();
+  }
+  const NearFour near(list.data(), 4);
+  const auto begun_in = [&](const ContactStage& stage) {
+    const ContactMemories<32> nothing{};
+    Recall step(nothing), stage_before(nothing);
+    ContactPack pack;
+    BegunPack begun;
+    None none;
+    const Pack found =
+        begin_four(near, gathered({of_stage, of_stage, of_stage, of_stage}), near.sides(0),
+                   near.all(&NearContact::p_W), h, stage, step, stage_before, none, begun, pack);
+    EXPECT_NEAR(found[0], law.push_out * law.push_out * 1e-5 / 2, 1e-15);
+    return begun.e[0];
+  };
+  const Real stored = of_stage.max_stored_penetration;
+  const ContactStage second{.t_1 = h, .relaxing = h, .goes_on = true};
+  EXPECT_EQ(begun_in(second), 0);
+  ContactStage after_euler = second;
+  after_euler.is_euler = true;
+  EXPECT_NEAR(begun_in(after_euler), depth - stored, 1e-15);
+  ContactStage part = after_euler;
+  part.follows = true;
+  EXPECT_NEAR(begun_in(part), depth - stored, 1e-15);
+}
+
 }  // namespace
 }  // namespace godobject::test_four_at_a_time
