@@ -53,6 +53,7 @@ void show(benchmark::State& state, const NetQuality& q) {
   state.counters["contacts"] = q.contacts;
   state.counters["iterations"] = q.iterations;
   if (q.stretch_error) state.counters["stretch_error"] = *q.stretch_error;
+  if (q.node_error) state.counters["node_error_m"] = *q.node_error;
 }
 
 void print_references() {

@@ -45,10 +45,11 @@ StepTimes time_steps(std::size_t steps, double mean_ns, Step step) {
   return {.p50 = at(0.5), .p99 = at(0.99), .mean = sum / static_cast<double>(times.size())};
 }
 
-/// Of a net: means of what was timed, and how far its springs are from the stretch of rest.
+/// Of a net: means of what was timed, how far its springs are from the stretch of rest, and its farthest node from where
+/// iterations to the end have it, m.
 struct NetQuality {
   double iterations = 0, contacts = 0;
-  std::optional<double> stretch_error;  // where it is known
+  std::optional<double> stretch_error, node_error;  // where they are known
 };
 
 /// A line of the closing table.

@@ -15,40 +15,72 @@ std::string name_of() {
   return "net-tool-" + std::to_string(study::capacity_of<S>()) + " " + S::Integrator::name;
 }
 
+/// A tube in steps that are solved to the end.
 template <Scene S>
-void run_tube(benchmark::State& state, const std::string& scene, std::uint32_t round, double spacing) {
+study::TubeRun<S> solved_tube(std::uint32_t round, double spacing) {
+  study::TubeRun<S> tube(round, spacing);
+  auto& net = tube.running().par->net;
+  net.max_iterations = 400;
+  net.tolerance = 1e-3;
+  return tube;
+}
+
+template <Scene S>
+Real farthest_apart(const State<S>& a, const State<S>& b, std::size_t num_nodes) {
+  Real most = 0;
+  for (std::size_t n = 0; n < num_nodes; ++n)
+    most = std::max(most, (a.net.nodes[n].p_W - b.net.nodes[n].p_W).norm());
+  return most;
+}
+
+/// iterations: at most in a stage, where that is not the default; then the error is told.
+template <Scene S>
+void run_tube(benchmark::State& state, const std::string& scene, const std::string& who, std::uint32_t round,
+              double spacing, std::optional<int> iterations) {
   study::TubeRun<S> tube(round, spacing);
   if (!tube.is_valid()) return state.SkipWithError("the net is not valid");
   NetQuality quality;
+  if (iterations) {
+    tube.running().par->net.max_iterations = *iterations;
+    quality.node_error = 0;
+  }
+  std::optional<study::TubeRun<S>> solved;
+  if (iterations) solved = solved_tube<S>(round, spacing);
+  if (solved) solved->press();
   tube.press();
+  const double share = 1 / static_cast<double>(tube.num_pressed);
   for (std::size_t n = 0; n < tube.num_pressed; ++n) {
     tube.step();
-    quality.iterations += tube.report().iterations / static_cast<double>(tube.num_pressed);
-    quality.contacts +=
-        static_cast<double>(tube.report().num_contacts) / static_cast<double>(tube.num_pressed);
+    quality.iterations += share * tube.report().iterations;
+    quality.contacts += share * static_cast<double>(tube.report().num_contacts);
+    if (!solved) continue;
+    solved->step();
+    *quality.node_error +=
+        share * farthest_apart<S>(*tube.running().x, *solved->running().x, tube.num_nodes());
   }
   state.counters["scratch_bytes"] = sizeof(Scratch<S>);
   Row row{.scene = scene,
-          .who = name_of<S>(),
+          .who = who,
           .num_bodies = tube.num_nodes(),
           .times = {},
           .instructions = {},
           .errors = {},
           .contacts = {}};
   row.net = quality;
-  if (scene == "S6/1024") row.instructions = counter().per_step(name_of<S>(), "s6");
+  if (scene == "S6/1024" && !iterations) row.instructions = counter().per_step(name_of<S>(), "s6");
   measure(
       state, row, tube.num_pressed, [&] { tube.press(); }, [&](std::size_t) { tube.step(); });
 }
 
 /// Finer: as many nodes in a tube of the usual size.
 template <Scene S>
-void add_tube(std::uint32_t round, bool is_finer = false) {
+void add_tube(std::uint32_t round, bool is_finer = false, std::optional<int> iterations = {}) {
   using Tube = study::TubeRun<S>;
+  const std::string who = (iterations ? std::to_string(*iterations) + " it, " : "") + name_of<S>();
   const std::string scene = (is_finer ? "S6 fine/" : "S6/") + std::to_string(round * round);
   const double spacing = is_finer ? Tube::usual_spacing * 32 / round : Tube::usual_spacing;
-  add(scene + "/" + name_of<S>(), long_scene,
-      [=](benchmark::State& state) { run_tube<S>(state, scene, round, spacing); });
+  add(scene + "/" + who, long_scene,
+      [=](benchmark::State& state) { run_tube<S>(state, scene, who, round, spacing, iterations); });
 }
 
 const int usual_iterations = NetParams<1, 1>{}.max_iterations;
@@ -170,6 +202,10 @@ void add_our_nets() {
   for (const std::uint32_t round : {10, 18, 32}) {
     add_tube<NetTool<ImplicitEuler, 1024>>(round);
     add_tube<NetTool<TrBdf2, 1024>>(round);
+  }
+  for (const int iterations : {3, 6, 12}) {
+    add_tube<NetTool<ImplicitEuler, 1024>>(32, false, iterations);
+    add_tube<NetTool<TrBdf2, 1024>>(32, false, iterations);
   }
   for (const std::uint32_t round : {55, 100}) {
     add_tube<NetTool<ImplicitEuler, 10000>>(round);
