@@ -92,10 +92,11 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const S
 /// (24) of four near contacts at r. side: that of the body whose twist they see, 0 where there is none. Returns what their
 /// springs are found with (38), J. found_deeper, if there is one: set where (35) finds some too deep.
 template <std::size_t max_contacts, class FoundDeeper>
-GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side, const Vector3<Pack>& r,
-                Real h, const ContactStage& stage, Recall<max_contacts>& of_step,
-                Recall<max_contacts>& of_stage, [[maybe_unused]] FoundDeeper& found_deeper, BegunPack& begun,
-                ContactPack& pack) noexcept {
+GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
+                                  const Vector3<Pack>& r, Real h, const ContactStage& stage,
+                                  Recall<max_contacts>& of_step, Recall<max_contacts>& of_stage,
+                                  [[maybe_unused]] FoundDeeper& found_deeper, BegunPack& begun,
+                                  ContactPack& pack) noexcept {
   const auto past_by = [&](auto& recall) noexcept {
     return gathered({recall.find_or_none(near.of[0]->key), recall.find_or_none(near.of[1]->key),
                      recall.find_or_none(near.of[2]->key), recall.find_or_none(near.of[3]->key)});
@@ -122,7 +123,7 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
 /// What four contacts carry over where the stage ends: those that bear a force, or are deep.
 template <std::size_t max_contacts>
 GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h, const BegunPack& begun,
-                const ContactPack& pack, ContactMemories<max_contacts>& next) noexcept {
+                                  const ContactPack& pack, ContactMemories<max_contacts>& next) noexcept {
   const Vector3<Pack> n_W = pack.n * side, F_W = pack.F * side;
   const Pack depth = pack.d_0 - h * pack.n.dot(pack.v);
   const std::uint32_t stay = bits((Pack(0) < n_W.dot(F_W)) | (Pack(0) < depth)) & ((1u << near.size) - 1);

@@ -151,7 +151,7 @@ struct Solving {
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
 template <class System, class Contacts, std::size_t N>
 GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving& how, System& system,
-                  BodyContactScratch<Contacts, N>& w) noexcept {
+                                    BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
   using Seeking = std::conditional_t<System::is_coupled, FrictionOnNets, SeekingOf<Contacts>>;
   ContactResidual most;
