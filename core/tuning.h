@@ -190,7 +190,7 @@ inline constexpr Real velocity_tolerance = 1e-3;
 /// Iterations of conjugate gradients in a Newton iteration: few while friction is still sought.
 inline constexpr int max_cg_iterations_seeking = 3, max_cg_iterations = 8;
 /// In how many strips the nodes of a carrier are taken into groups of four: two groups that do not wait for each other. Of 2, 4, 6,
-/// 8, 16 and 32 the one with the shortest steps of S6, by 1 to 9 %; iterations differ by 3 %. docs/decisions/059.
+/// 8, 16 and 32 the one with the shortest steps of S6, by up to 7 %; iterations differ by 3 %. docs/decisions/059.
 inline constexpr std::uint32_t node_strips = 8;
 /// How many nodes are looked at to fill a group: more than a node has neighbours. No sweep.
 inline constexpr std::size_t nodes_looked_ahead = 64;

@@ -130,8 +130,8 @@ class NodeGrouping {
 
   Par& par_;
   SpringsOfNodes<Par> springs_;
-  std::array<std::uint32_t, max_nodes> left_{}, waiting_{},
-      in_order_{};  // left_: neighbours that do not wait
+  std::array<std::uint32_t, max_nodes> left_{};  // neighbours that do not wait
+  std::array<std::uint32_t, max_nodes> waiting_{}, in_order_{};
   std::array<bool, max_nodes> waits_{};
 };
 

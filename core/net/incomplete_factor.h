@@ -21,7 +21,7 @@ inline void add(const SlotMass& K, SymmetricPack& A) noexcept {
 }
 /// K - K E K.
 inline SymmetricPack eliminated(const SlotMass& K, const SymmetricPack& E) noexcept {
-  // e = b E u:  K E K = a^2 E + a (e u^T + u e^T) + b (u . e) u u^T
+  // e = a b E u:  K E K = a^2 E + e u^T + u e^T + b^2 (u . E u) u u^T
   const auto& [u, a, b] = K;
   const Vector3<Pack> Eu = E * u;
   const Pack ab = a * b, a_sq = a * a, left = b - b * b * u.dot(Eu);
@@ -62,8 +62,8 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
     SymmetricPack D_i = in_lanes(D, group);
     for (std::uint32_t s = group.first; s < group.end; ++s) add(w.masses[s], D_i);
     const std::array<SymmetricBlock, 4> D_n = blocks(D_i);
-    for (std::size_t j = 4; j-- > 0;)
-      D[group.nodes[j]] = D_n[j];  // last the lane that is the first node's own
+    // last the lane that is the first node's own
+    for (std::size_t j = 4; j-- > 0;) D[group.nodes[j]] = D_n[j];
     const SymmetricPack E = w.D_inverse[g] = inverse(D_i + in_lanes(w.of_contacts, group));
     for (std::uint32_t s = group.first; s < group.end; ++s) {
       const std::array<SymmetricBlock, 4> left = blocks(eliminated(w.masses[s], E));
@@ -72,8 +72,7 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// The contacts of nodes, out of their D and into it: what they change elsewhere is left as it was factored, a
-/// preconditioner all the same, since D_j is positive definite without the contacts of j.
+/// D^-1 of the groups whose nodes touch.
 template <class Net, std::size_t N>
 void renew_inverses(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c) {
@@ -82,17 +81,18 @@ void renew_inverses(NetStage<Net, N>& w) noexcept {
     w.D_inverse[g] = inverse(in_lanes(w.D, group) + in_lanes(w.of_contacts, group));
   }
 }
+/// The contacts of nodes, out of their D and into it: what they change elsewhere is left as it was factored, a
+/// preconditioner all the same, since D_j is positive definite without the contacts of j.
 template <class Net, std::size_t N>
 void take_contacts_out(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c) w.of_contacts[w.contacts[c].node] = SymmetricBlock::zero();
   renew_inverses(w);
 }
-/// Those that were in it are out.
+/// Those that were in it are out. A node may touch more than one thing.
 template <class Net, std::size_t N>
 void put_contacts_in(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c)
-    w.of_contacts[w.contacts[c].node] +=
-        effective_mass(w.contacts[c]);  // a node may touch more than one thing
+    w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
   renew_inverses(w);
 }
 
