@@ -53,11 +53,7 @@ struct LimitedFeedback {
                    Limited& limited) noexcept {
     const Real shown = x.F_D.f.sum() + x.F_D.tau.sum();
     if (!(shown - shown == 0)) x.F_D = {};  // a damaged state must not reach the hand
-    const Vec3 f = bounded(wanted.f, par.max_force, Limited::force, limited);
-    const Vec3 tau = bounded(wanted.tau, par.max_torque, Limited::torque, limited);
-    x.F_D.f += bounded(f - x.F_D.f, h * par.max_force_rate, Limited::force_rate, limited);
-    x.F_D.tau += bounded(tau - x.F_D.tau, h * par.max_torque_rate, Limited::torque_rate, limited);
-    out.F_D = x.F_D;
+    move(par, in_size(par, wanted, limited), h, x, out, limited);
   }
 
   /// The same, as the samples of the device allow.
@@ -68,6 +64,20 @@ struct LimitedFeedback {
   }
 
  private:
+  /// Returns `wanted`, at most as large as configured.
+  static Wrench in_size(const Params& par, const Wrench& wanted, Limited& limited) noexcept {
+    return {.tau = bounded(wanted.tau, par.max_torque, Limited::torque, limited),
+            .f = bounded(wanted.f, par.max_force, Limited::force, limited)};
+  }
+
+  /// Moves the shown wrench towards F at most as fast as configured.
+  static void move(const Params& par, const Wrench& F, Real h, State& x, Output& out,
+                   Limited& limited) noexcept {
+    x.F_D.f += bounded(F.f - x.F_D.f, h * par.max_force_rate, Limited::force_rate, limited);
+    x.F_D.tau += bounded(F.tau - x.F_D.tau, h * par.max_torque_rate, Limited::torque_rate, limited);
+    out.F_D = x.F_D;
+  }
+
   [[gnu::noinline]] static void show_round_gap(const Params& par, const Gap& gap, const Wrench& wanted,
                                                Real h, State& x, Output& out, Limited& limited) noexcept {
     if (gap.showing == Showing::still) return show(par, x.F_D, h, x, out, limited);
@@ -76,10 +86,11 @@ struct LimitedFeedback {
       x.force_then = x.F_D.f.norm();
       x.torque_then = x.F_D.tau.norm();
     }
-    Params capped = par;
-    capped.max_force = std::min(par.max_force, x.force_then + gap.growth * par.max_force);
-    capped.max_torque = std::min(par.max_torque, x.torque_then + gap.growth * par.max_torque);
-    show(capped, wanted, h, x, out, limited);
+    // A bound by the gap is part of the ramp: it is no limit that a setting could raise.
+    const Wrench F = in_size(par, wanted, limited);
+    const Vec3 f = bounded(F.f, x.force_then + gap.growth * par.max_force, Limited::ramp, limited);
+    const Vec3 tau = bounded(F.tau, x.torque_then + gap.growth * par.max_torque, Limited::ramp, limited);
+    move(par, {.tau = tau, .f = f}, h, x, out, limited);
   }
 };
 

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "platform/session/limits.h"
+
 namespace godobject {
 namespace {
 
@@ -38,18 +40,6 @@ std::uint8_t flags_of(const ViewSample& sample) noexcept {
                                    (sample.missed_deadlines ? frame_missed_deadlines : 0));
 }
 
-/// In the order of limit_names: those of the core, then those of the drives.
-std::uint32_t limits_of(const CycleRecord& record) noexcept {
-  constexpr unsigned num_core_limits = 6;
-  auto bits = static_cast<std::uint32_t>(record.limited);
-  const CommandReport& drives = record.drives;
-  unsigned bit = num_core_limits;
-  for (const std::uint32_t of_drives :
-       {drives.torque_limited, drives.rate_limited, drives.drive_limited, drives.not_sent})
-    bits |= (of_drives != 0 ? 1u : 0u) << bit++;
-  return bits;
-}
-
 }  // namespace
 
 void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::span<const Vec3> vertices,
@@ -63,7 +53,7 @@ void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::
   to.put(frame_magic).put(view_version).put(static_cast<std::uint16_t>(frame_header_bytes)).put(record.cycle);
   to.put_f64(record.t).put(static_cast<std::uint8_t>(sample.phase)).put(flags_of(sample));
   to.put(static_cast<std::uint16_t>(driven.size())).put(static_cast<std::uint32_t>(record.fault));
-  to.put(limits_of(record)).put(static_cast<std::uint32_t>(record.rig_faults));
+  to.put(active_limits(record)).put(static_cast<std::uint32_t>(record.rig_faults));
   to.put(record.held ? static_cast<std::int32_t>(*record.held) : -1);
   for (const std::size_t n : {record.bodies.size(), num_contacts, vertices.size()})
     to.put(static_cast<std::uint32_t>(n));

@@ -1,4 +1,5 @@
 // Frames and pointers on the wire are what docs/view.md says, and what is no pointer's message is refused.
+#include "platform/session/limits.h"
 #include "platform/view/frame.h"
 
 #include <gtest/gtest.h>
@@ -62,6 +63,12 @@ void expect_vector(const std::vector<std::uint8_t>& bytes, std::size_t place, co
         << place;
 }
 
+std::uint32_t bit_of(std::string_view limit) {
+  const auto* const found = std::ranges::find(run_limits, limit, &RunLimit::name);
+  EXPECT_NE(found, run_limits.end()) << limit;
+  return 1u << (found - run_limits.begin());
+}
+
 TEST(Frame, HasTheDocumentedLayout) {
   static_assert(std::endian::native == std::endian::little);
   std::mt19937 random(1);
@@ -82,8 +89,7 @@ TEST(Frame, HasTheDocumentedLayout) {
     EXPECT_EQ(bytes[25], frame_engaged);
     EXPECT_EQ(at<std::uint16_t>(bytes, 26), 1);
     EXPECT_EQ(at<std::uint32_t>(bytes, 28), 1u << 3);
-    EXPECT_EQ(at<std::uint32_t>(bytes, 32), 1u << 1 | 1u << 4 | 1u << 7)
-        << "torque, ramp, and the drives' rate";
+    EXPECT_EQ(at<std::uint32_t>(bytes, 32), bit_of("torque") | bit_of("ramp") | bit_of("drive_torque_rate"));
     EXPECT_EQ(at<std::uint32_t>(bytes, 36), 1u << 14);
     EXPECT_EQ(at<std::int32_t>(bytes, 40), static_cast<std::int32_t>(num_bodies - 1));
     EXPECT_EQ(at<std::uint32_t>(bytes, 44), num_bodies);

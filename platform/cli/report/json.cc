@@ -1,6 +1,6 @@
 // report.json: the facts of a run for other programs. Keys carry their units.
-#include "platform/cli/limit_texts.h"
 #include "platform/cli/report/report.h"
+#include "platform/cli/report/warnings.h"
 #include "platform/rt/machine.h"
 
 namespace godobject {
@@ -161,15 +161,15 @@ Json answers(const RigCounters& c) {
 
 Json limits(const RunStatistics& statistics) {
   Json hit = Json::object();
-  for (std::size_t i = 0; i < limit_names.size(); ++i)
-    if (statistics.limit_cycles[i] > 0) hit[std::string(limit_names[i])] = statistics.limit_cycles[i];
+  for (std::size_t i = 0; i < run_limits.size(); ++i)
+    if (statistics.limit_cycles[i] > 0) hit[std::string(run_limits[i].name)] = statistics.limit_cycles[i];
   return hit;
 }
 
 Json limits_percent(const RunStatistics& statistics) {
   Json hit = Json::object();
-  for (std::size_t i = 0; i < limit_names.size(); ++i)
-    if (statistics.limit_cycles[i] > 0) hit[std::string(limit_names[i])] = limit_percent(statistics, i);
+  for (std::size_t i = 0; i < run_limits.size(); ++i)
+    if (statistics.limit_cycles[i] > 0) hit[std::string(run_limits[i].name)] = limit_percent(statistics, i);
   return hit;
 }
 
@@ -222,7 +222,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   json["limits_percent"] = limits_percent(statistics);
   const EnergyReport& gain = statistics.gain;
   json["largest_energy_gain"] = {{"gained_J", gain.gained}, {"of_J", gain.at_work}};
-  json["warnings"] = limit_warnings(statistics);
+  json["warnings"] = run_warnings(report);
   json["faults"] = to_array(report.faults);
   json["lost"] = {{"cycles", report.result.lost_cycles},
                   {"frames", report.result.lost_frames},

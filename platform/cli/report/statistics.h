@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 
 #include "platform/cli/fault_texts.h"
 #include "platform/rt/histogram.h"
+#include "platform/session/limits.h"
 #include "platform/session/session.h"
 
 namespace godobject {
@@ -34,19 +34,6 @@ class PoseErrorStatistics {
   PoseError sum_sq_, max_;
 };
 
-/// Bounds that were met on purpose.
-inline constexpr std::array<std::string_view, 11> limit_names{"force",
-                                                              "torque",
-                                                              "force_rate",
-                                                              "torque_rate",
-                                                              "ramp",
-                                                              "held",
-                                                              "first_order",
-                                                              "drive_torque",
-                                                              "drive_torque_rate",
-                                                              "drive_internal_limit",
-                                                              "drive_command_not_sent"};
-
 /// The worst of a run.
 struct NetStatistics {
   double stretch = 0, deepest = 0, residual = 0;  // l / l_0; m; N
@@ -69,7 +56,7 @@ struct RunStatistics {
   Histogram step_ns;  // the engine's step alone
   // Over engaged cycles after the ramp: until then the body is on its way to the target, or let go.
   PoseErrorStatistics following, sensing, exact_following, encoders;
-  std::array<std::uint64_t, limit_names.size()> limit_cycles{};       // cycles with that limit
+  std::array<std::uint64_t, run_limits.size()> limit_cycles{};        // cycles with that limit
   std::array<std::uint64_t, core_fault_texts.size()> fault_cycles{};  // in the order of core_fault_texts
   RigFault rig_faults = RigFault::none;
   std::uint64_t holds = 0, hold_cycles = 0;  // since too many deadlines were missed
@@ -87,12 +74,8 @@ struct RunStatistics {
       exact_following.add(record.exact_following);
       encoders.add(record.encoders);
     }
-    constexpr std::size_t num_core_limits = 7;
-    for (std::size_t i = 0; i < num_core_limits; ++i)
-      limit_cycles[i] += has(record.limited, Limited(1u << i)) ? 1 : 0;
-    const CommandReport& drives = record.drives;
-    const std::array bits{drives.torque_limited, drives.rate_limited, drives.drive_limited, drives.not_sent};
-    for (std::size_t i = 0; i < bits.size(); ++i) limit_cycles[num_core_limits + i] += bits[i] != 0 ? 1 : 0;
+    const std::uint32_t active = active_limits(record);
+    for (std::size_t i = 0; i < run_limits.size(); ++i) limit_cycles[i] += active >> i & 1u;
     for (std::size_t i = 0; i < core_fault_texts.size(); ++i)
       fault_cycles[i] += has(record.fault, core_fault_texts[i].fault) ? 1 : 0;
     rig_faults = rig_faults | record.rig_faults;

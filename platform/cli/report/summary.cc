@@ -3,7 +3,7 @@
 
 #include <cinttypes>
 
-#include "platform/cli/limit_texts.h"
+#include "platform/cli/report/warnings.h"
 
 namespace godobject {
 namespace {
@@ -40,16 +40,14 @@ void print_errors(std::FILE* out, const RunReport& report) {
 void print_limits(std::FILE* out, const RunStatistics& statistics) {
   std::fprintf(out, "  %-26s", "limits hit");
   bool any_hit = false;
-  for (std::size_t i = 0; i < limit_names.size(); ++i) {
+  for (std::size_t i = 0; i < run_limits.size(); ++i) {
     if (statistics.limit_cycles[i] == 0) continue;
     std::fprintf(out, "%s %s %" PRIu64 " cycles (%.1f %%)", any_hit ? "," : "",
-                 std::string(limit_names[i]).c_str(), statistics.limit_cycles[i],
+                 std::string(run_limits[i].name).c_str(), statistics.limit_cycles[i],
                  limit_percent(statistics, i));
     any_hit = true;
   }
   std::fprintf(out, "%s\n", any_hit ? "" : " none");
-  for (const std::string& warning : limit_warnings(statistics))
-    std::fprintf(out, "  %-26s %s\n", "WARNING", warning.c_str());
 }
 
 void print_nets(std::FILE* out, const RunReport& report) {
@@ -169,6 +167,8 @@ void print_summary(std::FILE* out, const RunReport& report) {
   print_recoveries(out, report);
   print_nets(out, report);
   print_limits(out, result.statistics);
+  for (const std::string& warning : run_warnings(report))
+    std::fprintf(out, "  %-26s %s\n", "WARNING", warning.c_str());
   if (report.faults.empty()) std::fprintf(out, "  %-26s none\n", "faults");
   print_faults(out, report.faults);
   if (report.options.realtime)

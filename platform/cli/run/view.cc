@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include "platform/cli/fault_texts.h"
-#include "platform/cli/limit_texts.h"
 #include "platform/view/server/door.h"
 #include "platform/view/server/page.h"
 
@@ -23,8 +22,8 @@ BitText words_of(const Text& text) {
 void add_words(ViewAbout& about) {
   for (const CoreFaultText& fault : core_fault_texts) about.faults.push_back(words_of(fault.text));
   for (const RigFaultText& fault : rig_fault_texts()) about.rig_faults.push_back(words_of(fault));
-  for (std::size_t i = 0; i < limit_names.size(); ++i)
-    about.limits.push_back({.name = std::string(limit_names[i]), .text = std::string(limit_remedies[i])});
+  for (const RunLimit& limit : run_limits)
+    about.limits.push_back({.name = std::string(limit.name), .text = std::string(limit.remedy)});
 }
 
 std::string view_warning(const std::string& address) {
