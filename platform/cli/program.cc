@@ -10,6 +10,7 @@
 #include <new>
 
 #include "platform/cli/option_text.h"
+#include "platform/rt/standard_descriptors.h"
 
 namespace godobject {
 namespace {
@@ -68,6 +69,12 @@ void add_verbs(CLI::App& app, const Simulation& simulation, ExitCode& code) {
 
 int run_program(int argc, char** argv, const Simulation& simulation) {
   ExitCode code = ExitCode::not_available;
+  if (!keep_standard_descriptors()) {
+    std::fputs(
+        "/dev/null cannot be opened, and a standard stream is closed: mount /dev, or open the stream\n",
+        stderr);
+    return static_cast<int>(code);
+  }
   try {
     code = run(argc, argv, simulation);
   } catch (const std::bad_alloc&) {

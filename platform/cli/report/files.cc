@@ -28,7 +28,11 @@ RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseco
   if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
   if (!names.contacts.empty()) contacts_.emplace(into(contacts_file_, names.contacts), scene);
   if (!names.nets.empty()) nets_.emplace(into(nets_file_, names.nets), scene_nets(scene));
-  if (!names.record.empty()) record_.emplace(into(record_file_, names.record), bus_names(scene));
+  if (names.record.empty()) return;
+  record_ = std::make_shared<CandumpLog>(
+      [this](std::string_view text) { return record_file_->write(text, patience_); }, bus_names(scene));
+  record_file_.emplace(names.record, waiting_bytes,
+                       [log = record_](const BackgroundFile::Append& append) { log->pass_on(append); });
 }
 
 void RunFiles::add(const CycleRecord& record) {

@@ -1,6 +1,7 @@
 // The files a run fills while it goes: trace and bus log, each only where asked for.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +37,7 @@ class RunFiles {
 
   bool wants_contacts() const noexcept { return contacts_.has_value(); }
   bool wants_net_nodes() const noexcept { return nets_.has_value(); }
-  bool wants_frames() const noexcept { return record_.has_value(); }
+  bool wants_frames() const noexcept { return record_ != nullptr; }
   void add(const CycleRecord& record);
   void add(const BusFrame& frame) {
     if (!record_) return;
@@ -68,7 +69,7 @@ class RunFiles {
   std::optional<TraceWriter> trace_;
   std::optional<ContactTraceWriter> contacts_;
   std::optional<NetTraceWriter> nets_;
-  std::optional<CandumpLog> record_;
+  std::shared_ptr<CandumpLog> record_;  // of the thread that writes it, too
 };
 
 }  // namespace godobject

@@ -183,9 +183,8 @@ class RealtimeRun {
 
  private:
   void run_loop(std::promise<std::vector<RtStep>>& thread_setup) {
-    block_stop_signals();  // they are the other thread's
+    const ThreadSetup setup("loop");
     try {
-      const SignalStack stack;
       thread_setup.set_value(set_up_rt_thread());
       loop_.run(cycle_);
     } catch (...) {  // before the loop: it throws nothing

@@ -1,12 +1,10 @@
 // The only source that sees Boost, with server_parts.h.
 #include "platform/view/server/server.h"
 
-#include <pthread.h>
-
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 
+#include "platform/rt/stop_signals.h"
 #include "platform/view/server/page.h"
 #include "platform/view/server/parts.h"
 
@@ -193,17 +191,14 @@ std::string Hub::listen() {
 
 void Hub::run_thread() {
   accept();
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_BLOCK, &all, &before);  // signals are for the threads that were there before
   thread_ = std::thread([this] {
+    const ThreadSetup setup("view");
     try {
       io_.run();
     } catch (const std::exception& error) {  // out of memory: the run goes on without its view
       if (log_) log_(std::string("the view has ended: ") + error.what());
     }
   });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 Hub::~Hub() {

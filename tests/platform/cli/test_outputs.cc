@@ -6,8 +6,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <sstream>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -177,6 +181,66 @@ TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
         was_said || (result.exit_code == 3 && result.output.find("out of memory") != std::string::npos);
   }
   EXPECT_TRUE(was_said);
+}
+
+/// Standard descriptors that are closed are not given to a file, which would get the status lines.
+TEST_F(BackgroundFiles, ClosedStandardDescriptorsBecomeNoOutput) {
+  for (const char* closed : {"2>&-", "<&-", "<&- >&- 2>&-", ">&- 2>&-"}) {
+    const std::string trace = path("t.csv");
+    const ProgramResult result =
+        run_program("run sim/scenes/rigid.toml --bus sim --realtime --duration 0.3 --trace " + trace + " --record " +
+                        path("r.log"),
+                    std::string("sh -c 'exec \"$0\" \"$@\" ") + closed + "' ");
+    EXPECT_EQ(result.exit_code, 0) << closed;
+    std::istringstream rows(read_file(trace));
+    std::string row;
+    ASSERT_TRUE(std::getline(rows, row) && row.starts_with("t,")) << closed << row;
+    const auto commas = std::ranges::count(row, ',');
+    while (std::getline(rows, row))
+      ASSERT_TRUE(std::ranges::count(row, ',') == commas && row.find("cycle") == std::string::npos) << row;
+  }
+}
+
+TEST_F(BackgroundFiles, ClosedStandardDescriptorsAreTheNullDevice) {
+  BackgroundProgram run({"run", "sim/scenes/rigid.toml", "--bus", "sim", "--realtime", "--duration", "60", "--trace",
+                         path("t.csv")},
+                        {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO});
+  const std::string of = "/proc/" + std::to_string(run.pid()) + "/fd/";
+  for (int i = 0; i < 500 && read_file(path("t.csv")).empty(); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    EXPECT_EQ(std::filesystem::read_symlink(of + std::to_string(standard)), "/dev/null") << standard;
+}
+
+/// A run that dies loses half a second at most, of every file.
+TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
+  const std::vector<std::string> names{path("t.csv"), path("r.log"), path("c.csv")};
+  BackgroundProgram run({"run", "sim/scenes/wall.toml", "--bus", "sim", "--realtime", "--duration", "60", "--trace",
+                         names[0], "--record", names[1], "--contacts", names[2]});
+  const auto size_of = [](const std::string& name) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(name, error);
+    return error ? 0 : size;
+  };
+  for (int i = 0; i < 1000 && (size_of(names[0]) < 2000 || size_of(names[1]) == 0); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  std::vector<std::uintmax_t> sizes(2);
+  for (int i = 0; i < 4; ++i) {  // it goes on growing all the time
+    std::this_thread::sleep_for(milliseconds(500));
+    for (std::size_t f = 0; f < sizes.size(); ++f) {
+      EXPECT_GT(size_of(names[f]), sizes[f]) << names[f];
+      sizes[f] = size_of(names[f]);
+    }
+  }
+  run.end_by(SIGKILL);
+  const auto last_time = [](const std::string& text, std::size_t begin) {
+    const std::size_t end = text.rfind('\n');
+    const std::size_t start = text.rfind('\n', end - 1) + 1;
+    return std::stod(text.substr(start + begin));
+  };
+  const double trace_s = last_time(read_file(names[0]), 0), record_s = last_time(read_file(names[1]), 1);
+  EXPECT_GT(trace_s, 1.5);
+  EXPECT_NEAR(trace_s, record_s, 0.5) << "both up to the same time, but for the boot";
 }
 
 }  // namespace
