@@ -52,6 +52,8 @@ class RunFiles {
   std::vector<FileLoss> close();
 
  private:
+  void add_start();
+  void write(const CycleRecord& record);
   bool is_kept(const CycleRecord& record) noexcept;
   void add_row(const CycleRecord& record);
 
@@ -61,8 +63,9 @@ class RunFiles {
   std::vector<TraceBody> bodies_;               // the row being written
   std::vector<TraceDriven> pulls_;
   std::vector<Wrench> joints_;
-  std::uint64_t num_rows_ = 0;  // so far, with those that were left out
-  Fault fault_ = Fault::none;   // of the row before
+  std::optional<CycleRecord> start_;  // waits for the time at which the motion starts
+  std::uint64_t num_rows_ = 0;        // so far, with those that were left out
+  Fault fault_ = Fault::none;         // of the row before
   RigFault rig_faults_ = RigFault::none;
   std::chrono::milliseconds patience_{2000};
   std::optional<BackgroundFile> trace_file_, contacts_file_, nets_file_, record_file_;
