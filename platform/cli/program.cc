@@ -10,6 +10,7 @@
 #include <new>
 
 #include "platform/cli/option_text.h"
+#include "platform/rt/large_stack.h"
 #include "platform/rt/standard_descriptors.h"
 
 namespace godobject {
@@ -75,13 +76,19 @@ int run_program(int argc, char** argv, const Simulation& simulation) {
         stderr);
     return static_cast<int>(code);
   }
-  try {
-    code = run(argc, argv, simulation);
-  } catch (const std::bad_alloc&) {
-    std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "a defect of the program: %s\n", error.what());
-  }
+  const auto guarded = [&] {
+    try {
+      code = run(argc, argv, simulation);
+    } catch (const std::bad_alloc&) {
+      std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "a defect of the program: %s\n", error.what());
+    }
+  };
+  if (!call_on_large_stack(guarded))
+    std::fputs(
+        "out of memory: the stack is small (ulimit -s), and there is no memory for another (ulimit -v)\n",
+        stderr);
   return static_cast<int>(code);
 }
 

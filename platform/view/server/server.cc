@@ -162,6 +162,14 @@ void Requests::reply(int status, std::string_view type, std::string_view body) {
   });
 }
 
+/// Part of a line that a terminal shows as it is: clients choose some of the words.
+std::string for_console(std::string line) {
+  if (line.size() > max_line_bytes) line.replace(max_line_bytes, line.npos, "...");
+  std::ranges::replace_if(
+      line, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return line;
+}
+
 // --- the hub ----------------------------------------------------------------------------------------
 
 std::string Hub::listen() {
@@ -298,15 +306,18 @@ void Hub::feed() {
 
 void Hub::log(const std::string& line) {
   const Clock::time_point now = Clock::now();
-  if (line == last_line_ && now - last_logged_ < std::chrono::seconds(1)) {
+  allowed_lines_ = std::min<double>(max_lines, allowed_lines_ + (now - last_allowed_) / line_period);
+  last_allowed_ = now;
+  if (allowed_lines_ < 1 || (line == last_line_ && now - last_logged_ < std::chrono::seconds(1))) {
     ++num_unsaid_;
     return;
   }
+  --allowed_lines_;
   if (num_unsaid_ > 0 && log_) log_("and " + std::to_string(num_unsaid_) + " more like this");
   num_unsaid_ = 0;
   last_line_ = line;
   last_logged_ = now;
-  if (log_) log_(line);
+  if (log_) log_(for_console(line));
 }
 
 }  // namespace server
