@@ -69,10 +69,14 @@ class BackgroundProgram {
     for (int c = std::fgetc(out_); c != EOF && c != '\n'; c = std::fgetc(out_)) text += static_cast<char>(c);
     return text;
   }
-  /// One command; returns the line of the answer.
-  std::string say(const std::string& command) {
+  /// One command, whose answer is left unread.
+  void tell(const std::string& command) {
     std::fprintf(in_, "%s\n", command.c_str());
     std::fflush(in_);
+  }
+  /// One command; returns the line of the answer.
+  std::string say(const std::string& command) {
+    tell(command);
     return line();
   }
 

@@ -35,7 +35,7 @@ constexpr std::chrono::seconds request_patience{5}, write_patience{5}, silence_p
 constexpr std::chrono::milliseconds poll_period{4}, farewell_patience{300};
 constexpr std::size_t max_requests = 64, max_streams = 32, max_waiting = 64;
 /// Lines on the console: so many at once, then one a period, whatever clients do.
-constexpr int max_lines = 20;
+constexpr int max_lines = 40;
 constexpr std::chrono::duration<double> line_period{10};
 constexpr std::size_t max_line_bytes = 200;
 constexpr std::uint32_t max_header_bytes = 8192;

@@ -243,5 +243,40 @@ TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
   EXPECT_NEAR(trace_s, record_s, 0.5) << "both up to the same time, but for the boot";
 }
 
+TEST_F(BackgroundFiles, FoldersOfAnOutputAreMadeWithTheirParents) {
+  const std::string trace = path("a/b/c/t.csv"), report = path("d/e/r.json");
+  EXPECT_EQ(run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + trace + " --report " + report)
+                .exit_code,
+            0);
+  EXPECT_FALSE(read_file(trace).empty());
+  EXPECT_FALSE(read_file(report).empty());
+  const ProgramResult below_a_file =
+      run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + report + "/x/t.csv");
+  EXPECT_EQ(below_a_file.exit_code, 2);
+  EXPECT_THAT(below_a_file.output, HasSubstr("is no folder"));
+}
+
+/// `ulimit -s`, which a process without rights cannot raise.
+TEST_F(BackgroundFiles, ASmallStackIsEnough) {
+  for (const char* scene : {"rigid", "lego", "organ-soft", "grasper", "endobag"})
+    for (const char* verb : {"check", "run --duration 0.05 --bus direct --realtime", "run --duration 0.05 --bus direct"}) {
+      const ProgramResult result = run_program(std::string(verb) + " sim/scenes/" + scene + ".toml",
+                                               "sh -c 'ulimit -s 256; exec \"$0\" \"$@\"' ");
+      EXPECT_EQ(result.exit_code, 0) << scene << ", " << verb << result.output;
+    }
+}
+
+/// Answers of a simulation that nobody reads do not keep it.
+TEST_F(BackgroundFiles, UnreadAnswersDoNotStallASimulation) {
+  BackgroundProgram far({"simulate", "sim/scenes/rigid.toml", "--control", "-", "--report", path("r.json"), "--bus",
+                         "can0=pty", "--bus", "can1=pty"});
+  while (far.line() != "ready") continue;
+  for (int i = 0; i < 2000; ++i) far.tell("status");
+  far.tell("quit");
+  for (int i = 0; i < 1000 && read_file(path("r.json")).empty(); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_FALSE(read_file(path("r.json")).empty()) << "it has ended";
+}
+
 }  // namespace
 }  // namespace godobject::test::test_outputs
