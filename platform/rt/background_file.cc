@@ -28,6 +28,7 @@ struct BackgroundFile::State {
   std::condition_variable changed;
   std::string path;  // empty: the descriptor is somebody else's
   Source source;
+  Clock::time_point gathered;  // when it was called last
   int descriptor = -1;
   std::size_t room = 0;
   std::string waiting, writing;
@@ -155,7 +156,9 @@ void BackgroundFile::State::run() noexcept {
 }
 
 void BackgroundFile::State::gather(std::unique_lock<std::mutex>& lock) {
-  if (!source) return;
+  const Clock::time_point now = Clock::now();
+  if (!source || now - gathered < gather_period) return;
+  gathered = now;
   lock.unlock();
   source([&](std::string_view text) {
     const std::lock_guard appending(mutex);
