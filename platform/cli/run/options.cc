@@ -47,8 +47,8 @@ std::string why_not_writable(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return "is a directory";
   fs::path folder = folder_of(path);
-  fs::path
-      missing;  // folders are made, see make_folders(), but none beside those of the system: that is a misspelling
+  // Folders are made, see make_folders(), but none beside those of the system: that is a misspelling.
+  fs::path missing;
   for (; !fs::exists(folder, ignored) && folder != folder_of(folder); folder = folder_of(folder))
     missing = folder;
   if (!missing.empty() && folder == folder.root_path())
