@@ -139,6 +139,7 @@ std::string read_log(const std::string& path, const std::vector<BusParams>& buse
   in.seekg(0);
   std::size_t number = 0, num_frames = 0;
   for (std::string line; std::getline(in, line);) {
+    if (in.eof()) break;  // without a line end: a run that was killed was about to write it
     ++number;
     ReceivedFrame frame;
     std::string_view name;
