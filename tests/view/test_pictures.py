@@ -6,10 +6,10 @@ usage: test_pictures.py --program PATH
 import base64
 import json
 import os
-import time
 import struct
 import subprocess
 import tempfile
+import time
 import zlib
 
 from viewed_run import SOURCE, arguments
