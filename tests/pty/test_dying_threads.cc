@@ -1,4 +1,5 @@
 // Whichever thread of a run crashes, the last frames are written. The table of threads in docs/running.md is the list.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -79,9 +80,8 @@ class CrashedThread : public ProgramTest, public testing::WithParamInterface<std
     host_.reset();
     far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
                                           "can0=pty", "--bus", "can1=pty", "--tap", "can1=pty"});
-    std::vector<std::string> arguments{"run",      scene,           "--duration", "60",
-                                       "--view",   "--trace",       path("t.csv"), "--record",
-                                       path("r.log")};
+    std::vector<std::string> arguments{"run",     scene,         "--duration", "60",         "--view",
+                                       "--trace", path("t.csv"), "--record",   path("r.log")};
     std::string tap;
     for (std::string line = far_->line(); line != "ready" && !line.empty(); line = far_->line()) {
       const std::string address = line.substr(line.find(": ") + 2);
@@ -189,7 +189,8 @@ TEST_F(DeviceThread, OfASpaceMouseWritesTheLastFrames) {
   SpaceMouse mouse(*loaded.scene, []() noexcept { return MonotonicClock{}.now(); });
   const auto make = [&] {
     std::string why_not;
-    return SpaceMouseThread::start(where, mouse, [](const std::string&) {}, why_not);
+    return SpaceMouseThread::start(
+        where, mouse, [](const std::string&) {}, why_not);
   };
   EXPECT_EXIT(die_in_thread("spacemouse", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were told");
   EXPECT_EQ(written(), "last");

@@ -27,8 +27,8 @@ double time_of_day() {
 TEST_F(OneClock, OfRecordTraceAndReport) {
   const std::string scene = write("scene.toml", patient_toml());
   BackgroundProgram far({"simulate", scene, "--realtime", "--bus", "can0=pty", "--bus", "can1=pty"});
-  std::string arguments = "run " + scene + " --duration 2 --quiet --trace " + path("t.csv") + " --record " + path("r.log") +
-                          " --report " + path("r.json");
+  std::string arguments = "run " + scene + " --duration 2 --quiet --trace " + path("t.csv") + " --record " +
+                          path("r.log") + " --report " + path("r.json");
   for (std::string line = far.line(); line != "ready" && !line.empty(); line = far.line())
     arguments += " --bus " + line.substr(4, 4) + "=slcan:" + line.substr(line.find(": ") + 2);
   const double begin = time_of_day();
@@ -52,7 +52,8 @@ TEST_F(OneClock, OfRecordTraceAndReport) {
   }
   ASSERT_GT(apart.size(), 300u);
   std::ranges::sort(apart);
-  std::printf("SYNC in the record after its period in the trace: median %.1f us\n", 1e6 * apart[apart.size() / 2]);
+  std::printf("SYNC in the record after its period in the trace: median %.1f us\n",
+              1e6 * apart[apart.size() / 2]);
   EXPECT_LT(apart[apart.size() / 2], 1e-4);
 }
 

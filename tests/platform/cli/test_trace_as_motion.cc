@@ -17,16 +17,16 @@ using testing::HasSubstr;
 using testing::Not;
 
 struct Case {
-  std::string scene, bus, more = "";
-  double within = 1e-6;  // m, of every body: velocities of a replay are those of a curve through its samples
+  std::string scene, bus;
 };
+
+constexpr double within = 1e-6;  // m: velocities of a replay are those of a curve through its samples
 
 class TraceAsMotion : public ProgramTest, public testing::WithParamInterface<Case> {
  protected:
   /// A run of two seconds; its trace.
-  CsvTable run(const std::string& name, const std::string& motion) {
-    const std::string more = motion.empty() ? GetParam().more : " --motion " + motion;
-    result_ = run_program("run sim/scenes/" + GetParam().scene + ".toml --bus " + GetParam().bus + more +
+  CsvTable run(const std::string& name, const std::string& options) {
+    result_ = run_program("run sim/scenes/" + GetParam().scene + ".toml " + options +
                           " --duration 2 --trace " + path(name) + " --report " + path("report.json"));
     CsvResult trace = read_csv(path(name), "", std::size_t{1} << 30);
     EXPECT_TRUE(trace.table) << result_.output;
@@ -45,7 +45,8 @@ double apart(const CsvTable& a, const CsvTable& b, const std::string& column) {
 }
 
 TEST_P(TraceAsMotion, DoesTheSameAgain) {
-  const CsvTable first = run("a.csv", ""), second = run("b.csv", path("a.csv"));
+  const CsvTable first = run("a.csv", "--bus " + GetParam().bus);
+  const CsvTable second = run("b.csv", "--bus direct --motion " + path("a.csv"));
   EXPECT_EQ(result_.exit_code, 0) << result_.output;
   EXPECT_THAT(result_.output, Not(HasSubstr("is not used")));
   EXPECT_THAT(result_.output, Not(HasSubstr("a.csv")));
@@ -53,12 +54,14 @@ TEST_P(TraceAsMotion, DoesTheSameAgain) {
   ASSERT_EQ(second.num_rows(), 2001u);
   for (const std::string& column : first.columns()) {
     if (!column.ends_with(".x") && !column.ends_with(".y") && !column.ends_with(".z")) continue;
-    EXPECT_LE(apart(first, second, column), GetParam().within) << column;
+    // A simulated hand is led by the motion and has its own: the target is replayed, and what pulls to it a bit earlier.
+    const bool same = GetParam().bus == "direct" || column.find(".target.") != std::string::npos;
+    EXPECT_LE(apart(first, second, column), same ? within : 1e-4) << column;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, TraceAsMotion,
-                         testing::Values(Case{"rigid", "direct"}, Case{"rigid", "sim", "", 1e-4},
+                         testing::Values(Case{"rigid", "direct"}, Case{"rigid", "sim"},
                                          Case{"wall", "direct"}, Case{"relative", "direct"},
                                          Case{"admittance", "direct"}, Case{"grasper", "direct"},
                                          Case{"scissors-imposed", "direct"}, Case{"grasp", "direct"},
@@ -97,8 +100,9 @@ TEST_F(TraceOfOneRun, OfAKilledRunIsReplayedUpToTheCut) {
 }
 
 TEST_F(TraceOfOneRun, OfAnotherSceneIsRefused) {
-  ASSERT_EQ(run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + path("a.csv")).exit_code,
-            0);
+  ASSERT_EQ(
+      run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + path("a.csv")).exit_code,
+      0);
   const ProgramResult result =
       run_program("run sim/scenes/admittance.toml --bus direct --motion " + path("a.csv"));
   EXPECT_EQ(result.exit_code, 2);
@@ -106,8 +110,8 @@ TEST_F(TraceOfOneRun, OfAnotherSceneIsRefused) {
 }
 
 TEST_F(TraceOfOneRun, AndReportHaveJointsDeviceAndTorques) {
-  ASSERT_EQ(run_program("run sim/scenes/grasper.toml --bus sim --duration 2 --trace " + path("a.csv") + " --report " +
-                        path("r.json"))
+  ASSERT_EQ(run_program("run sim/scenes/grasper.toml --bus sim --duration 2 --trace " + path("a.csv") +
+                        " --report " + path("r.json"))
                 .exit_code,
             0);
   const CsvTable trace = read_csv(path("a.csv")).table.value();
@@ -123,16 +127,20 @@ TEST_F(TraceOfOneRun, AndReportHaveJointsDeviceAndTorques) {
     const double peak = largest("drive." + drive["joint"].get<std::string>() + ".torque");
     EXPECT_EQ(drive["commanded_torque_Nm"]["peak"], peak);
     EXPECT_GT(peak, 0);
+    EXPECT_GT(largest("device." + drive["joint"].get<std::string>() + ".q"), 0);
     EXPECT_LE(drive["commanded_torque_Nm"]["mean"], peak);
   }
   ASSERT_FALSE(report["joints"].empty());
   for (const nlohmann::json& joint : report["joints"]) {
-    const std::string name = joint["name"];
-    ASSERT_EQ(joint["coordinates"].size(), 1u);
-    const nlohmann::json& q = joint["coordinates"][0];
-    EXPECT_EQ(std::max(std::abs(q["min"].get<double>()), std::abs(q["max"].get<double>())), largest(name + ".q"));
-    EXPECT_GT(largest("device." + name + ".q"), 0);
-    EXPECT_LT(std::abs(largest("device." + name + ".q") - largest(name + ".q")), 0.05) << "the jaws follow";
+    const std::size_t n = joint["coordinates"].size();
+    EXPECT_GE(joint["force_N"]["peak"], joint["force_N"]["mean"]);
+    for (std::size_t i = 0; i < n; ++i) {
+      const nlohmann::json& q = joint["coordinates"][i];
+      const std::string column =
+          joint["name"].get<std::string>() + ".q" + (n > 1 ? std::to_string(i + 1) : "");
+      EXPECT_EQ(std::max(std::abs(q["min"].get<double>()), std::abs(q["max"].get<double>())),
+                largest(column));
+    }
   }
   ASSERT_FALSE(report["bodies"].empty());
   for (const nlohmann::json& body : report["bodies"]) {
