@@ -54,9 +54,10 @@ TEST_P(TraceAsMotion, DoesTheSameAgain) {
   ASSERT_EQ(second.num_rows(), 2001u);
   for (const std::string& column : first.columns()) {
     if (!column.ends_with(".x") && !column.ends_with(".y") && !column.ends_with(".z")) continue;
-    // A simulated hand is led by the motion and has its own: the target is replayed, and what pulls to it a bit earlier.
-    const bool same = GetParam().bus == "direct" || column.find(".target.") != std::string::npos;
-    EXPECT_LE(apart(first, second, column), same ? within : 1e-4) << column;
+    // A simulated device: its joints are replayed, those of the first sample also before it.
+    const bool is_direct = GetParam().bus == "direct";
+    const bool is_target = column.find(".target.") != std::string::npos;
+    EXPECT_LE(apart(first, second, column), is_direct ? within : is_target ? 1e-5 : 1e-4) << column;
   }
 }
 
@@ -142,11 +143,12 @@ TEST_F(TraceOfOneRun, AndReportHaveJointsDeviceAndTorques) {
                 largest(column));
     }
   }
-  ASSERT_FALSE(report["bodies"].empty());
+  int moved = 0;
   for (const nlohmann::json& body : report["bodies"]) {
-    EXPECT_GT(body["speed_m_per_s"]["peak"], 0);
+    moved += body["speed_m_per_s"]["peak"] > 0 ? 1 : 0;
     EXPECT_LE(body["speed_m_per_s"]["mean"], body["speed_m_per_s"]["peak"]);
   }
+  EXPECT_GT(moved, 2);
 }
 
 }  // namespace
