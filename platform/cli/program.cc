@@ -10,6 +10,8 @@
 #include <new>
 
 #include "platform/cli/option_text.h"
+#include "platform/rt/large_stack.h"
+#include "platform/rt/standard_descriptors.h"
 
 namespace godobject {
 namespace {
@@ -68,13 +70,25 @@ void add_verbs(CLI::App& app, const Simulation& simulation, ExitCode& code) {
 
 int run_program(int argc, char** argv, const Simulation& simulation) {
   ExitCode code = ExitCode::not_available;
-  try {
-    code = run(argc, argv, simulation);
-  } catch (const std::bad_alloc&) {
-    std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "a defect of the program: %s\n", error.what());
+  if (!keep_standard_descriptors()) {
+    std::fputs(
+        "/dev/null cannot be opened, and a standard stream is closed: mount /dev, or open the stream\n",
+        stderr);
+    return static_cast<int>(code);
   }
+  const auto guarded = [&] {
+    try {
+      code = run(argc, argv, simulation);
+    } catch (const std::bad_alloc&) {
+      std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "a defect of the program: %s\n", error.what());
+    }
+  };
+  if (!call_on_large_stack(guarded))
+    std::fputs(
+        "out of memory: the stack is small (ulimit -s), and there is no memory for another (ulimit -v)\n",
+        stderr);
   return static_cast<int>(code);
 }
 

@@ -64,6 +64,7 @@ void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
   const bool valid = device.valid && device.fresh;
   buttons_before_ = buttons_;
   buttons_ = device.buttons;
+  q_ = device.q;
   const bool has_clutch = rig_->has_button(ButtonUse::clutch);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     BodySample& sample = samples[bodies_[k]];

@@ -42,6 +42,8 @@ class RigDevice final : public HandDevice {
   bool has_hold_button() const noexcept override { return rig_->has_button(ButtonUse::hold); }
   bool hold_pressed() const noexcept override { return buttons_.hold && !buttons_before_.hold; }
 
+  /// Coordinates of the device's joints in the last step; without size before the first.
+  const JointVector& q() const noexcept { return q_; }
   const Rig& rig() const noexcept { return *rig_; }
   RigLink& link() noexcept { return *link_; }
   const RigLink& link() const noexcept { return *link_; }
@@ -64,6 +66,7 @@ class RigDevice final : public HandDevice {
   DriveSwings swings_;
   DeviceButtons buttons_, buttons_before_;  // pressed in this step and in the one before
   Nanoseconds gather_ns_ = 0;
+  JointVector q_;
 };
 
 /// Answers to a SYNC are waited for so long; the rest of the period is for the step and the commands. A simulated bus is

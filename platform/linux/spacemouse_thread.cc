@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "platform/rt/stop_signals.h"
+
 namespace godobject {
 namespace {
 
@@ -76,6 +78,7 @@ SpaceMouseCounters SpaceMouseThread::counters() const noexcept {
 }
 
 void SpaceMouseThread::run(const std::stop_token& stop) {
+  const ThreadSetup setup("spacemouse");
   Nanoseconds due = clock_.now();
   while (!stop.stop_requested()) {
     wait(due);

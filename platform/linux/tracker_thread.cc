@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "platform/rt/stop_signals.h"
+
 namespace godobject {
 namespace {
 
@@ -25,6 +27,7 @@ bool TrackerThread::try_read(TrackerReport& out, Nanoseconds) noexcept {
 }
 
 void TrackerThread::run(const std::stop_token& stop) {
+  const ThreadSetup setup("tracker");
   opening_since_ = clock_.now();
   Nanoseconds next_open = opening_since_;
   while (!stop.stop_requested()) {

@@ -1,8 +1,8 @@
 // What the hand does: the target of every driven body, or the wrench on it, and whether it holds the device,
 // as functions of time.
 //
-// The room: reader.cc takes a motion from a recording, curve.h is smooth through its samples, sudden_moves.h finds the samples
-// that cannot be true.
+// The room: reader.cc takes a motion from a recording, from_trace.h from a trace, curve.h is smooth through its samples,
+// sudden_moves.h finds the samples that cannot be true.
 #pragma once
 
 #include <optional>
@@ -55,6 +55,7 @@ class Motion {
   /// scene's own [motion]; one without hold leaves that to it.
   /// Between samples: platform/motion/curve.h. Before the first and after the last: the end's pose at rest, its wrench.
   /// Switches hold from their sample to the next one; before the first sample they are as in it.
+  /// A trace of a run of this scene is such a table, too: see from_trace.h.
   static MotionResult read(const std::string& path, const SceneConfig& scene);
   /// As read for a text; file is what messages call it.
   static MotionResult parse(std::string_view csv, const std::string& file, const SceneConfig& scene);

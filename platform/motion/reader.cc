@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iterator>
 
+#include "platform/motion/from_trace.h"
 #include "platform/motion/motion.h"
 #include "platform/motion/sudden_moves.h"
 #include "platform/scene/keys/hold.h"
@@ -333,15 +334,22 @@ class MotionReader {
 };
 
 MotionResult Motion::parse(std::string_view csv, const std::string& file, const SceneConfig& scene) {
-  const CsvResult result = parse_csv(csv, file, hold_column);
+  const bool of_trace = is_trace(csv);
+  CsvResult result =
+      of_trace ? parse_csv(whole_lines(csv), file, "", is_of_motion) : parse_csv(csv, file, hold_column);
   if (!result.table) return {std::nullopt, result.errors, {}};
+  if (of_trace) {
+    TraceMotion motion = motion_of_trace(*result.table, file, scene);
+    if (!motion.table) return {std::nullopt, motion.errors, {}};
+    result.table = std::move(motion.table);
+  }
   return MotionReader(*result.table, file, scene).read();
 }
 
 MotionResult Motion::read(const std::string& path, const SceneConfig& scene) {
-  const CsvResult result = read_csv(path, hold_column);
-  if (!result.table) return {std::nullopt, result.errors, {}};
-  return MotionReader(*result.table, path, scene).read();
+  const FileText file = read_file(path, max_csv_bytes);
+  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}, {}};
+  return parse(*file.text, path, scene);
 }
 
 }  // namespace godobject

@@ -10,6 +10,7 @@
 #include "platform/rt/cyclic.h"
 #include "platform/rt/deadline_watch.h"
 #include "platform/rt/setup.h"
+#include "platform/rt/standard_descriptors.h"
 #include "platform/rt/stop_signals.h"
 #include "platform/scene/toml.h"
 
@@ -83,6 +84,11 @@ class RigCycle {
 }  // namespace
 
 RigRun::RigRun(const std::string& scene_file, std::span<const std::string> addresses) {
+  if (!keep_standard_descriptors()) {
+    errors_.emplace_back(
+        "a standard stream is closed, and /dev/null cannot be opened in its place: mount /dev");
+    return;
+  }
   LoadResult loaded = load_scene(scene_file);
   errors_ = std::move(loaded.errors);
   if (!loaded.scene || !errors_.empty()) return;

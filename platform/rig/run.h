@@ -15,6 +15,7 @@ namespace godobject {
 
 class RigRun {
  public:
+  /// Closed descriptors 0 to 2 are opened on /dev/null, so that no bus becomes standard error.
   /// scene_file: with a device on buses. addresses: as rig_addresses(). Reads, checks and opens; nothing is sent yet. See
   /// errors().
   RigRun(const std::string& scene_file, std::span<const std::string> addresses);

@@ -10,6 +10,8 @@
 #include <new>
 #include <system_error>
 
+#include "platform/rt/stop_signals.h"
+
 namespace godobject {
 namespace {
 
@@ -25,6 +27,8 @@ struct BackgroundFile::State {
   std::mutex mutex;
   std::condition_variable changed;
   std::string path;  // empty: the descriptor is somebody else's
+  Source source;
+  Clock::time_point gathered;  // when it was called last
   int descriptor = -1;
   std::size_t room = 0;
   std::string waiting, writing;
@@ -33,8 +37,14 @@ struct BackgroundFile::State {
   std::uint64_t lost_lines = 0;
   std::string why;
   bool failed = false, closing = false, ended = false;
+  bool wanted = false;  // a writer has found no room
 
   void run() noexcept;
+  /// A console gets its text at once.
+  bool is_urgent() const noexcept {
+    return wanted || (path.empty() && !waiting.empty()) || waiting.size() > room / 4;
+  }
+  void gather(std::unique_lock<std::mutex>& lock);
   bool open_file();
   bool write_some(std::unique_lock<std::mutex>& lock);
   void fail(std::string reason);
@@ -43,9 +53,10 @@ struct BackgroundFile::State {
   }
 };
 
-BackgroundFile::BackgroundFile(const std::string& path, std::size_t room)
+BackgroundFile::BackgroundFile(const std::string& path, std::size_t room, Source source)
     : state_(std::make_shared<State>()) {
   state_->path = path;
+  state_->source = std::move(source);
   state_->room = room;
   start();
 }
@@ -73,6 +84,8 @@ bool BackgroundFile::write(std::string_view text, std::chrono::milliseconds pati
   const auto has_room = [&] {
     return state_->failed || state_->waiting.empty() || state_->waiting.size() + text.size() <= state_->room;
   };
+  state_->wanted = !has_room();
+  if (state_->wanted) state_->changed.notify_all();
   while (!has_room() && patience.count() > 0) {
     const std::uint64_t before = state_->progress;
     state_->changed.wait_for(lock, patience, [&] { return has_room() || state_->progress != before; });
@@ -84,7 +97,7 @@ bool BackgroundFile::write(std::string_view text, std::chrono::milliseconds pati
     return false;
   }
   state_->waiting += text;
-  state_->changed.notify_all();
+  if (state_->is_urgent()) state_->changed.notify_all();
   return true;
 }
 
@@ -112,6 +125,7 @@ void BackgroundFile::State::fail(std::string reason) {
 }
 
 void BackgroundFile::State::run() noexcept {
+  const ThreadSetup setup(path.empty() ? "console" : "file");
   std::unique_lock lock(mutex);
   try {
     lock.unlock();
@@ -120,9 +134,11 @@ void BackgroundFile::State::run() noexcept {
     lock.lock();
     if (!is_open) fail(std::generic_category().message(error));
     while (!failed) {
-      changed.wait(lock, [this] { return failed || closing || !waiting.empty(); });
-      if (failed || waiting.empty()) break;
+      changed.wait_for(lock, gather_period, [this] { return failed || closing || is_urgent(); });
+      if (!failed) gather(lock);
+      if (failed || (waiting.empty() && closing)) break;
       writing.clear();
+      wanted = false;
       written = 0;
       writing.swap(waiting);
       changed.notify_all();
@@ -137,6 +153,18 @@ void BackgroundFile::State::run() noexcept {
     fail(std::generic_category().message(errno));
   ended = true;
   changed.notify_all();
+}
+
+void BackgroundFile::State::gather(std::unique_lock<std::mutex>& lock) {
+  const Clock::time_point now = Clock::now();
+  if (!source || now - gathered < gather_period) return;
+  gathered = now;
+  lock.unlock();
+  source([&](std::string_view text) {
+    const std::lock_guard appending(mutex);
+    waiting += text;
+  });
+  lock.lock();
 }
 
 bool BackgroundFile::State::open_file() {

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <string_view>
 
 namespace godobject {
@@ -122,7 +123,8 @@ void LastResort::install() {
   for (const DeadlySignal& deadly : deadly_signals) sigaction(deadly.signal, &action, nullptr);
 }
 
-SignalStack::SignalStack() : memory_(std::make_unique<char[]>(stack_size)) {
+SignalStack::SignalStack() noexcept : memory_(new (std::nothrow) char[stack_size]) {
+  if (!memory_) return;
   stack_t stack{};
   stack.ss_sp = memory_.get();
   stack.ss_size = stack_size;

@@ -32,10 +32,11 @@ class LastResort {
   std::vector<LastWords> buses_;
 };
 
-/// A stack for handlers of signals, for the thread that makes it: one whose own stack has overflowed has no other.
+/// A stack for handlers of signals, for the thread that makes it: one whose own stack has overflowed has no other. Out of
+/// memory there is none, and the handlers run on the thread's own.
 class SignalStack {
  public:
-  SignalStack();
+  SignalStack() noexcept;
   ~SignalStack();
   SignalStack(const SignalStack&) = delete;
   SignalStack& operator=(const SignalStack&) = delete;

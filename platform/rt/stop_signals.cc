@@ -1,9 +1,9 @@
 #include "platform/rt/stop_signals.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <array>
-
-#include "platform/rt/last_resort.h"
 
 namespace godobject {
 namespace {
@@ -37,6 +37,20 @@ constexpr std::array rows{
 };
 static_assert(rows.size() <= StopSignals::max_signals);
 
+sigset_t signals_of(SignalFate fate) noexcept {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const SignalRow& row : rows)
+    if (row.fate == fate) sigaddset(&set, row.signal);
+  return set;
+}
+
+/// A deadly signal that is blocked, as it may be inherited from the parent process, ends the process without its handler.
+void unblock_deadly_signals() noexcept {
+  const sigset_t deadly = signals_of(SignalFate::last_resort);
+  pthread_sigmask(SIG_UNBLOCK, &deadly, nullptr);
+}
+
 }  // namespace
 
 std::span<const SignalRow> signal_rows() noexcept { return rows; }
@@ -44,6 +58,7 @@ std::span<const SignalRow> signal_rows() noexcept { return rows; }
 void guard_process() {
   static const SignalStack stack;  // of the main thread
   LastResort::install();
+  unblock_deadly_signals();
   struct sigaction ignore {};
   ignore.sa_handler = SIG_IGN;
   for (const SignalRow& row : rows)
@@ -51,12 +66,15 @@ void guard_process() {
 }
 
 void block_stop_signals() noexcept {
-  sigset_t stops;
-  sigemptyset(&stops);
-  for (const SignalRow& row : rows)
-    if (row.fate == SignalFate::stop) sigaddset(&stops, row.signal);
+  sigset_t stops = signals_of(SignalFate::stop);
   for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaddset(&stops, signal);
   pthread_sigmask(SIG_BLOCK, &stops, nullptr);
+  unblock_deadly_signals();
+}
+
+ThreadSetup::ThreadSetup(const char* name) noexcept {
+  block_stop_signals();
+  pthread_setname_np(pthread_self(), name);
 }
 
 void StopSignals::on_signal(int signal) {

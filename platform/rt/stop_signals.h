@@ -6,6 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "platform/rt/last_resort.h"
+
 namespace godobject {
 
 enum class SignalFate : std::uint8_t {
@@ -28,8 +30,19 @@ std::span<const SignalRow> signal_rows() noexcept;
 /// the size of files end nothing, and a defect of the program switches the motors off. To the end of the process.
 void guard_process();
 
-/// In the thread that calls it: the stop signals are taken by the others.
+/// In the thread that calls it: the stop signals are taken by the others, and the deadly ones reach the last resort.
 void block_stop_signals() noexcept;
+
+/// Set-up of every thread beside the main one, at its begin and as long as it runs: its name, signals as block_stop_signals(), and
+/// a stack on which the last resort runs.
+class ThreadSetup {
+ public:
+  /// name: at most 15 characters, as `ps -T` and a table in docs/running.md have it.
+  explicit ThreadSetup(const char* name) noexcept;
+
+ private:
+  SignalStack stack_;
+};
 
 /// Whether a process that commands motors may be suspended (Ctrl-Z): its drives would be without their host.
 enum class Suspension : std::uint8_t { allowed, stops };

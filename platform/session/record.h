@@ -23,6 +23,13 @@ inline PoseError worst(const PoseError& a, const PoseError& b) noexcept {
   return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
 }
 
+/// The devices' sample of one target, as the core got it: in the order of motion_targets().
+struct TargetSample {
+  Pose X_WD;    // pose of the device; of a relative one, or one that takes hold, not that of a body's target
+  Wrench F_WB;  // force of the hand (admittance)
+  bool engaged = true, clutch = true;
+};
+
 /// What one cycle did. Records of one session have the same number of bodies: once a record is one of them,
 /// taking over another allocates nothing, so that a real-time thread can hand it to another.
 struct CycleRecord {
@@ -57,6 +64,13 @@ struct CycleRecord {
   // Where the nodes of nets are, in the order of Engine::nets(); no room unless the session lists them.
   std::vector<Vec3> net_nodes;
   Nanoseconds step_ns = 0;  // the engine's step alone, by the step clock
+  // On the clock of the buses, 0 without any: the begin of this period, and of the one in which t was 0.
+  Nanoseconds t_bus_ns = 0, motion_start_ns = 0;
+  std::vector<TargetSample> targets;
+  std::vector<double>
+      joint_q;  // coordinates of the scene's joints, one joint after the other; turns are counted
+  std::vector<double> device_q;      // of the device's joints; NaN while they are not known
+  std::vector<double> drive_torque;  // commanded, N m or N at the joint, one per RigParams::drives
 };
 
 }  // namespace godobject

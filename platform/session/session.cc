@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace godobject {
 
@@ -79,6 +80,7 @@ void Session::observe(CycleRecord& record) const noexcept {
   record.num_touching = engine_->contacts(record.touching);
   engine_->net_nodes(record.net_nodes);
   record.net_stretch = engine_->net_stretch();
+  observe_device(record);
   if (!follows()) return;
   const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
   const Followed followed_now{
@@ -90,6 +92,29 @@ void Session::observe(CycleRecord& record) const noexcept {
     record.following = worst(record.following, between(view.X_WB, X_WD));
   }
   if (truth_) truth_->measure(followed_now, record);
+}
+
+/// Writes what the devices gave and got, in a record that has the room.
+void Session::observe_device(CycleRecord& record) const noexcept {
+  record.t_bus_ns = bus_time_ns();
+  record.motion_start_ns = motion_start_ns_;
+  for (std::size_t i = 0; i < record.targets.size(); ++i) {
+    const BodySample& sample = samples_[driven_[i]];
+    record.targets[i] = {
+        .X_WD = sample.target.X_WD, .F_WB = sample.F_WB, .engaged = sample.engaged, .clutch = sample.clutch};
+  }
+  if (grip_ && !record.targets.empty()) record.targets.front().engaged = grip_->body().has_value();
+  if (record.joint_q.size() == joint_coordinates_.size())
+    joint_coordinates_.read(record.bodies, record.joint_q);
+  const JointVector q = rig_                   ? rig_->q()
+                        : motion_.has_joints() ? motion_.joints(motion_time()).q
+                                               : JointVector();
+  for (std::size_t i = 0; i < record.device_q.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    record.device_q[i] = k < q.size() ? q[k] : std::numeric_limits<double>::quiet_NaN();
+  }
+  for (std::size_t i = 0; i < record.drive_torque.size(); ++i)
+    record.drive_torque[i] = rig_ ? rig_->rig().commanded_torque_Nm(i) : 0;
 }
 
 /// The driven bodies; of those that can be held the one that is.
@@ -168,6 +193,12 @@ void Session::restart() {
 CycleRecord Session::at_start() const {
   CycleRecord record;
   record.bodies.resize(scene_.bodies.size());
+  record.targets.resize(std::min(motion_.num_bodies(), driven_.size()));
+  record.joint_q.resize(joint_coordinates_.size());
+  if (scene_.device && scene_.device->rig) {
+    record.device_q.resize(scene_.device->rig->tree.joints.size());
+    record.drive_torque.resize(scene_.device->rig->drives.size());
+  }
   if (lists_contacts_) record.touching.resize(engine_->composition().all_contacts());
   if (lists_net_nodes_) record.net_nodes.resize(engine_->nets().nodes.size());
   observe(record);

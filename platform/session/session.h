@@ -18,6 +18,7 @@
 #include "platform/device/trackers.h"
 #include "platform/engine/engine.h"
 #include "platform/session/grip.h"
+#include "platform/session/joint_coordinates.h"
 #include "platform/session/record.h"
 #include "platform/session/truth.h"
 #include "platform/session/wrench_swings.h"
@@ -141,6 +142,7 @@ class Session {
   void limit(CycleRecord& record) noexcept;
   void command(CycleRecord& record) noexcept;
   void observe(CycleRecord& record) const noexcept;
+  void observe_device(CycleRecord& record) const noexcept;
   std::span<const std::size_t> followed() const noexcept;
 
   void take_hold() noexcept;
@@ -150,6 +152,7 @@ class Session {
   SceneConfig scene_;
   Motion motion_;
   std::vector<std::size_t> driven_;  // bodies with a target
+  JointCoordinatesOf joint_coordinates_;
   std::unique_ptr<Engine> engine_;
   std::vector<BodySample> samples_;  // one per body, as the core gets them
   std::vector<Wrench> F_hand_W_;     // likewise: what the hand feels of it

@@ -24,6 +24,7 @@ Session::Session(const SceneConfig& scene, Motion motion)
     : scene_(scene),
       motion_(std::move(motion)),
       driven_(driven_bodies(scene)),
+      joint_coordinates_(scene),
       samples_(scene.bodies.size()),
       F_hand_W_(scene.bodies.size()),
       handed_(scene_, motion_),

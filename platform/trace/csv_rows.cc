@@ -21,7 +21,7 @@ CsvRows::Sink file_sink(const std::string& path) {
 
 }  // namespace
 
-CsvRows::CsvRows(const std::string& path) : CsvRows(file_sink(path)) {}
+CsvRows::CsvRows(const std::string& path) : CsvRows(file_sink(path)) { gathered_ = buffer_size; }
 
 CsvRows::CsvRows(Sink sink) : sink_(std::move(sink)) { buffer_.reserve(2 * buffer_size); }
 
@@ -59,7 +59,7 @@ void CsvRows::text(std::string_view text) {
 
 void CsvRows::end_row() {
   buffer_.back() = '\n';
-  if (buffer_.size() > buffer_size) flush();
+  if (buffer_.size() > gathered_) flush();
 }
 
 bool CsvRows::close() {

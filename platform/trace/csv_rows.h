@@ -10,7 +10,7 @@
 
 namespace godobject {
 
-/// Writes into a buffer, and the buffer where it is to go when it is full. Not for the real-time thread.
+/// Gathers rows for a file, and hands each row to a sink at once. Not for the real-time thread.
 class CsvRows {
  public:
   /// Takes text; false: not all of it got where it is to go.
@@ -35,6 +35,7 @@ class CsvRows {
 
   Sink sink_;
   bool all_taken_ = true;
+  std::size_t gathered_ = 0;  // bytes that are gathered before the sink gets them
   std::string buffer_;
 };
 

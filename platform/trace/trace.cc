@@ -1,6 +1,7 @@
 #include "platform/trace/trace.h"
 
 #include "platform/scene/contact/pairs.h"
+#include "platform/scene/joint/kinds.h"
 
 namespace godobject {
 
@@ -14,6 +15,30 @@ std::vector<std::size_t> touchable_bodies(const SceneConfig& scene) {
   for (std::size_t i = 0; has_contacts(scene) && i < scene.bodies.size(); ++i)
     if (!scene.bodies[i].spheres.empty() || !scene.bodies[i].shapes.empty()) touchable.push_back(i);
   return touchable;
+}
+
+void add_device_columns(const SceneConfig& scene, std::vector<std::string>& columns) {
+  const TraceDeviceColumns has = device_columns(scene);
+  const auto add = [&](const std::string& name, const auto& suffixes) {
+    for (const char* suffix : suffixes) columns.push_back(name + suffix);
+  };
+  if (has.t_bus) columns.emplace_back("t_bus");
+  for (const JointConfig& joint : scene.joints) {
+    const std::size_t n = num_coordinates(joint.kind);
+    for (std::size_t i = 0; i < n; ++i)
+      columns.push_back(joint.name + ".q" + (n > 1 ? std::to_string(i + 1) : ""));
+  }
+  for (const std::string& target : motion_targets(scene)) {
+    columns.push_back(target + ".engaged");
+    if (has.clutch) columns.push_back(target + ".clutch");
+    if (has.poses) add(target + ".device.", pose_columns);
+    if (has.wrenches) add(target + ".hand.", wrench_columns);
+  }
+  if (!scene.device || !scene.device->rig) return;
+  for (const DeviceJoint& joint : scene.device->rig->tree.joints)
+    columns.push_back("device." + joint.name + ".q");
+  for (const DriveParams& drive : scene.device->rig->drives)
+    columns.push_back("drive." + drive.joint + ".torque");
 }
 
 }  // namespace
@@ -52,6 +77,21 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
     columns.insert(columns.end(),
                    {"net_contacts", "net_penetration", "net_stretch", "net_iterations", "net_residual"});
   columns.insert(columns.end(), {"energy", "energy_balance", "fault", "limited", "rig_fault"});
+  add_device_columns(scene, columns);
+  return columns;
+}
+
+TraceDeviceColumns device_columns(const SceneConfig& scene) {
+  TraceDeviceColumns columns{.num_targets = motion_targets(scene).size()};
+  for (const JointConfig& joint : scene.joints) columns.num_coordinates += num_coordinates(joint.kind);
+  if (!scene.device) return columns;
+  columns.t_bus = scene.device->rig || !scene.device->trackers.empty();
+  columns.clutch = scene.device->kind == DeviceKind::relative;
+  columns.poses = columns.clutch || takes_hold(scene);
+  columns.wrenches = scene.device->kind == DeviceKind::admittance;
+  if (!scene.device->rig) return columns;
+  columns.num_device_joints = scene.device->rig->tree.joints.size();
+  columns.num_drives = scene.device->rig->drives.size();
   return columns;
 }
 
@@ -60,12 +100,14 @@ TraceWriter::TraceWriter(CsvRows rows, const SceneConfig& scene)
       touchable_(touchable_bodies(scene)),
       contacts_(has_contacts(scene)),
       nets_(!scene.nets.empty()),
-      grips_(takes_hold(scene)) {
+      grips_(takes_hold(scene)),
+      device_columns_(device_columns(scene)) {
   file_.header(trace_columns(scene));
 }
 
 void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-                      std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits) {
+                      std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits,
+                      const TraceDevices& devices) {
   file_.number(t);
   for (const TraceBody& body : bodies) {
     pose(body.X_WB);
@@ -98,7 +140,27 @@ void TraceWriter::row(double t, std::span<const TraceBody> bodies, std::span<con
   file_.number(scene.energy);
   file_.number(scene.energy_balance);
   for (const std::uint32_t word : {bits.fault, bits.limited, bits.rig_fault}) file_.number(word);
+  row_of(devices);
   file_.end_row();
+}
+
+void TraceWriter::row_of(const TraceDevices& devices) {
+  const TraceDeviceColumns& has = device_columns_;
+  if (has.t_bus) file_.number(devices.t_bus);
+  numbers(devices.joint_q, has.num_coordinates);
+  for (std::size_t i = 0; i < has.num_targets; ++i) {
+    const TargetSample target = i < devices.targets.size() ? devices.targets[i] : TargetSample{};
+    file_.number(target.engaged ? 1 : 0);
+    if (has.clutch) file_.number(target.clutch ? 1 : 0);
+    if (has.poses) pose(target.X_WD);
+    if (has.wrenches) wrench(target.F_WB);
+  }
+  numbers(devices.device_q, has.num_device_joints);
+  numbers(devices.drive_torque, has.num_drives);
+}
+
+void TraceWriter::numbers(std::span<const double> x, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) file_.number(i < x.size() ? x[i] : 0);
 }
 
 void TraceWriter::pose(const Pose& X) {

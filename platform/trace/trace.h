@@ -3,13 +3,18 @@
 // pulled to, <body>.target.x y z qw qx qy qz, per joint <joint>.fx fy fz tx ty tz, per body that can be touched
 // <body>.contact.fx .. tz, where the device takes hold of bodies held and hand.fx .. tz, then penetration, in scenes
 // with contacts contacts and contact_residual, with nets net_contacts, net_penetration, net_stretch, net_iterations and
-// net_residual, then energy, energy_balance, then fault, limited and rig_fault.
+// net_residual, then energy, energy_balance, then fault, limited and rig_fault. Then all that a motion of the trace needs and
+// what was commanded: t_bus where the device has buses or trackers, per joint its coordinates <joint>.q, or .q1 and .q2, per
+// target <target>.engaged, of relative devices .clutch, of those and of devices that take hold the device's pose
+// <target>.device.x .. qz, of admittance devices the hand's wrench <target>.hand.fx .. tz, per joint of the device
+// device.<joint>.q, per drive drive.<joint>.torque.
 // World frame, SI; every number reads back as the same double.
 //
 // The room: contacts.h writes the contacts of a run to a file of their own, nets.h the nodes of its nets, csv_rows.h is how
 // numbers are written.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -20,6 +25,7 @@
 #include "core/contact/contact.h"
 #include "core/net/net.h"
 #include "platform/scene/scene.h"
+#include "platform/session/record.h"
 #include "platform/trace/csv_rows.h"
 
 namespace godobject {
@@ -47,10 +53,24 @@ struct TraceScene {
   double energy = 0, energy_balance = 0;  // J, see EnergyReport
 };
 
+/// The devices' part of a row, each span as long as CycleRecord has it; shorter ones are filled up with zeros.
+struct TraceDevices {
+  double t_bus = 0;  // s, when the period began, on the clock of the record
+  std::span<const TargetSample> targets{};
+  std::span<const double> joint_q{}, device_q{}, drive_torque{};
+};
+
 /// The bits of Fault, Limited and RigFault as unsigned numbers.
 struct TraceBits {
   std::uint32_t fault = 0, limited = 0, rig_fault = 0;
 };
+
+/// Which of the devices' columns a trace of a scene has.
+struct TraceDeviceColumns {
+  bool t_bus = false, clutch = false, poses = false, wrenches = false;
+  std::size_t num_targets = 0, num_coordinates = 0, num_device_joints = 0, num_drives = 0;
+};
+TraceDeviceColumns device_columns(const SceneConfig& scene);
 
 /// Writes rows into a buffer and the buffer to the file when it is full. Not for the real-time thread.
 class TraceWriter {
@@ -61,21 +81,28 @@ class TraceWriter {
   /// bodies, driven, joints: as many as the scene has bodies, driven bodies and joints, in their order.
   /// joints: what each does to its child, at its anchor there.
   void row(double t, std::span<const TraceBody> bodies, std::span<const TraceDriven> driven,
-           std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits);
+           std::span<const Wrench> joints, const TraceScene& scene, const TraceBits& bits,
+           const TraceDevices& devices = {});
   /// Writes what is left. False when anything did not reach the file.
   [[nodiscard]] bool close() { return file_.close(); }
 
  private:
   void pose(const Pose& X);
   void wrench(const Wrench& F);
+  void numbers(std::span<const double> x, std::size_t count);
+  void row_of(const TraceDevices& devices);
 
   CsvRows file_;
   std::vector<std::size_t> touchable_;    // bodies with contact columns
   bool contacts_ = false, nets_ = false;  // the scene has some
   bool grips_ = false;                    // its device takes hold of bodies
+  TraceDeviceColumns device_columns_;
 };
 
 /// The header line's columns.
 std::vector<std::string> trace_columns(const SceneConfig& scene);
+/// Suffixes of the columns of a pose and of a wrench.
+inline constexpr std::array pose_columns{"x", "y", "z", "qw", "qx", "qy", "qz"};
+inline constexpr std::array wrench_columns{"fx", "fy", "fz", "tx", "ty", "tz"};
 
 }  // namespace godobject

@@ -15,8 +15,8 @@ namespace godobject::test {
 
 class BackgroundProgram {
  public:
-  /// Runs `godobject <arguments>` from the source directory.
-  explicit BackgroundProgram(const std::vector<std::string>& arguments) {
+  /// Runs `godobject <arguments>` from the source directory; closed: descriptors that it begins without.
+  explicit BackgroundProgram(const std::vector<std::string>& arguments, const std::vector<int>& closed = {}) {
     int to_child[2], from_child[2];
     if (pipe(to_child) != 0 || pipe(from_child) != 0) return;
     pid_ = fork();
@@ -25,6 +25,7 @@ class BackgroundProgram {
       dup2(from_child[1], STDOUT_FILENO);
       for (const int fd : {to_child[0], to_child[1], from_child[0], from_child[1]}) close(fd);
       if (chdir(GODOBJECT_SOURCE_DIR) != 0) _exit(126);
+      for (const int fd : closed) close(fd);
       std::vector<char*> argv{const_cast<char*>(GODOBJECT_PROGRAM)};
       for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
       argv.push_back(nullptr);
@@ -52,6 +53,15 @@ class BackgroundProgram {
     pid_ = -1;
   }
 
+  pid_t pid() const { return pid_; }
+  /// Waits for its end; as waitpid() has it.
+  int wait_status() {
+    int status = 0;
+    if (pid_ > 0) waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return status;
+  }
+
   /// The next line, without its end; empty at the end of the output.
   std::string line() {
     std::string text;
@@ -59,10 +69,14 @@ class BackgroundProgram {
     for (int c = std::fgetc(out_); c != EOF && c != '\n'; c = std::fgetc(out_)) text += static_cast<char>(c);
     return text;
   }
-  /// One command; returns the line of the answer.
-  std::string say(const std::string& command) {
+  /// One command, whose answer is left unread.
+  void tell(const std::string& command) {
     std::fprintf(in_, "%s\n", command.c_str());
     std::fflush(in_);
+  }
+  /// One command; returns the line of the answer.
+  std::string say(const std::string& command) {
+    tell(command);
     return line();
   }
 

@@ -137,6 +137,30 @@ def test_a_thousand_connections(run):
     still_serves(run)
 
 
+def test_a_flood_does_not_fill_the_console(run):
+    before = len(run.raw())
+    draw = random.Random(11)
+    end, sent = time.monotonic() + 3, 0
+    while time.monotonic() < end:
+        with run.connect() as line:
+            words = bytes(draw.choice((0x1B, 0x9B, 0x85, 0xC2, 0x41, 0x42)) for _ in range(3000))
+            head = (b"GET /" + words, b"BREW / HTTP/1.1\r\nHost: " + words, b"GET / HTTP/1.1\r\nHost: x\r\nOrigin: " + words)[sent % 3]
+            try:
+                line.sendall(head + b"\r\n\r\n")
+                line.recv(100)
+            except OSError:
+                pass
+        sent += 1
+    time.sleep(0.3)
+    text = run.raw()[before:]
+    assert sent > 100
+    assert len(text) < 20_000, f"{len(text)} bytes for {sent} requests"
+    views = [line for line in text.split(b"\n") if line.startswith(b"view:")]
+    for line in views:
+        assert len(line) < 250 and all(0x20 <= byte < 0x7F for byte in line), line
+    still_serves(run)
+
+
 def statistics_with(clients):
     """The run's report of 3 s with so many onlookers, one of whom, where there are several, takes nothing."""
     with ViewedRun(ARGS.program, "run", "sim/scenes/grasper.toml", "--view", "--duration", "4", "--report", "/tmp/godobject-view-report.json") as run:
@@ -203,7 +227,7 @@ def test_a_port_that_is_taken():
 def main():
     with ViewedRun(ARGS.program, *WALL) as run:
         for test in (test_a_stream, test_who_is_refused, test_what_is_no_pointer, test_ten_megabytes, test_garbage, test_half_a_handshake,
-                     test_a_thousand_connections):
+                     test_a_thousand_connections, test_a_flood_does_not_fill_the_console):
             print(test.__name__)
             test(run)
     for test in (test_wrong_options, test_the_run_says_its_farewell, test_a_port_that_is_taken, test_the_loop_does_not_know_of_onlookers):

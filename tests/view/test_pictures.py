@@ -9,6 +9,7 @@ import os
 import struct
 import subprocess
 import tempfile
+import time
 import zlib
 
 from viewed_run import SOURCE, arguments
@@ -111,6 +112,18 @@ def main():
     godobject("run", "sim/scenes/grasper.toml", "--fast", "--quiet", "--duration", "2", "--record", path("bus.log"))
     godobject("view", path("bus.log"), "--scene", "sim/scenes/grasper.toml", "--picture", path("bus.png"), "--time", "1.5")
     centre(image(path("bus.png"))[0], TOOL)
+    # A log with a gap takes no longer than one without, and one that was cut is shown up to the cut.
+    lines = open(path("bus.log"), encoding="utf-8").read().splitlines()
+    stamp = [float(line[1:line.index(")")]) for line in lines]
+    for gap in (3600, 86400, 10_000_000):
+        with open(path("gap.log"), "w", encoding="utf-8") as file:
+            for t, line in zip(stamp, lines):
+                file.write(f"({t + (gap if t > stamp[0] + 1 else 0):.6f}{line[line.index(')'):]}\n")
+            file.write(lines[-1][:-3])
+        begin = time.monotonic()
+        godobject("view", path("gap.log"), "--scene", "sim/scenes/grasper.toml", "--picture", path("gap.png"), "--time", str(gap + 1.5))
+        assert time.monotonic() - begin < 30, f"{time.monotonic() - begin} s for a gap of {gap} s"
+        image(path("gap.png"))
 
     nets = ["--fast", "--quiet", "--duration", "1", "--trace", path("net.csv"), "--nets", path("nodes.csv"), "--report", path("report.json")]
     godobject("run", "sim/scenes/net-small.toml", *nets)

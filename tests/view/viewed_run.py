@@ -47,9 +47,12 @@ class ViewedRun:
         self.process.kill()
         raise AssertionError("no address was printed:\n" + self.text())
 
-    def text(self):
+    def raw(self):
         with open(self.log_path, "rb") as file:
-            return file.read().decode(errors="replace")
+            return file.read()
+
+    def text(self):
+        return self.raw().decode(errors="replace")
 
     def end(self, by=signal.SIGINT, patience=30):
         if self.process.poll() is None:

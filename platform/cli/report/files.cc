@@ -28,10 +28,30 @@ RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseco
   if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
   if (!names.contacts.empty()) contacts_.emplace(into(contacts_file_, names.contacts), scene);
   if (!names.nets.empty()) nets_.emplace(into(nets_file_, names.nets), scene_nets(scene));
-  if (!names.record.empty()) record_.emplace(into(record_file_, names.record), bus_names(scene));
+  if (names.record.empty()) return;
+  record_ = std::make_shared<CandumpLog>(
+      [this](std::string_view text) { return record_file_->write(text, patience_); }, bus_names(scene));
+  record_file_.emplace(names.record, waiting_bytes,
+                       [log = record_](const BackgroundFile::Append& append) { log->pass_on(append); });
 }
 
 void RunFiles::add(const CycleRecord& record) {
+  if (record.cycle == 0) {
+    start_ = record;
+    return;
+  }
+  if (start_) start_->t_bus_ns = record.motion_start_ns;
+  add_start();
+  write(record);
+}
+
+/// Writes the state before the first step, once.
+void RunFiles::add_start() {
+  if (start_) write(*start_);
+  start_.reset();
+}
+
+void RunFiles::write(const CycleRecord& record) {
   if (nets_ && num_rows_ % names_.nets_every == 0) nets_->row(record.t, record.net_nodes);
   if (!is_kept(record)) return;
   if (trace_) add_row(record);
@@ -54,20 +74,27 @@ void RunFiles::add_row(const CycleRecord& record) {
     pulls_[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
   }
   for (std::size_t i = 0; i < children_.size(); ++i) joints_[i] = record.bodies[children_[i]].joint_C;
-  trace_->row(record.t, bodies_, pulls_, joints_,
-              {.contacts = record.contacts,
-               .nets = record.nets,
-               .net_stretch = record.net_stretch,
-               .held = record.held,
-               .hand = record.hand_W,
-               .energy = record.energy.total,
-               .energy_balance = record.energy.balance},
-              {.fault = static_cast<std::uint32_t>(record.fault),
-               .limited = static_cast<std::uint32_t>(record.limited),
-               .rig_fault = static_cast<std::uint32_t>(record.rig_faults)});
+  trace_->row(
+      record.t, bodies_, pulls_, joints_,
+      {.contacts = record.contacts,
+       .nets = record.nets,
+       .net_stretch = record.net_stretch,
+       .held = record.held,
+       .hand = record.hand_W,
+       .energy = record.energy.total,
+       .energy_balance = record.energy.balance},
+      {.fault = static_cast<std::uint32_t>(record.fault),
+       .limited = static_cast<std::uint32_t>(record.limited),
+       .rig_fault = static_cast<std::uint32_t>(record.rig_faults)},
+      {.t_bus = record.t_bus_ns == 0 ? 0 : 1e-9 * static_cast<double>(record.t_bus_ns + log_origin_ns_),
+       .targets = record.targets,
+       .joint_q = record.joint_q,
+       .device_q = record.device_q,
+       .drive_torque = record.drive_torque});
 }
 
 std::vector<FileLoss> RunFiles::close() {
+  add_start();
   if (trace_) static_cast<void>(trace_->close());  // what is lost the file says
   if (contacts_) static_cast<void>(contacts_->close());
   if (nets_) static_cast<void>(nets_->close());

@@ -1,6 +1,7 @@
 // The files a run fills while it goes: trace and bus log, each only where asked for.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +37,7 @@ class RunFiles {
 
   bool wants_contacts() const noexcept { return contacts_.has_value(); }
   bool wants_net_nodes() const noexcept { return nets_.has_value(); }
-  bool wants_frames() const noexcept { return record_.has_value(); }
+  bool wants_frames() const noexcept { return record_ != nullptr; }
   void add(const CycleRecord& record);
   void add(const BusFrame& frame) {
     if (!record_) return;
@@ -51,6 +52,8 @@ class RunFiles {
   std::vector<FileLoss> close();
 
  private:
+  void add_start();
+  void write(const CycleRecord& record);
   bool is_kept(const CycleRecord& record) noexcept;
   void add_row(const CycleRecord& record);
 
@@ -60,15 +63,16 @@ class RunFiles {
   std::vector<TraceBody> bodies_;               // the row being written
   std::vector<TraceDriven> pulls_;
   std::vector<Wrench> joints_;
-  std::uint64_t num_rows_ = 0;  // so far, with those that were left out
-  Fault fault_ = Fault::none;   // of the row before
+  std::optional<CycleRecord> start_;  // waits for the time at which the motion starts
+  std::uint64_t num_rows_ = 0;        // so far, with those that were left out
+  Fault fault_ = Fault::none;         // of the row before
   RigFault rig_faults_ = RigFault::none;
   std::chrono::milliseconds patience_{2000};
   std::optional<BackgroundFile> trace_file_, contacts_file_, nets_file_, record_file_;
   std::optional<TraceWriter> trace_;
   std::optional<ContactTraceWriter> contacts_;
   std::optional<NetTraceWriter> nets_;
-  std::optional<CandumpLog> record_;
+  std::shared_ptr<CandumpLog> record_;  // of the thread that writes it, too
 };
 
 }  // namespace godobject

@@ -2,6 +2,7 @@
 #include "platform/cli/report/report.h"
 #include "platform/cli/report/warnings.h"
 #include "platform/rt/machine.h"
+#include "platform/scene/joint/kinds.h"
 
 namespace godobject {
 namespace {
@@ -137,6 +138,62 @@ Json timing(const CyclicStatistics& t, const RunStatistics& run) {
           {"compute_us", to_json(t.compute_ns)}, {"step_us", to_json(run.step_ns)}};
 }
 
+Json to_json(const PeakAndMean& x, std::uint64_t cycles) {
+  return {{"peak", x.peak}, {"mean", cycles > 0 ? x.sum / static_cast<double>(cycles) : 0}};
+}
+
+Json bodies(const SceneConfig& scene, const RunStatistics& run) {
+  Json array = Json::array();
+  for (std::size_t i = 0; i < run.bodies.size(); ++i) {
+    const BodyStatistics& b = run.bodies[i];
+    const auto json = [&](const PeakAndMean& x) { return to_json(x, run.cycles); };
+    array.push_back({{"name", scene.bodies[i].name},
+                     {"speed_m_per_s", json(b.speed)},
+                     {"turn_rate_rad_per_s", json(b.turn_rate)},
+                     {"coupling_force_N", json(b.coupling_force)},
+                     {"coupling_torque_Nm", json(b.coupling_torque)},
+                     {"displayed_force_N", json(b.displayed_force)},
+                     {"displayed_torque_Nm", json(b.displayed_torque)},
+                     {"contact_force_N", json(b.contact_force)},
+                     {"contact_torque_Nm", json(b.contact_torque)}});
+  }
+  return array;
+}
+
+Json joints(const SceneConfig& scene, const RunStatistics& run) {
+  Json array = Json::array();
+  std::size_t coordinate = 0;
+  for (std::size_t i = 0; i < run.joints.size(); ++i) {
+    const JointConfig& joint = scene.joints[i];
+    Json json{{"name", joint.name},
+              {"force_N", to_json(run.joints[i].force, run.cycles)},
+              {"torque_Nm", to_json(run.joints[i].torque, run.cycles)},
+              {"coordinates", Json::array()}};
+    for (std::size_t k = 0; k < num_coordinates(joint.kind); ++k) {
+      const CoordinateStatistics& q = run.coordinates[coordinate++];
+      const bool turns = is_turn(joint.kind, k);
+      json["coordinates"].push_back({{"unit", turns ? "rad" : "m"},
+                                     {"min", q.min},
+                                     {"max", q.max},
+                                     {"mean", run.cycles > 0 ? q.sum / static_cast<double>(run.cycles) : 0}});
+    }
+    array.push_back(std::move(json));
+  }
+  return array;
+}
+
+/// Commanded torques: of a sliding joint forces, N.
+Json drives(const SceneConfig& scene, const RunStatistics& run) {
+  Json array = Json::array();
+  for (std::size_t i = 0; i < run.drives.size(); ++i) {
+    const DriveParams& drive = scene.device->rig->drives[i];
+    array.push_back({{"joint", drive.joint},
+                     {"bus", scene.device->rig->buses[drive.bus].name},
+                     {"commanded_torque_Nm", to_json(run.drives[i], run.cycles)}});
+  }
+  return array;
+}
+
 Json nets(const SceneNets& nets, const NetStatistics& n) {
   return {{"nodes", nets.nodes.size()},
           {"springs", nets.springs.size()},
@@ -194,6 +251,10 @@ nlohmann::ordered_json to_json(const RunReport& report) {
             {"step_s", scene.step},
             {"cycles", statistics.cycles},
             {"motion_start_on_bus_s", 1e-9 * static_cast<double>(report.session.motion_start_ns())},
+            {"motion_start_wall_s",
+             report.wall_origin_ns
+                 ? Json(1e-9 * static_cast<double>(report.session.motion_start_ns() + *report.wall_origin_ns))
+                 : Json(nullptr)},
             {"timing", timing(report.result.timing, statistics)}};
   if (report.session.follows()) {
     json["truth"] = report.session.bus() == BusChoice::real
@@ -218,6 +279,9 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   json["recoveries"] = to_array(report.result.recoveries);
   if (const SceneNets& n = report.session.engine().nets(); !n.nodes.empty())
     json["nets"] = nets(n, statistics.nets);
+  json["bodies"] = bodies(scene, statistics);
+  json["joints"] = joints(scene, statistics);
+  json["drives"] = drives(scene, statistics);
   json["limits"] = limits(statistics);
   json["limits_percent"] = limits_percent(statistics);
   const EnergyReport& gain = statistics.gain;

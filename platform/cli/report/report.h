@@ -52,6 +52,7 @@ struct RunReport {
   std::vector<TrackerReportLine> trackers;
   std::optional<SpaceMouseLine> spacemouse{};
   std::vector<FaultReport> faults;
+  std::optional<Nanoseconds> wall_origin_ns{};  // of real buses: time of day less that of their clock
 };
 
 /// losses: outputs that lack something.

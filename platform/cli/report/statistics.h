@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "platform/cli/fault_texts.h"
 #include "platform/rt/histogram.h"
@@ -51,7 +52,68 @@ struct NetStatistics {
   }
 };
 
+/// Peak and mean of a quantity over all cycles.
+struct PeakAndMean {
+  double peak = 0, sum = 0;
+
+  void add(double x) noexcept {
+    peak = std::max(peak, x);
+    sum += x;
+  }
+};
+
+/// Peaks and means of what a body, a joint or a drive did.
+struct BodyStatistics {
+  PeakAndMean speed, turn_rate;                   // m/s, rad/s
+  PeakAndMean coupling_force, coupling_torque;    // N, N m; zero of bodies without a target, as the next
+  PeakAndMean displayed_force, displayed_torque;  // to the hand
+  PeakAndMean contact_force, contact_torque;
+
+  void add(const BodyView& body) noexcept {
+    speed.add(body.V_WB.v.norm());
+    turn_rate.add(body.V_WB.w.norm());
+    coupling_force.add(body.coupling_B.f.norm());
+    coupling_torque.add(body.coupling_B.tau.norm());
+    displayed_force.add(body.feedback_D.f.norm());
+    displayed_torque.add(body.feedback_D.tau.norm());
+    contact_force.add(body.contact_W.f.norm());
+    contact_torque.add(body.contact_W.tau.norm());
+  }
+};
+struct JointStatistics {
+  std::size_t child = 0;      // body
+  PeakAndMean force{}, torque{};  // N, N m
+
+  void add(const Wrench& F) noexcept {
+    force.add(F.f.norm());
+    torque.add(F.tau.norm());
+  }
+};
+struct CoordinateStatistics {
+  double min = 0, max = 0, sum = 0;  // rad or m
+
+  void add(double q, bool is_first) noexcept {
+    min = is_first ? q : std::min(min, q);
+    max = is_first ? q : std::max(max, q);
+    sum += q;
+  }
+};
+
 struct RunStatistics {
+  std::vector<BodyStatistics> bodies{};  // all of the scene's, as prepare() makes them
+  std::vector<JointStatistics> joints{};
+  std::vector<CoordinateStatistics> coordinates{};  // as CycleRecord::joint_q
+  std::vector<PeakAndMean> drives{};                // size of the commanded torque, N m or N at the joint
+
+  /// Makes room for this scene. Allocates.
+  void prepare(const SceneConfig& scene, const CycleRecord& at_start) {
+    bodies.resize(at_start.bodies.size());
+    for (const JointConfig& joint : scene.joints)
+      joints.push_back({.child = *body_named(scene, joint.child)});
+    coordinates.resize(at_start.joint_q.size());
+    drives.resize(at_start.drive_torque.size());
+  }
+
   std::uint64_t cycles = 0;
   Histogram step_ns;  // the engine's step alone
   // Over engaged cycles after the ramp: until then the body is on its way to the target, or let go.
@@ -67,6 +129,10 @@ struct RunStatistics {
 
   void add(const CycleRecord& record) noexcept {
     ++cycles;
+    for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].add(record.bodies[i]);
+    for (JointStatistics& joint : joints) joint.add(record.bodies[joint.child].joint_C);
+    for (std::size_t i = 0; i < coordinates.size(); ++i) coordinates[i].add(record.joint_q[i], cycles == 1);
+    for (std::size_t i = 0; i < drives.size(); ++i) drives[i].add(std::abs(record.drive_torque[i]));
     step_ns.add(record.step_ns);
     if (record.engaged && !has(record.limited, Limited::ramp)) {
       following.add(record.following);

@@ -34,7 +34,9 @@ class RunCycle {
         rearm_(plan.rearm),
         stop_(stop),
         deadlines_(session.scene().step),
-        tap_(plan.tap) {}
+        tap_(plan.tap) {
+    statistics_.prepare(session.scene(), session.at_start());
+  }
 
   /// One period; real-time, for a record that comes from Session::at_start(). True: it was a step, and the
   /// record is of it.

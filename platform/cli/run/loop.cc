@@ -46,9 +46,12 @@ BusObserver observer_into(Ring<BusFrame>& ring) {
 
 Ring<CycleEntry> make_cycle_ring(const Session& session) {
   const CycleEntry entry = entry_of(session);
-  const std::size_t bytes = sizeof entry + entry.record.bodies.size() * sizeof(BodyView) +
-                            entry.record.touching.size() * sizeof(ContactView) +
-                            entry.record.net_nodes.size() * sizeof(Vec3);
+  const std::size_t bytes =
+      sizeof entry + entry.record.bodies.size() * sizeof(BodyView) +
+      entry.record.touching.size() * sizeof(ContactView) + entry.record.net_nodes.size() * sizeof(Vec3) +
+      entry.record.targets.size() * sizeof(TargetSample) +
+      (entry.record.joint_q.size() + entry.record.device_q.size() + entry.record.drive_torque.size()) *
+          sizeof(double);
   return Ring<CycleEntry>(std::min(cycle_ring, cycle_ring_bytes / bytes), entry);
 }
 
@@ -183,9 +186,8 @@ class RealtimeRun {
 
  private:
   void run_loop(std::promise<std::vector<RtStep>>& thread_setup) {
-    block_stop_signals();  // they are the other thread's
+    const ThreadSetup setup("loop");
     try {
-      const SignalStack stack;
       thread_setup.set_value(set_up_rt_thread());
       loop_.run(cycle_);
     } catch (...) {  // before the loop: it throws nothing

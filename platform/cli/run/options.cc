@@ -47,7 +47,13 @@ std::string why_not_writable(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return "is a directory";
   fs::path folder = folder_of(path);
-  if (!fs::exists(folder, ignored)) folder = folder_of(folder);  // one folder is made, see make_folders()
+  // Folders are made, see make_folders(), but none beside those of the system: that is a misspelling.
+  fs::path missing;
+  for (; !fs::exists(folder, ignored) && folder != folder_of(folder); folder = folder_of(folder))
+    missing = folder;
+  if (!missing.empty() && folder == folder.root_path())
+    return "cannot be written: there is no '" + missing.string() + "'";
+  if (!fs::is_directory(folder, ignored)) return "cannot be written: '" + folder.string() + "' is no folder";
   const bool exists = fs::exists(path, ignored);
   if (access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) == 0) return "";
   return "cannot be written: " + std::generic_category().message(errno);
@@ -242,7 +248,7 @@ std::string make_folders(const RunOptions& options) {
                                   options.files.record, options.report}) {
     std::error_code error;
     if (path.empty() || fs::exists(folder_of(path), error)) continue;
-    if (!fs::create_directory(folder_of(path), error) && error)
+    if (!fs::create_directories(folder_of(path), error) && error)
       return "'" + folder_of(path).string() + "' cannot be made: " + error.message();
   }
   return "";

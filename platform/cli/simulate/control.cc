@@ -10,8 +10,6 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-constexpr std::size_t max_line = 1000;
-
 json error(const std::string& what) { return {{"ok", false}, {"error", what}}; }
 
 json play(std::string_view words, Simulation& simulation) {
@@ -25,6 +23,9 @@ json play(std::string_view words, Simulation& simulation) {
 }  // namespace
 
 std::string answer(std::string_view command, Simulation& simulation, bool& quit) {
+  if (command.size() >= LineInput::max_line)
+    return error("longer than " + std::to_string(LineInput::max_line - 1) + " bytes: nothing was done")
+        .dump();
   const std::size_t space = command.find(' ');
   const std::string_view verb = command.substr(0, space);
   json reply{{"ok", true}};
@@ -61,10 +62,16 @@ bool LineInput::try_line(std::string& line) {
     if (size <= 0) ended_ = true;
     else text_.append(buffer.data(), static_cast<std::size_t>(size));
   }
-  const std::size_t end = std::min(text_.find('\n'), text_.size());
+  const std::size_t found = text_.find('\n'), end = std::min(found, text_.size());
   if (text_.empty()) return false;
+  if (skips_) {  // the rest of a line whose beginning was answered
+    text_.erase(0, end + 1);
+    skips_ = found == std::string::npos && !ended_;
+    return try_line(line);
+  }
   line = text_.substr(0, end);
   text_.erase(0, end + 1);
+  skips_ = found == std::string::npos && !ended_;
   return true;
 }
 

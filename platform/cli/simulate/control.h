@@ -20,7 +20,9 @@ class LineInput {
   LineInput(const LineInput&) = delete;
   LineInput& operator=(const LineInput&) = delete;
 
-  /// False: no line is complete yet. A line longer than the buffer is cut.
+  static constexpr std::size_t max_line = 1001;  // bytes
+
+  /// False: no line is complete yet. Of a longer line the first max_line bytes or some more, once.
   [[nodiscard]] bool try_line(std::string& line);
   /// -1 after its end.
   int descriptor() const noexcept { return ended_ ? -1 : descriptor_; }
@@ -28,7 +30,7 @@ class LineInput {
  private:
   int descriptor_;
   int former_flags_;
-  bool ended_ = false;
+  bool ended_ = false, skips_ = false;
   std::string text_;
 };
 

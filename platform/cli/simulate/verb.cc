@@ -3,6 +3,7 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "platform/cli/simulate/control.h"
 #include "platform/cli/simulate/options.h"
 #include "platform/cli/verbs.h"
+#include "platform/rt/background_file.h"
 #include "platform/rt/clock.h"
 #include "platform/rt/setup.h"
 #include "platform/rt/stop_signals.h"
@@ -52,17 +54,22 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   announce(simulation);
   const Nanoseconds start = MonotonicClock{}.now();
   const double end_s = options.duration.value_or(std::numeric_limits<double>::infinity());
+  constexpr std::size_t waiting_bytes = 1 << 20;
+  constexpr std::chrono::milliseconds patience{500};
+  BackgroundFile answers(STDOUT_FILENO, waiting_bytes);  // which nobody need read
   bool quit = false;
   for (std::string line; !quit && !stop.requested();) {
     simulation.step(MonotonicClock{}.now() - start);
     if (1e-9 * static_cast<double>(simulation.now()) >= end_s) break;
-    while (input && !quit && input->try_line(line)) {
-      std::puts(answer(line, simulation, quit).c_str());
-      std::fflush(stdout);
-    }
+    while (input && !quit && input->try_line(line))
+      static_cast<void>(answers.write(answer(line, simulation, quit) + "\n"));
     if (input) descriptors.back().fd = input->descriptor();
     wait(descriptors, start + simulation.next_event());
   }
+  const BackgroundFile::Result written = answers.close(BackgroundFile::Clock::now() + patience);
+  if (written.lost_lines > 0)
+    std::fprintf(stderr, "%llu answers were lost: nobody read standard output\n",
+                 static_cast<unsigned long long>(written.lost_lines));
 }
 
 ExitCode simulate(const SimulateOptions& options) {

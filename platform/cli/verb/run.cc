@@ -92,7 +92,9 @@ ExitCode run(RunOptions options) {
     print_lines(stderr, "", why_not.empty() ? view.announcement() : std::vector{why_not});
     if (!why_not.empty()) return ExitCode::not_available;
   }
-  RunFiles files(options.files, session.scene(), real ? log_origin_ns() : 0);
+  std::optional<Nanoseconds> wall_origin_ns;
+  if (session.bus() == BusChoice::real) wall_origin_ns = log_origin_ns();
+  RunFiles files(options.files, session.scene(), wall_origin_ns.value_or(0));
   const std::optional<RunResult> result =
       options.realtime ? run_realtime(session, prepared.plan, files, real ? &*real : nullptr)
                        : run_fast(session, prepared.plan, files);
@@ -103,6 +105,7 @@ ExitCode run(RunOptions options) {
   const StopSignals closing(
       Suspension::stops);  // the motors are off: files and summary are completed all the same
   RunReport report = make_report(options, prepared, *result, files.close());
+  report.wall_origin_ns = wall_origin_ns;
   if (!options.report.empty())
     if (const std::string why = write_report(options.report, report); !why.empty())
       report.faults.push_back(

@@ -114,6 +114,7 @@ std::optional<Recording> load(const ViewOptions& options) {
     result = is(options.file, ".csv") ? read_trace_of(options.file, *loaded.scene)
                                       : replay_log(options.file, path, *loaded.scene);
   complain(result.errors);
+  for (const std::string& note : result.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   if (result.recording && !add_nets(options, *result.recording)) return std::nullopt;
   return std::move(result.recording);
 }

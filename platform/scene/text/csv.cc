@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 namespace godobject {
@@ -16,10 +17,27 @@ std::optional<std::size_t> CsvTable::find(std::string_view column) const {
   return static_cast<std::size_t>(found - columns_.begin());
 }
 
+CsvTable CsvTable::selected(std::span<const CsvColumn> columns) const {
+  CsvTable table;
+  for (const CsvColumn& column : columns) table.columns_.push_back(column.name);
+  for (std::size_t row = 0; row < num_rows(); ++row) {
+    const auto is_finite = [&](const CsvColumn& column) { return std::isfinite(at(row, column.from)); };
+    if (!std::ranges::all_of(columns, is_finite)) continue;
+    for (const CsvColumn& column : columns) {
+      const double x = at(row, column.from);
+      if (column.word) table.words_.push_back(column.word(x));
+      table.values_.push_back(column.word ? std::numeric_limits<double>::quiet_NaN() : x);
+      table.places_.push_back(place(row, column.from));
+    }
+  }
+  return table;
+}
+
 /// One pass over the text, line by line.
 class CsvParser {
  public:
-  CsvParser(const std::string& file, std::string_view word_column) : log_(file), word_column_(word_column) {}
+  CsvParser(const std::string& file, std::string_view word_column, const CsvWanted& wanted)
+      : log_(file), word_column_(word_column), wanted_(wanted) {}
 
   CsvResult parse(std::string_view text) {
     if (text.starts_with(utf8_byte_order_mark)) text.remove_prefix(utf8_byte_order_mark.size());
@@ -38,20 +56,19 @@ class CsvParser {
   void parse_line(std::string_view line) {
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (line.empty()) return;
-    if (table_.columns_.empty()) {
+    if (is_kept_.empty()) {
       for_each_cell(line, [&](std::string_view cell, std::uint32_t column) { add_column(cell, column); });
       return;
     }
     std::size_t num_cells = 0;
     for_each_cell(line, [&](std::string_view cell, std::uint32_t column) {
-      if (num_cells++ >= table_.columns_.size()) return;  // counted, and refused below
-      const bool is_word = table_.columns_[num_cells - 1] == word_column_;
+      if (num_cells++ >= is_kept_.size()) return;  // counted, and refused below
+      if (!is_kept_[num_cells - 1]) return;
+      const bool is_word = table_.columns_[table_.values_.size() % table_.columns_.size()] == word_column_;
       is_word ? add_word(cell, column) : add_value(cell, column);
     });
-    if (num_cells != table_.columns_.size()) {
-      error(1, "has " + std::to_string(num_cells) + " values, the header " +
-                   std::to_string(table_.columns_.size()));
-    }
+    if (num_cells != is_kept_.size())
+      error(1, "has " + std::to_string(num_cells) + " values, the header " + std::to_string(is_kept_.size()));
   }
 
   template <class F>
@@ -71,6 +88,8 @@ class CsvParser {
   }
 
   void add_column(std::string_view name, std::uint32_t column) {
+    is_kept_.push_back(!wanted_ || wanted_(name));
+    if (!is_kept_.back()) return;
     if (table_.columns_.size() == max_columns)
       error(column, "more than " + std::to_string(max_columns) + " columns");
     if (table_.columns_.size() >= max_columns) return;
@@ -102,13 +121,16 @@ class CsvParser {
 
   Diagnostics log_;
   std::string_view word_column_;
+  const CsvWanted& wanted_;
+  std::vector<bool> is_kept_;  // of each column of the file
   CsvTable table_;
   std::uint32_t line_ = 0;
   std::size_t num_errors_ = 0;
 };
 
-CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column) {
-  return CsvParser(file, word_column).parse(text);
+CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column,
+                    const CsvWanted& wanted) {
+  return CsvParser(file, word_column, wanted).parse(text);
 }
 
 CsvResult read_csv(const std::string& path, std::string_view word_column, std::size_t max_bytes) {

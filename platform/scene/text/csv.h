@@ -1,7 +1,9 @@
 // Comma-separated numbers under a header line, and one column of words: motions in, traces out and in again.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,8 +12,17 @@
 
 namespace godobject {
 
+/// A column of one table that becomes one of another.
+struct CsvColumn {
+  std::size_t from = 0;                               // its index
+  std::string name;                                   // in the new table
+  std::function<std::string(double)> word = nullptr;  // makes it the column of words
+};
+
 class CsvTable {
  public:
+  /// These columns alone, in this order; rows with a number among them that is not finite are left out.
+  CsvTable selected(std::span<const CsvColumn> columns) const;
   const std::vector<std::string>& columns() const { return columns_; }
   std::size_t num_rows() const { return columns_.empty() ? 0 : values_.size() / columns_.size(); }
   std::optional<std::size_t> find(std::string_view column) const;
@@ -40,6 +51,9 @@ struct CsvResult {
 CsvResult read_csv(const std::string& path, std::string_view word_column = {},
                    std::size_t max_bytes = max_csv_bytes);
 /// As read_csv for a text; file is what messages call it.
-CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column = {});
+/// wanted: takes a column's name; the others are left out, and do not count as columns. Null: all are wanted.
+using CsvWanted = std::function<bool(std::string_view)>;
+CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column = {},
+                    const CsvWanted& wanted = nullptr);
 
 }  // namespace godobject

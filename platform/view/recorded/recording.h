@@ -37,7 +37,7 @@ Recording recording_of(const SceneConfig& scene);
 
 struct RecordingResult {
   std::optional<Recording> recording;  // absent where there are errors
-  std::vector<std::string> errors;
+  std::vector<std::string> errors, notes{};
 };
 /// A trace that `run --trace` has written of this scene.
 RecordingResult read_trace(const std::string& path, const SceneConfig& scene);

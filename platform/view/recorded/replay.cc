@@ -34,6 +34,10 @@ class LoggedBus final : public CanBus {
   BusState state() const noexcept override { return BusState::error_active; }
   BusCounters counters() const noexcept override { return {}; }
 
+  void skip_to(Nanoseconds t) noexcept {
+    while (next() < t) ++next_;
+  }
+
   static constexpr Nanoseconds end_of_time = std::numeric_limits<Nanoseconds>::max();
 
  private:
@@ -50,18 +54,28 @@ class LogLink final : public RigLink {
     for (const auto& bus : buses_) ports_.push_back(bus.get());
   }
   void add(std::size_t bus, const ReceivedFrame& frame) {
-    if (bus == 0 && !frame.frame.extended && frame.frame.id == canopen::make_sync().id)
-      syncs_.push_back(frame.t_ns);
-    else if (!is_of_host(bus, frame.frame)) buses_[bus]->add(frame);
+    const bool is_sync = bus == 0 && !frame.frame.extended && frame.frame.id == canopen::make_sync().id;
+    if (is_sync) syncs_.push_back(frame.t_ns);
+    const bool of_host = is_sync || is_of_host(bus, frame.frame);
+    if (!of_host) buses_[bus]->add(frame);
+    if (of_host || worked_ == 0) add_work(frame.t_ns);
+    has_host_ = has_host_ || of_host;
     end_ = std::max(end_, frame.t_ns);
     if (now_ == 0) now_ = frame.t_ns - period_;
   }
+  /// After the last frame. A log may end long after the last frame of the host.
+  void close() {
+    add_work(end_);
+    if (!has_host_) gaps_.clear();
+  }
   bool ended() const noexcept { return now_ >= end_; }
+  /// Left out so far, in gaps of the host.
+  Nanoseconds skipped() const noexcept { return skipped_; }
 
   std::span<CanBus* const> buses() noexcept override { return ports_; }
   Nanoseconds begin_cycle(double /*motion_time*/) noexcept override {
     while (next_sync_ < syncs_.size() && syncs_[next_sync_] <= began_) ++next_sync_;
-    const Nanoseconds due = std::max(began_ == 0 ? now_ : began_ + period_, now_);
+    const Nanoseconds due = after_gap(std::max(began_ == 0 ? now_ : began_ + period_, now_));
     const bool has_sync = next_sync_ < syncs_.size() && syncs_[next_sync_] < due + period_ / 2;
     began_ = now_ = has_sync ? std::max(now_, syncs_[next_sync_]) : due;
     return now_;
@@ -75,6 +89,27 @@ class LogLink final : public RigLink {
   void set_observer(const BusObserver& /*observer*/) noexcept override {}
 
  private:
+  /// A stretch of the log without a frame of the host: no cycle was run in it.
+  struct Gap {
+    Nanoseconds begin = 0, end = 0;
+  };
+  static constexpr Nanoseconds longest_gap = 10'000'000'000, played_of_gap = 2'000'000'000;
+
+  void add_work(Nanoseconds t) {
+    if (worked_ != 0 && t - worked_ > longest_gap) gaps_.push_back({.begin = worked_, .end = t});
+    worked_ = std::max(worked_, t);
+  }
+  /// The time at which the cycle begins that would begin at `due`: of a gap the first two seconds are played, in which all
+  /// supervision acts.
+  Nanoseconds after_gap(Nanoseconds due) noexcept {
+    while (next_gap_ < gaps_.size() && gaps_[next_gap_].end - period_ <= due) ++next_gap_;
+    if (next_gap_ == gaps_.size() || due < gaps_[next_gap_].begin + played_of_gap) return due;
+    const Nanoseconds end = gaps_[next_gap_++].end - period_;
+    for (const auto& bus : buses_) bus->skip_to(end);
+    skipped_ += end - due;
+    return end;
+  }
+
   /// A host does not hear itself.
   bool is_of_host(std::size_t bus, const CanFrame& frame) const noexcept {
     if (!frame.extended && canopen::is_from_master(frame, rig_.host_node_id)) return true;
@@ -88,6 +123,11 @@ class LogLink final : public RigLink {
   std::vector<std::unique_ptr<LoggedBus>> buses_;
   std::vector<CanBus*> ports_;
   std::vector<Nanoseconds> syncs_;
+  std::vector<Gap> gaps_;  // in the order of time
+  std::size_t next_gap_ = 0;
+  Nanoseconds worked_ = 0;  // the last frame of the host while the log is read; before it, the first frame
+  bool has_host_ = false;   // an adapter that does not give own frames back leaves none in a log
+  Nanoseconds skipped_ = 0;
   std::size_t next_sync_ = 0;
 };
 
@@ -99,6 +139,7 @@ std::string read_log(const std::string& path, const std::vector<BusParams>& buse
   in.seekg(0);
   std::size_t number = 0, num_frames = 0;
   for (std::string line; std::getline(in, line);) {
+    if (in.eof()) break;  // without a line end: a run that was killed was about to write it
     ++number;
     ReceivedFrame frame;
     std::string_view name;
@@ -112,6 +153,7 @@ std::string read_log(const std::string& path, const std::vector<BusParams>& buse
     link.add(static_cast<std::size_t>(bus - buses.begin()), frame);
     ++num_frames;
   }
+  link.close();
   return num_frames > 0 ? ""
                         : path +
                               ": holds no frame of the scene's buses: is it of another scene? Give its file "
@@ -145,9 +187,10 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
   sample.net_nodes.resize(session.engine().nets().nodes.size());
   double due = 0;
   while (!read.ended() && session.phase() != RunPhase::ended) {
-    if (!session.advance(sample.record) || sample.record.t < due || recording.samples.size() >= max_recorded)
-      continue;
-    due += 1 / recorded_rate_hz;
+    const bool stepped = session.advance(sample.record);
+    if (stepped) sample.record.t += 1e-9 * static_cast<double>(read.skipped());
+    if (!stepped || sample.record.t < due || recording.samples.size() >= max_recorded) continue;
+    due = std::max(due + 1 / recorded_rate_hz, sample.record.t);
     sample.phase = session.phase();
     sample.num_touching = session.engine().contacts(sample.touching);
     session.engine().net_nodes(sample.net_nodes);
@@ -159,6 +202,10 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
         log +
         ": the scene's device does not come up by these frames: does the log begin before the run's first?");
   else result.recording = std::move(recording);
+  if (read.skipped() > 0)
+    result.notes.push_back(log + ": the host was silent for " +
+                           std::to_string(read.skipped() / 1'000'000'000) +
+                           " s in all: these were not played; what is shown stands still in them");
   return result;
 }
 

@@ -34,6 +34,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds request_patience{5}, write_patience{5}, silence_patience{30};
 constexpr std::chrono::milliseconds poll_period{4}, farewell_patience{300};
 constexpr std::size_t max_requests = 64, max_streams = 32, max_waiting = 64;
+/// Lines on the console: so many at once, then one a period, whatever clients do.
+constexpr int max_lines = 40;
+constexpr std::chrono::duration<double> line_period{10};
+constexpr std::size_t max_line_bytes = 200;
 constexpr std::uint32_t max_header_bytes = 8192;
 constexpr std::size_t max_message_bytes = 65536;
 constexpr int num_default_ports = 10;
@@ -132,7 +136,8 @@ class Hub final : public ViewServer {
 
   ViewSource& source() { return source_; }
   const Door& door() const { return *door_; }
-  /// The same line is said at most once a second; how often it was not said is.
+  /// Prints the same line at most once a second, and all of them as max_lines and line_period allow; the number of those
+  /// left out is printed with the next.
   void log(const std::string& line);
   void forget(const Requests* requests) {
     std::erase_if(requests_, [=](const auto& r) { return r.get() == requests; });
@@ -162,6 +167,8 @@ class Hub final : public ViewServer {
   std::string last_line_;
   Clock::time_point last_logged_;
   std::uint64_t num_unsaid_ = 0;
+  double allowed_lines_ = max_lines;
+  Clock::time_point last_allowed_ = Clock::now();
   std::thread thread_;
 };
 

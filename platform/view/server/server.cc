@@ -1,12 +1,10 @@
 // The only source that sees Boost, with server_parts.h.
 #include "platform/view/server/server.h"
 
-#include <pthread.h>
-
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 
+#include "platform/rt/stop_signals.h"
 #include "platform/view/server/page.h"
 #include "platform/view/server/parts.h"
 
@@ -164,6 +162,14 @@ void Requests::reply(int status, std::string_view type, std::string_view body) {
   });
 }
 
+/// Part of a line that a terminal shows as it is: clients choose some of the words.
+std::string for_console(std::string line) {
+  if (line.size() > max_line_bytes) line.replace(max_line_bytes, line.npos, "...");
+  std::ranges::replace_if(
+      line, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return line;
+}
+
 // --- the hub ----------------------------------------------------------------------------------------
 
 std::string Hub::listen() {
@@ -193,17 +199,14 @@ std::string Hub::listen() {
 
 void Hub::run_thread() {
   accept();
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_BLOCK, &all, &before);  // signals are for the threads that were there before
   thread_ = std::thread([this] {
+    const ThreadSetup setup("view");
     try {
       io_.run();
     } catch (const std::exception& error) {  // out of memory: the run goes on without its view
       if (log_) log_(std::string("the view has ended: ") + error.what());
     }
   });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 Hub::~Hub() {
@@ -303,15 +306,18 @@ void Hub::feed() {
 
 void Hub::log(const std::string& line) {
   const Clock::time_point now = Clock::now();
-  if (line == last_line_ && now - last_logged_ < std::chrono::seconds(1)) {
+  allowed_lines_ = std::min<double>(max_lines, allowed_lines_ + (now - last_allowed_) / line_period);
+  last_allowed_ = now;
+  if (allowed_lines_ < 1 || (line == last_line_ && now - last_logged_ < std::chrono::seconds(1))) {
     ++num_unsaid_;
     return;
   }
+  --allowed_lines_;
   if (num_unsaid_ > 0 && log_) log_("and " + std::to_string(num_unsaid_) + " more like this");
   num_unsaid_ = 0;
   last_line_ = line;
   last_logged_ = now;
-  if (log_) log_(line);
+  if (log_) log_(for_console(line));
 }
 
 }  // namespace server

@@ -6,8 +6,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <sstream>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -177,6 +181,103 @@ TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
         was_said || (result.exit_code == 3 && result.output.find("out of memory") != std::string::npos);
   }
   EXPECT_TRUE(was_said);
+}
+
+/// Standard descriptors that are closed are not given to a file, which would get the status lines.
+TEST_F(BackgroundFiles, ClosedStandardDescriptorsBecomeNoOutput) {
+  for (const char* closed : {"2>&-", "<&-", "<&- >&- 2>&-", ">&- 2>&-"}) {
+    const std::string trace = path("t.csv");
+    const ProgramResult result =
+        run_program("run sim/scenes/rigid.toml --bus sim --realtime --duration 0.3 --trace " + trace +
+                        " --record " + path("r.log"),
+                    std::string("sh -c 'exec \"$0\" \"$@\" ") + closed + "' ");
+    EXPECT_EQ(result.exit_code, 0) << closed;
+    std::istringstream rows(read_file(trace));
+    std::string row;
+    ASSERT_TRUE(std::getline(rows, row) && row.starts_with("t,")) << closed << row;
+    const auto commas = std::ranges::count(row, ',');
+    while (std::getline(rows, row))
+      ASSERT_TRUE(std::ranges::count(row, ',') == commas && row.find("cycle") == std::string::npos) << row;
+  }
+}
+
+TEST_F(BackgroundFiles, ClosedStandardDescriptorsAreTheNullDevice) {
+  BackgroundProgram run({"run", "sim/scenes/rigid.toml", "--bus", "sim", "--realtime", "--duration", "60",
+                         "--trace", path("t.csv")},
+                        {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO});
+  const std::string of = "/proc/" + std::to_string(run.pid()) + "/fd/";
+  for (int i = 0; i < 500 && read_file(path("t.csv")).empty(); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    EXPECT_EQ(std::filesystem::read_symlink(of + std::to_string(standard)), "/dev/null") << standard;
+}
+
+/// A run that dies loses half a second at most, of every file.
+TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
+  const std::vector<std::string> names{path("t.csv"), path("r.log")};
+  BackgroundProgram run({"run", "sim/scenes/rigid.toml", "--bus", "sim", "--realtime", "--duration", "60",
+                         "--trace", names[0], "--record", names[1]});
+  const auto size_of = [](const std::string& name) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(name, error);
+    return error ? 0 : size;
+  };
+  for (int i = 0; i < 1000 && (size_of(names[0]) < 2000 || size_of(names[1]) == 0); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  std::vector<std::uintmax_t> sizes(2);
+  for (int i = 0; i < 4; ++i) {  // it goes on growing all the time
+    std::this_thread::sleep_for(milliseconds(500));
+    for (std::size_t f = 0; f < sizes.size(); ++f) {
+      EXPECT_GT(size_of(names[f]), sizes[f]) << names[f];
+      sizes[f] = size_of(names[f]);
+    }
+  }
+  run.end_by(SIGKILL);
+  const auto last_time = [](const std::string& text, std::size_t begin) {
+    const std::size_t end = text.rfind('\n');
+    const std::size_t start = text.rfind('\n', end - 1) + 1;
+    return std::stod(text.substr(start + begin));
+  };
+  const double trace_s = last_time(read_file(names[0]), 0), record_s = last_time(read_file(names[1]), 1);
+  EXPECT_GT(trace_s, 1.5);
+  EXPECT_NEAR(trace_s, record_s, 0.5) << "both up to the same time, but for the boot";
+}
+
+TEST_F(BackgroundFiles, FoldersOfAnOutputAreMadeWithTheirParents) {
+  const std::string trace = path("a/b/c/t.csv"), report = path("d/e/r.json");
+  EXPECT_EQ(run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + trace +
+                        " --report " + report)
+                .exit_code,
+            0);
+  EXPECT_FALSE(read_file(trace).empty());
+  EXPECT_FALSE(read_file(report).empty());
+  const ProgramResult below_a_file =
+      run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + report + "/x/t.csv");
+  EXPECT_EQ(below_a_file.exit_code, 2);
+  EXPECT_THAT(below_a_file.output, HasSubstr("is no folder"));
+}
+
+/// `ulimit -s`, which a process without rights cannot raise.
+TEST_F(BackgroundFiles, ASmallStackIsEnough) {
+  for (const char* scene : {"rigid", "lego", "organ-soft", "grasper", "endobag"})
+    for (const char* verb :
+         {"check", "run --duration 0.05 --bus direct --realtime", "run --duration 0.05 --bus direct"}) {
+      const ProgramResult result = run_program(std::string(verb) + " sim/scenes/" + scene + ".toml",
+                                               "sh -c 'ulimit -s 256; exec \"$0\" \"$@\"' ");
+      EXPECT_EQ(result.exit_code, 0) << scene << ", " << verb << result.output;
+    }
+}
+
+/// Answers of a simulation that nobody reads do not keep it.
+TEST_F(BackgroundFiles, UnreadAnswersDoNotStallASimulation) {
+  BackgroundProgram far({"simulate", "sim/scenes/rigid.toml", "--control", "-", "--report", path("r.json"),
+                         "--bus", "can0=pty", "--bus", "can1=pty"});
+  while (far.line() != "ready") continue;
+  for (int i = 0; i < 2000; ++i) far.tell("status");
+  far.tell("quit");
+  for (int i = 0; i < 1000 && read_file(path("r.json")).empty(); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_FALSE(read_file(path("r.json")).empty()) << "it has ended";
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // The simulated rig behind real buses, on buses and a clock of the test's own.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <deque>
 
@@ -149,6 +151,39 @@ TEST_F(SimulateTest, RefusesWhatItDoesNotKnow) {
   EXPECT_FALSE(quit_);
   EXPECT_EQ(say("quit")["ok"], true);
   EXPECT_TRUE(quit_);
+}
+
+/// Lines of a pipe, as the control of a simulation reads them.
+TEST(LineInput, ALineIsOneHoweverLong) {
+  for (const std::size_t size : {999u, 1000u, 1001u, 1100u, 4095u, 40'000u}) {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(pipe2(ends.data(), O_NONBLOCK), 0);
+    LineInput input(ends[0]);
+    const std::string text = "before\n" + std::string(size, 'x') + "\nafter\n" + std::string(size, 'y');
+    std::vector<std::string> lines;
+    const auto take = [&] {
+      for (std::string line; input.try_line(line);) lines.push_back(line);
+    };
+    for (std::size_t at = 0; at < text.size(); at += 1000) {
+      const std::string part = text.substr(at, 1000);
+      ASSERT_EQ(write(ends[1], part.data(), part.size()), static_cast<ssize_t>(part.size()));
+      take();
+    }
+    close(ends[1]);
+    take();
+    ASSERT_THAT(lines, SizeIs(4)) << size;
+    EXPECT_EQ(lines[0], "before");
+    EXPECT_EQ(lines[1].size() >= LineInput::max_line, size > 1000);
+    EXPECT_EQ(lines[2], "after");
+    EXPECT_EQ(input.descriptor(), -1);
+    close(ends[0]);
+  }
+}
+
+TEST_F(SimulateTest, RefusesALineThatIsTooLong) {
+  const nlohmann::json reply = say("status" + std::string(2000, ' '));
+  EXPECT_EQ(reply["ok"], false);
+  EXPECT_LT(reply.dump().size(), 200u);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ SceneConfig coupled_and_free() {
 
 TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationBits) {
   const std::vector<std::string> columns = trace_columns(coupled_and_free());
-  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6);
+  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6 + 1);
   EXPECT_EQ(columns[0], "t");
   EXPECT_EQ(columns[4], "tool.qw");
   EXPECT_EQ(columns[14], "brick.x");
@@ -37,6 +37,7 @@ TEST(Trace, ColumnsAreThoseOfTheReferenceThenWrenchesTargetPenetrationBits) {
   EXPECT_EQ(columns[49], "fault");
   EXPECT_EQ(columns[50], "limited");
   EXPECT_EQ(columns[51], "rig_fault");
+  EXPECT_EQ(columns[52], "tool.engaged");
 }
 
 TEST(Trace, ScenesWithContactsHaveTheirColumns) {
@@ -49,7 +50,8 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
       std::vector(columns.begin() + 46, columns.end()),
       testing::ElementsAre("brick.contact.fx", "brick.contact.fy", "brick.contact.fz", "brick.contact.tx",
                            "brick.contact.ty", "brick.contact.tz", "penetration", "contacts",
-                           "contact_residual", "energy", "energy_balance", "fault", "limited", "rig_fault"));
+                           "contact_residual", "energy", "energy_balance", "fault", "limited", "rig_fault",
+                           "tool.engaged"));
 
   scene.nets.resize(1);
   EXPECT_THAT(trace_columns(scene), testing::IsSupersetOf({"net_contacts", "net_penetration", "net_stretch",
@@ -149,7 +151,9 @@ TEST(Trace, JointsHaveTheirWrenchesBehindTheTargets) {
   scene.joints[0].name = "pivot";
   scene.joints[0].child = "tool";
   const std::vector<std::string> columns = trace_columns(scene);
-  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6 + 6);
+  ASSERT_EQ(columns.size(), 1u + 2 * 13 + 12 + 7 + 6 + 6 + 2);
+  EXPECT_EQ(columns[58], "pivot.q");
+  EXPECT_EQ(columns[59], "tool.engaged");
   EXPECT_EQ(columns[46], "pivot.fx");
   EXPECT_EQ(columns[49], "pivot.tx");
   const std::string path = testing::TempDir() + "/godobject_trace_joints.csv";
@@ -160,6 +164,32 @@ TEST(Trace, JointsHaveTheirWrenchesBehindTheTargets) {
   const CsvTable table = read_csv(path).table.value();
   EXPECT_EQ(table.at(0, 47), 2);
   EXPECT_EQ(table.at(0, 51), 6);
+}
+
+TEST(Trace, DevicesHaveTheirColumnsBehindTheBits) {
+  SceneConfig scene = coupled_and_free();
+  scene.device = DeviceConfig{.kind = DeviceKind::relative, .limits = {}, .rig = RigParams{}, .plant = {}};
+  scene.device->rig->tree.joints.resize(1);
+  scene.device->rig->tree.joints[0].name = "elbow";
+  scene.device->rig->drives.resize(1);
+  scene.device->rig->drives[0].joint = "elbow";
+  const std::vector<std::string> columns = trace_columns(scene);
+  EXPECT_THAT(std::vector(columns.begin() + 52, columns.end()),
+              testing::ElementsAre("t_bus", "tool.engaged", "tool.clutch", "tool.device.x", "tool.device.y",
+                                   "tool.device.z", "tool.device.qw", "tool.device.qx", "tool.device.qy",
+                                   "tool.device.qz", "device.elbow.q", "drive.elbow.torque"));
+  const std::string path = testing::TempDir() + "/godobject_trace_devices.csv";
+  TraceWriter writer(path, scene);
+  const std::array targets{TargetSample{.X_WD = {.p = Vec3(1, 2, 3)}, .F_WB = {}, .engaged = false}};
+  const std::array q{0.25}, torque{-0.5};
+  writer.row(0, std::array<TraceBody, 2>{}, std::array<TraceDriven, 1>{}, {}, {}, {},
+             {.t_bus = 1.75e9, .targets = targets, .device_q = q, .drive_torque = torque});
+  ASSERT_TRUE(writer.close());
+  const CsvTable table = read_csv(path).table.value();
+  const std::array values{1.75e9, 0.0, 1.0, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.25, -0.5};
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(table.at(0, 52 + i), values[i]) << columns[52 + i];
+  scene.device->kind = DeviceKind::admittance;
+  EXPECT_THAT(trace_columns(scene), testing::Contains("tool.hand.tz"));
 }
 
 TEST(Trace, UnwritableFileIsReported) {

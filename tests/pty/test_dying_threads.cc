@@ -1,0 +1,201 @@
+// Whichever thread of a run crashes, the last frames are written. The table of threads in docs/running.md is the list.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "platform/linux/bus/bus.h"
+#include "platform/linux/spacemouse_thread.h"
+#include "platform/linux/tracker_thread.h"
+#include "platform/rt/stop_signals.h"
+#include "platform/scene/toml.h"
+#include "tests/support/background_program.h"
+#include "tests/support/faulty_rig.h"
+#include "tests/support/program.h"
+
+namespace godobject::test::test_dying_threads {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAreArray;
+using testing::KilledBySignal;
+
+/// Threads of the run that CrashedThread starts; the main one has the name of the program.
+const std::set<std::string> threads_of_a_run{"godobject", "loop", "file", "console", "view"};
+/// Threads that other devices have.
+const std::set<std::string> threads_of_devices{"tracker", "spacemouse"};
+
+/// The first column of the table in docs/running.md.
+std::set<std::string> documented_threads() {
+  const std::string page = read_file(GODOBJECT_SOURCE_DIR "/docs/running.md");
+  const std::size_t begin = page.find("<!-- threads: begin -->"), end = page.find("<!-- threads: end -->");
+  if (begin == std::string::npos || end == std::string::npos) return {};
+  std::istringstream lines(page.substr(begin, end - begin));
+  std::set<std::string> names;
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("| `")) names.insert(line.substr(3, line.find('`', 3) - 3));
+  return names;
+}
+
+/// The first thread of this name of a process; 0: none has it.
+pid_t thread_named(pid_t process, const std::string& name) {
+  std::error_code ignored;
+  for (const auto& task :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", ignored))
+    if (read_file(task.path() / "comm") == name + "\n") return std::stoi(task.path().filename().string());
+  return 0;
+}
+
+pid_t wait_for_thread(pid_t process, const std::string& name) {
+  for (int i = 0; i < 500; ++i) {
+    if (const pid_t thread = thread_named(process, name)) return thread;
+    std::this_thread::sleep_for(10ms);
+  }
+  return 0;
+}
+
+TEST(Threads, TheDocumentedOnesAreThoseThatAreTested) {
+  std::set<std::string> tested = threads_of_a_run;
+  tested.insert(threads_of_devices.begin(), threads_of_devices.end());
+  EXPECT_THAT(documented_threads(), ElementsAreArray(tested));
+}
+
+class CrashedThread : public ProgramTest, public testing::WithParamInterface<std::string> {
+ protected:
+  /// Both programs, up to torque on both motors. False where the machine stalled.
+  bool start() {
+    const std::string scene = write("scene.toml", patient_toml());
+    host_.reset();
+    far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
+                                          "can0=pty", "--bus", "can1=pty", "--tap", "can1=pty"});
+    std::vector<std::string> arguments{"run",     scene,         "--duration", "60",         "--view",
+                                       "--trace", path("t.csv"), "--record",   path("r.log")};
+    std::string tap;
+    for (std::string line = far_->line(); line != "ready" && !line.empty(); line = far_->line()) {
+      const std::string address = line.substr(line.find(": ") + 2);
+      if (line.starts_with("tap")) tap = address;
+      else arguments.insert(arguments.end(), {"--bus", line.substr(4, 4) + "=slcan:" + address});
+    }
+    std::string error;
+    tap_ = make_bus(parse_bus_address("slcan:" + tap, error).value(), {});
+    EXPECT_TRUE(tap_->open()) << error;
+    host_.emplace(arguments);
+    for (int i = 0; i < 500; ++i) {
+      listen(20ms);
+      const nlohmann::json drives = nlohmann::json::parse(far_->say("status"))["drives"];
+      if (std::ranges::all_of(drives, [](const auto& drive) { return drive["torque_Nm"] != 0; })) return true;
+    }
+    return false;
+  }
+  void listen(std::chrono::milliseconds time) {
+    for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
+      for (ReceivedFrame received; tap_->try_receive(received);) frames_.push_back(received.frame);
+      std::this_thread::sleep_for(1ms);
+    }
+  }
+
+  std::optional<BackgroundProgram> far_, host_;
+  std::unique_ptr<LinuxBus> tap_;
+  std::vector<CanFrame> frames_;
+};
+
+TEST_P(CrashedThread, WritesTheLastFrames) {
+  constexpr int tries = 3;
+  for (int i = 0; i < tries; ++i) {
+    if (!start()) continue;
+    const pid_t thread = thread_named(host_->pid(), GetParam());
+    ASSERT_NE(thread, 0) << "no thread is called " << GetParam();
+    const rlimit no_core{.rlim_cur = 0, .rlim_max = 0};
+    prlimit(host_->pid(), RLIMIT_CORE, &no_core, nullptr);
+    listen(1ms);
+    frames_.clear();
+    ASSERT_EQ(syscall(SYS_tgkill, host_->pid(), thread, SIGSEGV), 0);
+    const int status = host_->wait_status();
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSEGV) << status;
+    listen(300ms);
+    const auto is_off = [](const CanFrame& f) {  // NMT enter pre-operational
+      return f.id == 0 && f.data[0] == 0x80;
+    };
+    EXPECT_TRUE(std::ranges::any_of(frames_, is_off)) << "the drives' watchdogs had to end it";
+    return;
+  }
+  FAIL() << "the host did not come up in " << tries << " tries";
+}
+
+INSTANTIATE_TEST_SUITE_P(OfARun, CrashedThread, testing::ValuesIn(threads_of_a_run),
+                         [](const auto& test) { return test.param; });
+
+/// Dies of SIGSEGV in the thread of this name, which `make` starts, with last words into a pipe.
+template <class Make>
+void die_in_thread(const std::string& name, int descriptor, const Make& make) {
+  const rlimit no_core{.rlim_cur = 0, .rlim_max = 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  guard_process();
+  const LastResort last({{.descriptor = descriptor, .writes = {"last"}}});
+  const auto kept = make();
+  const pid_t thread = wait_for_thread(getpid(), name);
+  if (thread == 0) _exit(3);
+  syscall(SYS_tgkill, getpid(), thread, SIGSEGV);
+  std::this_thread::sleep_for(5s);
+  _exit(4);
+}
+
+class DeviceThread : public ProgramTest {
+ protected:
+  DeviceThread() { EXPECT_EQ(pipe2(ends_.data(), O_NONBLOCK), 0); }
+  ~DeviceThread() override {
+    for (const int end : ends_) close(end);
+  }
+  std::string written() const {
+    std::array<char, 100> buffer{};
+    const ssize_t size = read(ends_[0], buffer.data(), buffer.size());
+    return size > 0 ? std::string(buffer.data(), static_cast<std::size_t>(size)) : std::string();
+  }
+  std::array<int, 2> ends_{};
+};
+
+TEST_F(DeviceThread, OfATrackerWritesTheLastFrames) {
+  const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/tracked.toml");
+  ASSERT_TRUE(loaded.scene);
+  TrackerParams params = loaded.scene->device->trackers.front();
+  params.port = "/dev/no-such-port";
+  const auto make = [&] { return std::make_unique<TrackerThread>(make_tracker(params, {}).tracker); };
+  EXPECT_EXIT(die_in_thread("tracker", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were told");
+  EXPECT_EQ(written(), "last");
+}
+
+TEST_F(DeviceThread, OfASpaceMouseWritesTheLastFrames) {
+  const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/spacemouse.toml");
+  ASSERT_TRUE(loaded.scene);
+  const std::string where = path("socket");
+  const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy(where.begin(), where.end(), address.sun_path);
+  ASSERT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(listen(listener, 1), 0);
+  SpaceMouse mouse(*loaded.scene, []() noexcept { return MonotonicClock{}.now(); });
+  const auto make = [&] {
+    std::string why_not;
+    return SpaceMouseThread::start(
+        where, mouse, [](const std::string&) {}, why_not);
+  };
+  EXPECT_EXIT(die_in_thread("spacemouse", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were told");
+  EXPECT_EQ(written(), "last");
+  close(listener);
+}
+
+}  // namespace
+}  // namespace godobject::test::test_dying_threads
