@@ -94,7 +94,7 @@ struct BodyStatistics {
   }
 };
 struct JointStatistics {
-  std::size_t child = 0;      // body
+  std::size_t child = 0;          // body
   PeakAndMean force{}, torque{};  // N, N m
 
   void add(const Wrench& F) noexcept {
