@@ -40,7 +40,10 @@ void RunFiles::add(const CycleRecord& record) {
     start_ = record;
     return;
   }
-  if (start_) start_->t_bus_ns = record.motion_start_ns;
+  if (start_) {
+    start_->t_bus_ns = record.motion_start_ns;
+    start_->device_q = record.device_q;  // not known before
+  }
   add_start();
   write(record);
 }

@@ -81,7 +81,7 @@ struct BodyStatistics {
   }
 };
 struct JointStatistics {
-  std::size_t child = 0;      // body
+  std::size_t child = 0;          // body
   PeakAndMean force{}, torque{};  // N, N m
 
   void add(const Wrench& F) noexcept {

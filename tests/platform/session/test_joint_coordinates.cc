@@ -54,7 +54,8 @@ TEST(JointCoordinates, CountTheirTurns) {
       ASSERT_EQ(coordinates.size(), num_coordinates(kind));
       std::vector<double> read(coordinates.size()), q(coordinates.size());
       std::vector<BodyView> bodies(2);
-      for (int i = 0; i <= 100; ++i) {  // eight turns there and half of them back, each step less than half a turn
+      for (int i = 0; i <= 100;
+           ++i) {  // eight turns there and half of them back, each step less than half a turn
         for (std::size_t k = 0; k < q.size(); ++k) q[k] = (i <= 60 ? i : 120 - i) * (k == 0 ? 0.9 : -0.7);
         bodies[0].X_WB = random_pose(draw);
         const Pose X_WP = on_the_world ? joint.X_BP : times(bodies[0].X_WB, joint.X_BP);

@@ -46,12 +46,11 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
   EXPECT_EQ(trace_columns(scene), trace_columns(coupled_and_free())) << "there is nothing to touch";
   scene.obstacles.resize(1);
   const std::vector<std::string> columns = trace_columns(scene);
-  EXPECT_THAT(
-      std::vector(columns.begin() + 46, columns.end()),
-      testing::ElementsAre("brick.contact.fx", "brick.contact.fy", "brick.contact.fz", "brick.contact.tx",
-                           "brick.contact.ty", "brick.contact.tz", "penetration", "contacts",
-                           "contact_residual", "energy", "energy_balance", "fault", "limited", "rig_fault",
-                           "tool.engaged"));
+  EXPECT_THAT(std::vector(columns.begin() + 46, columns.end()),
+              testing::ElementsAre("brick.contact.fx", "brick.contact.fy", "brick.contact.fz",
+                                   "brick.contact.tx", "brick.contact.ty", "brick.contact.tz", "penetration",
+                                   "contacts", "contact_residual", "energy", "energy_balance", "fault",
+                                   "limited", "rig_fault", "tool.engaged"));
 
   scene.nets.resize(1);
   EXPECT_THAT(trace_columns(scene), testing::IsSupersetOf({"net_contacts", "net_penetration", "net_stretch",
@@ -187,7 +186,8 @@ TEST(Trace, DevicesHaveTheirColumnsBehindTheBits) {
   ASSERT_TRUE(writer.close());
   const CsvTable table = read_csv(path).table.value();
   const std::array values{1.75e9, 0.0, 1.0, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.25, -0.5};
-  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(table.at(0, 52 + i), values[i]) << columns[52 + i];
+  for (std::size_t i = 0; i < values.size(); ++i)
+    EXPECT_EQ(table.at(0, 52 + i), values[i]) << columns[52 + i];
   scene.device->kind = DeviceKind::admittance;
   EXPECT_THAT(trace_columns(scene), testing::Contains("tool.hand.tz"));
 }
