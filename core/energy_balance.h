@@ -176,7 +176,7 @@ class EnergyBalance {
       with_joint(joint.kind, [&](auto kind) noexcept {
         if constexpr (requires { kind.coordinates(JointFrames{}); }) {
           const JointAt at = joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i));
-          const JointCoordinates q = kind.coordinates(at.X);
+          const JointCoordinates q = counted<decltype(kind)>(at.X, at.V.w, x.bodies[i].joint.q, 0);
           for (std::size_t c = 0; c < 2; ++c)
             E += stop_energy(joint.stop.stops[c], q[static_cast<Eigen::Index>(c)]);
         }
