@@ -233,7 +233,8 @@ void follow_coordinates(const Params<S>& par, Real t, const StateOfBody& at, Scr
 /// Those at the end of the step, a time t, s, after the coordinates that are known.
 template <Scene S>
 void end_coordinates(const Params<S>& par, Real t, Scratch<S>& w) noexcept {
-  follow_coordinates(par, t, [&w](std::size_t i) { return lane(w.next[i / lanes<S>].x, i % lanes<S>); }, w);
+  follow_coordinates(
+      par, t, [&w](std::size_t i) { return lane(w.next[i / lanes<S>].x, i % lanes<S>); }, w);
 }
 
 /// The targets at the end of the step.

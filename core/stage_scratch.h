@@ -46,12 +46,6 @@ struct Next {
 template <class S>
 inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
 
-/// Joints of the scene may have stops: their coordinates are state, and count turns.
-template <class S>
-inline constexpr bool counts_turns = requires(const typename S::Joints::State& x) {
-  x.q;
-};
-
 /// The contacts of a scene, with its joints, nodes and terms if it has any.
 template <class S>
 struct TouchingType {
@@ -91,8 +85,8 @@ inline constexpr bool iterates_joints = requires {
 };
 template <class S>
 struct Iteration {
-  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;     // bases of the stage
-  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;  // where the joints were taken
+  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;               // bases of the stage
+  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;            // where the joints were taken
   [[no_unique_address]] typename JointScratchOf<S>::Coordinates coordinates;  // where the stage starts
   [[no_unique_address]] std::conditional_t<has_stages<S>, typename ContactsOf<S>::State, Absent<21>>
       of_stage_before;  // contacts

@@ -73,9 +73,7 @@ inline Real angle_of(Real sine, Real cosine) noexcept {
 inline Real whole_turns(Real angle) noexcept { return std::nearbyint(angle * (Real(0.5) / pi)); }
 
 /// Returns the angle, rad, with the whole turns that bring it nearest to `near`: the same attitude.
-inline Real unwrapped(Real angle, Real near) noexcept {
-  return angle + 2 * pi * whole_turns(near - angle);
-}
+inline Real unwrapped(Real angle, Real near) noexcept { return angle + 2 * pi * whole_turns(near - angle); }
 
 /// Returns R turned about its own axis k by an angle, rad.
 inline Mat3 turned(const Mat3& R, int k, Real angle) noexcept {

@@ -46,6 +46,12 @@ struct TreeJoints {
   };
 };
 
+/// Joints of the scene may have stops: their coordinates are state, and count turns.
+template <class S>
+inline constexpr bool counts_turns = requires(const typename S::Joints::State& x) {
+  x.q;
+};
+
 /// f(kind, motion) of joint i: motion(X) is what it allows at frames X, which is nothing where the device leads it.
 template <class Joints, class Led, class F>
 void with_motion(const typename Joints::Params& par, [[maybe_unused]] const Led& led,
@@ -107,7 +113,7 @@ struct JointsInStage {
   [[no_unique_address]] Coordinates q;  // where the stage starts, turns counted
   bool is_stiff =
       false;  // a stop or a force of a joint may have turned something round within the last stage
-  bool stop_acts = false;  // a coordinate was within a stop in the last stage
+  bool stop_acts = false;     // a coordinate was within a stop in the last stage
   bool stop_changes = false;  // a coordinate entered or left a stop, or its width, in the last stage
 };
 
@@ -270,8 +276,7 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& 
     if constexpr (Motion::num_turns == 3) beta.w.setZero();
     child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
     JointCoordinates q = JointCoordinates::Zero();
-    if constexpr (uses<typename Joints::Stops> && requires { kind.coordinates(joint.X); })
-    {
+    if constexpr (uses<typename Joints::Stops> && requires { kind.coordinates(joint.X); }) {
       q = counted<decltype(kind)>(joint.X, joint.V.w, tree.q[i], h);
       tree.stop_changes |= !on_same_branches(par.stop.stops, q, tree.q[i]);
     }

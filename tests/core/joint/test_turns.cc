@@ -72,7 +72,8 @@ class Bar : public Running<S_> {
   Real q() const { return this->x.bodies[0].joint.q[turn_.c]; }
   Real inertia() const {
     const RigidBodyParams& body = this->par.bodies[0].body;
-    return turn_.axis.dot(body.I_B * turn_.axis) + body.m * Vec3(lever_, 0, 0).cross(turn_.axis).squaredNorm();
+    return turn_.axis.dot(body.I_B * turn_.axis) +
+           body.m * Vec3(lever_, 0, 0).cross(turn_.axis).squaredNorm();
   }
   Pose turned_by(Real angle) const {
     const Quat q(Eigen::AngleAxis<Real>(angle, turn_.axis));
@@ -81,8 +82,8 @@ class Bar : public Running<S_> {
   /// Starts it at an angle, turning.
   void start(Real angle, Real rate) {
     const Pose X = turned_by(angle);
-    const Vec3 w = rate * turn_.axis;
-    place<S>(this->x, 0, {.X_WB = X, .V_WB = {.w = w, .v = w.cross(X.p)}});
+    const Vec3 w_W = rate * turn_.axis;
+    place<S>(this->x, 0, {.X_WB = X, .V_WB = {.w = w_W, .v = w_W.cross(X.p)}});
     engage_at<S>(this->x, 0, {.X_WD = X, .V_WD = {}});
     this->in.devices[0].target.X_WD = this->x.bodies[0].x.X_WB;
     start_turns(this->par, this->x);
