@@ -42,6 +42,7 @@ class Hash {
   }
   void add(const DeviceState& x) noexcept {
     add(x.last, x.ramp, x.held);
+    if (!x.F_WB.f.isZero(0) || !x.F_WB.tau.isZero(0)) add(x.F_WB);
     if (x.calm == 0) return;  // not after a gap
     add(x.calm, std::uint64_t{x.again});
   }

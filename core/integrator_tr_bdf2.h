@@ -103,6 +103,7 @@ struct TrBdf2 {
     if (still_smooth) extend_bases(begin, par, x, h_1, h_2, w);
     else follow_bases(par, x, h_1, w);
     lead_joints(par, 1, w);
+    lead_forces(par, 1, w);
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
                     .t_1 = still_smooth ? bh : h_1,
@@ -180,6 +181,7 @@ struct TrBdf2 {
     start_nodes(par, x, dh, w);
     start_coordinates(par, x, w);
     lead_joints(par, end, w);
+    lead_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h, .ahead = dh}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };

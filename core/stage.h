@@ -202,6 +202,18 @@ void lead_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   }
 }
 
+/// Applied forces at the fraction s of the step, where the coming stage ends.
+template <Scene S>
+void lead_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
+  if constexpr (uses<typename S::Device>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const Wrench &F_0 = w.pulls[i].F_0_WB, &F_1 = w.pulls[i].F_1_WB;
+      w.pulls[i].F_WB = {.tau = F_1.tau - (1 - s) * (F_1.tau - F_0.tau),
+                         .f = F_1.f - (1 - s) * (F_1.f - F_0.f)};
+    }
+  }
+}
+
 /// The joints' coordinates where the step starts.
 template <Scene S>
 void start_coordinates(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
