@@ -56,7 +56,8 @@ struct TrBdf2 {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
     // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain energy; joints (39) do
-    // not hold; springs gain (46); a body is pulled off its way; a stop (19) becomes active or inactive: to be taken again
+    // not hold; springs gain (46); a body is pulled off its way; a stop (19) becomes active or inactive: to be
+    // taken again
     unsolved
   };
 
@@ -231,8 +232,8 @@ struct TrBdf2 {
     return false;
   }
 
-  /// (19)  True if a stop became active or inactive in a stage: its law is another one there, and a base that K_0 leads deep into it
-  /// has energy that nothing gave.
+  /// (19)  True if a stop became active or inactive in a stage. K_0 is of the law before, and a base that it
+  /// leads deep into the stop has energy that nothing gave.
   template <Scene S>
   static bool stop_changes([[maybe_unused]] const Scratch<S>& w) noexcept {
     if constexpr (uses<typename S::Joints>) return w.tree.stop_changes;

@@ -213,7 +213,7 @@ void place(State<S>& x, std::size_t i, const Start& start) noexcept {
   body.w_B = to_body(body.X_WB.q, start.V_WB.w);
 }
 
-/// Starts the coordinates of all joints where the bodies are placed, in the turn that lies between their stops.
+/// Starts the coordinates of all joints where the bodies are placed, in the turn between their stops.
 template <Scene S>
 void start_turns(const Params<S>& par, State<S>& x) noexcept {
   if constexpr (counts_turns<S>) {

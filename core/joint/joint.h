@@ -6,7 +6,8 @@
 // list.h.
 //
 // The room: a file a kind, list.h with all of them, stops.h (19), imposed.h for coordinates that the device leads,
-// turns.h counts turns, stabilisation.h (5), (18); tree.h and tree_solve.h solve a tree of bodies in linear time (7).
+// turns.h counts turns, stabilisation.h (5), (18); tree.h and tree_solve.h solve a tree of bodies in linear
+// time (7).
 #pragma once
 
 #include <array>

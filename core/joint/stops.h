@@ -26,9 +26,9 @@ struct JointStops {
   };
 };
 
-/// Returns the coordinate at which a joint starts whose turn is measured as `angle`, rad: in the turn that lies nearest to the
-/// middle of its stops, unless it is between them already, or no deeper in one than its width. A missing end is taken
-/// half a turn beyond the other one.
+/// Returns the coordinate at which a joint starts whose turn is measured as `angle`, rad. It stays where it is
+/// between the stops, or no deeper in one than its width; otherwise it is moved by whole turns to be nearest to the
+/// middle of the stops. A missing end is taken half a turn beyond the other one.
 inline Real start_coordinate(const StopParams& par, Real angle) noexcept {
   constexpr Real open = std::numeric_limits<Real>::infinity();
   if (angle >= par.lower - par.width && angle <= par.upper + par.width) return angle;

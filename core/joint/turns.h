@@ -1,4 +1,4 @@
-// Turns of joints are counted: an angle is measured within half a turn, a coordinate goes on over any number of them.
+// Turns of joints are counted: an angle is measured within half a turn, a coordinate goes on.
 #pragma once
 
 #include "core/joint/joint.h"
@@ -11,8 +11,8 @@ inline JointCoordinates unwrapped(JointCoordinates q, const JointCoordinates& ne
   return q;
 }
 
-/// Returns the coordinates of a joint at frames X whose child turns against its parent with w, rad/s. They were q a time t, s,
-/// before: turns are counted where q + t q' leads to.
+/// Returns the coordinates of a joint at frames X whose child turns against its parent with w, rad/s.
+/// q: the coordinates a time t, s, before. Turns are those nearest to q + t q'.
 template <class Kind>
 JointCoordinates counted(const JointFrames& X, const Vec3& w, JointCoordinates q, Real t) noexcept {
   const auto m = Kind::motion(X);

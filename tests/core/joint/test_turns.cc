@@ -161,8 +161,8 @@ Bounce thrown_at(const Turn& turn, const Throw& t, Real end) {
   return b;
 }
 
-/// Stops soft and stiff, narrow and wide, anywhere: as deep as the same stop at zero, never passed, and left with no more
-/// energy than the bar came with.
+/// Stops soft and stiff, narrow and wide, anywhere: as deep as the same stop at zero, never passed, and left with
+/// no more energy than the bar came with.
 template <class S>
 void expect_stops_anywhere(unsigned seed, int draws) {
   Random random(seed);
@@ -204,8 +204,8 @@ TYPED_TEST(CountedTurns, StopsOfBodiesThatMayTouchAreTheSameAnywhere) {
   expect_stops_anywhere<Touching<TypeParam>>(6, 100);
 }
 
-/// A target turns slowly beyond a stop, and less than half a turn from where it holds the bar: both springs balance,
-/// k_r (over - d) = k (d - width / 2), or k d^2 / (2 width) within it.
+/// A target turns slowly beyond a stop, and less than half a turn from where it holds the bar. Both springs
+/// balance, k_r (over - d) = k (d - width / 2), or k d^2 / (2 width) within it.
 TYPED_TEST(CountedTurns, StopHoldsAgainstACouplingAnywhere) {
   Random random(7);
   for (int draw = 0; draw < 24; ++draw) {
