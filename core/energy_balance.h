@@ -53,7 +53,10 @@ class EnergyBalance {
       last_[i] = now;
       if constexpr (uses<typename S::Device>) {
         const Wrench& F_WB = w.pulls[i].F_WB;
-        W += par.h * (F_WB.f.dot(body.v_W) + F_WB.tau.dot(to_world(body.X_WB.q, body.w_B)));
+        const Real power = F_WB.f.dot(body.v_W) + F_WB.tau.dot(to_world(body.X_WB.q, body.w_B)),
+                   before = std::exchange(hand_[i], power);
+        // implicit Euler moves by the force at the end, TR-BDF2 by those of the whole step
+        W += par.h * (S::Integrator::order == 1 ? power : std::max(power, Real(0.5) * (power + before)));
       }
       if constexpr (imposes<S>) W += joint_work(par, x, out, i);
     }
@@ -176,7 +179,7 @@ class EnergyBalance {
       with_joint(joint.kind, [&](auto kind) noexcept {
         if constexpr (requires { kind.coordinates(JointFrames{}); }) {
           const JointAt at = joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i));
-          const JointCoordinates q = kind.coordinates(at.X);
+          const JointCoordinates q = counted<decltype(kind)>(at.X, at.V.w, x.bodies[i].joint.q, 0);
           for (std::size_t c = 0; c < 2; ++c)
             E += stop_energy(joint.stop.stops[c], q[static_cast<Eigen::Index>(c)]);
         }
@@ -266,6 +269,7 @@ class EnergyBalance {
   }
 
   std::array<Coupled, S::max_bodies> last_;
+  std::array<Real, S::max_bodies> hand_{};  // power of applied forces, W
   [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Real, S::max_bodies>, Absent<23>>
       led_{};  // W
   Real energy_ = 0, work_ = 0, gravity_ = 0;

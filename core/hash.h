@@ -10,6 +10,7 @@
 #include "core/device/holding.h"
 #include "core/integrator_tr_bdf2.h"
 #include "core/joint/imposed.h"
+#include "core/joint/stops.h"
 
 namespace godobject {
 
@@ -41,6 +42,7 @@ class Hash {
   }
   void add(const DeviceState& x) noexcept {
     add(x.last, x.ramp, x.held);
+    if (!x.F_WB.f.isZero(0) || !x.F_WB.tau.isZero(0)) add(x.F_WB);
     if (x.calm == 0) return;  // not after a gap
     add(x.calm, std::uint64_t{x.again});
   }
@@ -51,6 +53,13 @@ class Hash {
     add(x.F_C);
     if constexpr (std::is_base_of_v<ImposedJoints::State, J>)
       add(static_cast<const ImposedJoints::State&>(x));
+    if constexpr (std::is_base_of_v<JointStops::State, J>) add(static_cast<const JointStops::State&>(x));
+  }
+  void add(const JointStops::State& x) noexcept {
+    // the rest of a coordinate follows from the poses
+    const Real first = whole_turns(x.q[0]), second = whole_turns(x.q[1]);
+    if (first == 0 && second == 0) return;
+    add(first, second);
   }
   void add(const ImposedJoints::State& x) noexcept {
     for (const JointCoordinates& a : {x.last.q, x.last.q_dot})

@@ -56,7 +56,8 @@ struct TrBdf2 {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
     // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain energy; joints (39) do
-    // not hold; springs gain (46); a body is pulled off its way: to be taken again
+    // not hold; springs gain (46); a body is pulled off its way; a stop (19) becomes active or inactive: to be
+    // taken again
     unsolved
   };
 
@@ -83,7 +84,7 @@ struct TrBdf2 {
 
     // (12)
     const StageEnd first = solve_first_stage(begin, par, x, w);
-    if (!first.solved || (smooth && is_found_deeper(w))) return StepEnd::unsolved;
+    if (!first.solved || (smooth && (is_found_deeper(w) || stop_changes(w)))) return StepEnd::unsolved;
     const Real h_1 = first.h, dh = smooth ? d * h : 0;
 
     // (13)
@@ -103,6 +104,7 @@ struct TrBdf2 {
     if (still_smooth) extend_bases(begin, par, x, h_1, h_2, w);
     else follow_bases(par, x, h_1, w);
     lead_joints(par, 1, w);
+    lead_forces(par, 1, w);
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
                     .t_1 = still_smooth ? bh : h_1,
@@ -113,6 +115,10 @@ struct TrBdf2 {
                    w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved || (still_smooth && is_found_deeper(w))) return StepEnd::unsolved;
+    for (std::size_t g = 0; g < num_groups(par); ++g)
+      w.next[g].x = moved(w.bases[g], w.velocities[g], last.h);
+    end_coordinates(par, still_smooth ? h : last.h, w);
+    if (still_smooth && stop_changes(w)) return StepEnd::unsolved;
     if constexpr (uses<NetOf<S>>)
       if (still_smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
 
@@ -122,7 +128,6 @@ struct TrBdf2 {
       next.memory = {.a_W = (V_2.v_W - w.bases[g].v_W) * (1 / h_2),
                      .alpha_B = (V_2.w_B - w.bases[g].w_B) * (1 / h_2),
                      .known = is_calm(w) && last.calm};
-      next.x = moved(w.bases[g], V_2, last.h);
     }
     end_nodes(par, x, last.h, w);
     if constexpr (uses<ContactsOf<S>>) {
@@ -175,7 +180,9 @@ struct TrBdf2 {
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), end, h);
     }
     start_nodes(par, x, dh, w);
+    start_coordinates(par, x, w);
     lead_joints(par, end, w);
+    lead_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h, .ahead = dh}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
@@ -225,12 +232,20 @@ struct TrBdf2 {
     return false;
   }
 
+  /// (19)  True if a stop became active or inactive in a stage. K_0 is of the law before, and a base that it
+  /// leads deep into the stop has energy that nothing gave.
+  template <Scene S>
+  static bool stop_changes([[maybe_unused]] const Scratch<S>& w) noexcept {
+    if constexpr (uses<typename S::Joints>) return w.tree.stop_changes;
+    return false;
+  }
+
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step; so does a
   /// net of which an iteration was stopped, or springs were majorised.
   template <Scene S>
   static bool is_calm(const Scratch<S>& w) noexcept {
     bool calm = true;
-    if constexpr (uses<typename S::Joints>) calm = !w.tree.is_stiff;
+    if constexpr (uses<typename S::Joints>) calm = !w.tree.is_stiff && !stop_changes(w);
     if constexpr (uses<ContactsOf<S>>)
       calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
     if constexpr (uses<NetOf<S>>)

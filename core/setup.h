@@ -23,7 +23,7 @@ enum class Invalid : std::uint8_t {
   gain_negative,         // a stiffness, damping, limit or ramp below zero or not finite
   parent_not_before,     // a joint's parent is not a body before its child
   joint_frame,           // a joint's frame is not finite or not a rotation
-  stop,                  // a stop with its ends crossed, beyond a half turn, negative gains or no width
+  stop,                  // a stop with its ends crossed, negative gains or no width
   contact_sphere,        // a sphere without radius, of no body or material, or not in the order of the bodies
   contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
   contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
@@ -79,13 +79,10 @@ inline bool is_valid(const JointFrame& X) noexcept {
   const Real off = (X.R.transpose() * X.R - Mat3::Identity()).norm() + std::abs(X.R.determinant() - 1);
   return off <= rotation_tolerance && X.p.sum() - X.p.sum() == 0;
 }
-/// turn: the coordinate is an angle.
-inline bool is_valid(const StopParams& par, bool turn) noexcept {
+inline bool is_valid(const StopParams& par) noexcept {
   constexpr Real open = std::numeric_limits<Real>::infinity();
   const bool none = par.lower == -open && par.upper == open;
-  const bool half_turn =
-      !turn || ((par.lower >= -pi || par.lower == -open) && (par.upper <= pi || par.upper == open));
-  return none || (par.lower <= par.upper && half_turn && is_gain(par.k) && is_gain(par.g) && par.width > 0);
+  return none || (par.lower <= par.upper && is_gain(par.k) && is_gain(par.g) && par.width > 0);
 }
 
 /// The joint of body i.
@@ -94,14 +91,13 @@ Invalid validate_joint(const typename Joints::Params& par, std::size_t i) noexce
   if (par.kind == JointKind::free) return Invalid::nothing;
   if (par.parent != world && par.parent >= i) return Invalid::parent_not_before;
   if (!is_valid(par.P) || !is_valid(par.C)) return Invalid::joint_frame;
-  const int turns = num_axes(par.kind).turns;
   bool coordinates = false;
   with_joint(par.kind, [&](auto kind) {
     coordinates = requires { kind.coordinates(JointFrames{}); };
   });
   if constexpr (uses<typename Joints::Stops>) {
     for (int c = 0; coordinates && c < 2; ++c)
-      if (!is_valid(par.stop.stops[static_cast<std::size_t>(c)], c < turns)) return Invalid::stop;
+      if (!is_valid(par.stop.stops[static_cast<std::size_t>(c)])) return Invalid::stop;
   }
   if constexpr (uses<typename Joints::Imposed>) {
     if (par.lead.imposed && !coordinates) return Invalid::not_imposable;
@@ -215,6 +211,25 @@ void place(State<S>& x, std::size_t i, const Start& start) noexcept {
   body.X_WB = {.p = start.X_WB.p, .q = start.X_WB.q.normalized()};
   body.v_W = start.V_WB.v;
   body.w_B = to_body(body.X_WB.q, start.V_WB.w);
+}
+
+/// Starts the coordinates of all joints where the bodies are placed, in the turn between their stops.
+template <Scene S>
+void start_turns(const Params<S>& par, State<S>& x) noexcept {
+  if constexpr (counts_turns<S>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const auto& joint = par.bodies[i].joint;
+      with_joint(joint.kind, [&]<class Kind>(Kind) noexcept {
+        if constexpr (requires(const JointFrames& X) { Kind::coordinates(X); }) {
+          const JointFrames X = joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i)).X;
+          JointCoordinates q = Kind::coordinates(X);
+          for (int c = 0; c < num_axes(joint.kind).turns; ++c)
+            q[c] = start_coordinate(joint.stop.stops[static_cast<std::size_t>(c)], q[c]);
+          x.bodies[i].joint.q = q;
+        }
+      });
+    }
+  }
 }
 
 /// Starts body i engaged, with the device's sample at the start of the first step: no ramp, no step missing.

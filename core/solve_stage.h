@@ -115,6 +115,8 @@ class ContactParts {
 template <Scene S>
 void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
   for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], h_1);
+  follow_coordinates(
+      par, h_1, [&w](std::size_t i) { return lane(w.bases[i / lanes<S>], i % lanes<S>); }, w);
   follow_nodes(par, x, h_1, w);
 }
 
@@ -125,6 +127,7 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
                     Scratch<S>& w) noexcept {
   const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
   w.iteration.starts = w.bases;
+  w.iteration.coordinates = w.tree.q;
   keep_node_starts(par, x, w);
   ContactParts<S> contacts(w);
   constexpr int most = uses<NetOf<S>> ? max_parts_with_nets : max_parts;
@@ -144,6 +147,7 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
     }
     if (hold || last_try) return t;
     w.bases = w.iteration.starts;
+    w.tree.q = w.iteration.coordinates;
     restore_node_starts(par, x, w);
   }
 }

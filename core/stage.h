@@ -13,7 +13,7 @@ enum class Solve : std::uint8_t { first, first_of_part, again };
 /// (7): the velocities of all bodies, from their systems in the tree.
 template <Solve which, Scene S>
 void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
-  w.tree.is_stiff = w.tree.stop_acts = false;
+  w.tree.is_stiff = w.tree.stop_acts = w.tree.stop_changes = false;
   for (std::size_t i = num_bodies(par); i-- > 0;) {
     if constexpr (which == Solve::first) eliminate(par.bodies[i].joint, i, x.bodies[i].joint.F_C, h, w.tree);
     else eliminate(par.bodies[i].joint, i, Wrench(w.tree.nodes[i].F_C), h, w.tree);
@@ -200,6 +200,53 @@ void lead_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   if constexpr (imposes<S>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) w.tree.led[i] = interpolated(w.leads[i], s, par.h);
   }
+}
+
+/// Applied forces at the fraction s of the step, where the coming stage ends.
+template <Scene S>
+void lead_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
+  if constexpr (uses<typename S::Device>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const Wrench &F_0 = w.pulls[i].F_0_WB, &F_1 = w.pulls[i].F_1_WB;
+      w.pulls[i].F_WB = {.tau = F_1.tau - (1 - s) * (F_1.tau - F_0.tau),
+                         .f = F_1.f - (1 - s) * (F_1.f - F_0.f)};
+    }
+  }
+}
+
+/// The joints' coordinates where the step starts.
+template <Scene S>
+void start_coordinates(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+  if constexpr (counts_turns<S>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) w.tree.q[i] = x.bodies[i].joint.q;
+  }
+}
+
+/// Follows the joints' coordinates over a time t, s, to where the bodies are then: at(i).
+template <Scene S, class StateOfBody>
+void follow_coordinates(const Params<S>& par, Real t, const StateOfBody& at, Scratch<S>& w) noexcept {
+  if constexpr (counts_turns<S>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      const JointParams& joint = par.bodies[i].joint;
+      with_joint(joint.kind, [&]<class Kind>(Kind) noexcept {
+        if constexpr (requires(const JointFrames& X) { Kind::coordinates(X); }) {
+          const Vec3& p_P = joint.parent == world ? joint.C.p : par.bodies[joint.parent].joint.C.p;
+          const TreePlace P = joint.parent == world ? TreePlace{} : place<Real>(p_P, at(joint.parent));
+          const JointAt now = joint_at(joint, P, place<Real>(joint.C.p, at(i)));
+          const JointCoordinates q = counted<Kind>(now.X, now.V.w, w.tree.q[i], t);
+          w.tree.stop_changes |= !on_same_branches(par.bodies[i].joint.stop.stops, q, w.tree.q[i]);
+          w.tree.q[i] = q;
+        }
+      });
+    }
+  }
+}
+
+/// Those at the end of the step, a time t, s, after the coordinates that are known.
+template <Scene S>
+void end_coordinates(const Params<S>& par, Real t, Scratch<S>& w) noexcept {
+  follow_coordinates(
+      par, t, [&w](std::size_t i) { return lane(w.next[i / lanes<S>].x, i % lanes<S>); }, w);
 }
 
 /// The targets at the end of the step.

@@ -85,8 +85,9 @@ inline constexpr bool iterates_joints = requires {
 };
 template <class S>
 struct Iteration {
-  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;     // bases of the stage
-  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;  // where the joints were taken
+  std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;               // bases of the stage
+  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;            // where the joints were taken
+  [[no_unique_address]] typename JointScratchOf<S>::Coordinates coordinates;  // where the stage starts
   [[no_unique_address]] std::conditional_t<has_stages<S>, typename ContactsOf<S>::State, Absent<21>>
       of_stage_before;  // contacts
 };

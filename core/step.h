@@ -87,6 +87,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (uses<typename S::Coupling>) x.bodies[i].coupling.phi_B = lane(next.coupling.phi_B, j);
     if constexpr (uses<typename S::Device>) x.bodies[i].device = carried_over(w.pulls[i]);
     if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
+    if constexpr (counts_turns<S>) x.bodies[i].joint.q = w.tree.q[i];
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
   }
   if constexpr (uses<NodesOf<S>>) std::copy_n(w.nodes.next.begin(), num_nodes(par), x.nodes.begin());

@@ -62,6 +62,7 @@ TranslationSystemOf<T> implicit_translation(const std::type_identity_t<T>& m, co
 ///                                + rho w^ x (I w+ - L)     (makes it Newton's: second order)
 ///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + c [phi]x^2
 ///   damping       R+^T w_D   ->  w_D + h w_D x w+
+///   torque        R+^T T_W   ->  T + h T x w+
 /// rho = 1 unless a step turns the body so far that the Newton term could do work.
 template <class T>
 RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const SpringParamsOf<T>& spring,
@@ -78,7 +79,7 @@ RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const Sp
   const Vector3<T> hw = T(rho * h) * w_B;
 
   // A = I + h (g_r + h k_r) 1 + [hw]x I - [turn]x + h^2 k_r c [phi]x^2,  [phi]x^2 = phi phi^T - |phi|^2 1
-  const Vector3<T> turn = h * (L + T(Real(0.5) * hk) * phi + T(h * spring.g_r) * w_D_B);
+  const Vector3<T> turn = h * (L + T(Real(0.5) * hk) * phi + T(h * spring.g_r) * w_D_B + h * T_B);
   const Vector3<T> bent = T(h * hk * error.curvature) * phi;
   const T diagonal = h * (spring.g_r + hk) - bent.dot(phi);
   RotationSystemOf<T> system;

@@ -115,19 +115,22 @@ struct JointTwists {
 };
 
 /// Axes and stops of the joint of body i.
-template <class Joints, class Led>
-JointTwists set_edge(const typename Joints::Params& par, const Led& led, std::size_t i, const JointAt& now,
-                     Real h, JointEdge& edge) noexcept {
+template <class Joints, std::size_t N>
+JointTwists set_edge(const typename Joints::Params& par, JointsInStage<N, Joints>& tree, std::size_t i,
+                     const JointAt& now, Real h, JointEdge& edge) noexcept {
   using Stabilisation = typename Joints::Stabilisation;
   static_assert(!Stabilisation::uses_base, "bodies that touch have their joints at the prediction");
   JointTwists twists;
-  with_motion<Joints>(par, led, i, [&]([[maybe_unused]] auto kind, auto motion) noexcept {
+  with_motion<Joints>(par, tree.led, i, [&]([[maybe_unused]] auto kind, auto motion) noexcept {
     const auto m = motion(now.X);
     const Twist beta = Stabilisation::beta(m, now.V, par.C.p.squaredNorm(), h), V_across = across(m, now.V);
     set_axes(m, edge);
     if constexpr (uses<typename Joints::Stops>) {
-      if constexpr (requires { kind.coordinates(now.X); })
-        set_stops(par.stop.stops, m, kind.coordinates(now.X), beta, h, edge);
+      if constexpr (requires { kind.coordinates(now.X); }) {
+        const JointCoordinates q = counted<decltype(kind)>(now.X, now.V.w, tree.q[i], h);
+        set_stops(par.stop.stops, m, q, beta, h, edge);
+        tree.stop_changes |= !on_same_branches(par.stop.stops, q, tree.q[i]);
+      }
     }
     twists = {.across = across(m, beta), .along = {.w = now.V.w - V_across.w, .v = now.V.v - V_across.v}};
   });
@@ -169,7 +172,7 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
   const std::size_t parent = edge.parent;
   const TreePlace P = edge.on_body() ? w.finder.at[parent] : TreePlace{};
   const JointAt now = joint_at(par.bodies[i].joint, P, anchored(w.finder.at[i], edge.a_W.vec()));
-  const JointTwists twists = set_edge<typename S::Joints>(par.bodies[i].joint, tree.led, i, now, h, edge);
+  const JointTwists twists = set_edge<typename S::Joints>(par.bodies[i].joint, tree, i, now, h, edge);
   const auto hung = [&](const auto& V, const Twist& rel) noexcept {
     SpatialVector V_C{.w = Column(rel.w), .v = Column(rel.v)};
     if (edge.on_body()) V_C = V_C + shifted(V[parent], edge.a_W - all.p[parent]);
@@ -196,7 +199,7 @@ void begin_joints(const Params<S>& par, const State<S>& x, bool first, Real h,
                   TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                   BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
   auto& all = w.graph.joints;
-  tree.is_stiff = tree.stop_acts = false;
+  tree.is_stiff = tree.stop_acts = tree.stop_changes = false;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const typename S::Joints::Params& joint = par.bodies[i].joint;
     const TreePlace& at = w.finder.at[i];

@@ -47,11 +47,12 @@ struct Gap {
 
 /// What pulls one body during one step: the target at both ends, and how far the ramp is.
 struct Pull {
-  Target from, to;     // target at the start and the end of the step, quaternions of one sign
-  RampState ramp;      // during this step
-  Wrench F_WB;         // force and torque applied by the hand (admittance)
-  bool live = true;    // false: no valid sample
-  bool fresh = false;  // first step after engaging or letting go: no history may be used
+  Target from, to;        // target at the start and the end of the step, quaternions of one sign
+  RampState ramp;         // during this step
+  Wrench F_WB;            // force and torque applied by the hand (admittance), in a stage: where it ends
+  Wrench F_0_WB, F_1_WB;  // those at the start and the end of the step
+  bool live = true;       // false: no valid sample
+  bool fresh = false;     // first step after engaging or letting go: no history may be used
   Gap gap;
 };
 
@@ -62,6 +63,7 @@ struct DeviceState {
   Real held = 0;       // s since the last valid sample
   Real calm = 0;       // s until all of the feedback may be shown, after a gap
   bool again = false;  // that gap was a long one: the feedback grows meanwhile
+  Wrench F_WB;         // applied at the end of the last step, of an admittance device
 };
 
 /// The state after the step.
@@ -70,7 +72,8 @@ inline DeviceState carried_over(const Pull& pull) noexcept {
           .ramp = pull.ramp,
           .held = pull.gap.held,
           .calm = pull.gap.calm,
-          .again = pull.gap.again};
+          .again = pull.gap.again,
+          .F_WB = pull.F_1_WB};
 }
 
 /// What a device part's pull() returns: a Pull, or what the part names Pull, which is one and has more.
@@ -236,7 +239,8 @@ struct AdmittanceDevice {
                    Limited& limited) noexcept {
     Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
     d.from = d.to = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
-    if (in.valid) d.F_WB = {.tau = d.ramp.s * in.F_WB.tau, .f = d.ramp.s * in.F_WB.f};
+    if (in.valid) d.F_1_WB = {.tau = d.ramp.s * in.F_WB.tau, .f = d.ramp.s * in.F_WB.f};
+    d.F_0_WB = d.fresh ? d.F_1_WB : x.F_WB;
     return d;
   }
 };

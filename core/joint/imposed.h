@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/device/device.h"
-#include "core/joint/joint.h"
+#include "core/joint/turns.h"
 
 namespace godobject {
 
@@ -20,7 +20,7 @@ struct ImposedJoints {
   struct State {
     JointMotionSample last;  // where the coordinates were led in the last step
   };
-  using Input = JointMotionSample;  // at the END of the step; turns within [-pi, pi]
+  using Input = JointMotionSample;  // at the END of the step; turns of any count
 };
 
 /// Where a joint is led during one step.
@@ -28,32 +28,22 @@ struct Lead {
   JointMotionSample from, to;
 };
 
-/// q within half a turn of `near`, for the coordinates that are turns: the same attitude. Three turns have none.
-inline JointCoordinates unwrapped(JointCoordinates q, const JointCoordinates& near, int turns) noexcept {
-  for (int c = 0; turns < 3 && c < turns; ++c) {
-    const Real off = q[c] - near[c];
-    q[c] -= off > pi ? 2 * pi : off < -pi ? -2 * pi : 0;
-  }
-  return q;
-}
-
 /// Towards the device's coordinates while it is engaged; during its ramp by the share that ends on them with the
 /// ramp, so that engaging moves nothing at once. Let go, or after the bridge over missing samples, the joint rests.
 inline Lead lead(const ImposedJoints::State& x, int turns, const JointMotionSample& in,
                  const RampState& before, const Pull& pull, Real h) noexcept {
   Lead l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
   if (!pull.ramp.engaged || !pull.live) {
-    const JointCoordinates q = x.last.q + h * x.last.q_dot;
-    const bool in_turn = unwrapped(q, JointCoordinates::Zero(), turns) == q;
-    if (pull.ramp.engaged && pull.gap.bridged && in_turn) l.to = {.q = q, .q_dot = x.last.q_dot};
+    if (pull.ramp.engaged && pull.gap.bridged)
+      l.to = {.q = x.last.q + h * x.last.q_dot, .q_dot = x.last.q_dot};
     return l;
   }
-  l.from.q = l.to.q = unwrapped(x.last.q, in.q, turns);  // the short way round
+  const JointCoordinates q = unwrapped(in.q, x.last.q, turns);  // the short way round
   const Real s_0 = pull.fresh ? 0 : before.s, s = pull.ramp.s;
   if (s_0 >= 1 || s >= 1) {
-    l.to = in;
+    l.to = {.q = q, .q_dot = in.q_dot};
   } else {
-    l.to.q += (in.q - l.from.q) * ((s - s_0) / (1 - s_0));
+    l.to.q += (q - l.from.q) * ((s - s_0) / (1 - s_0));
     l.to.q_dot = (l.to.q - l.from.q) * (1 / h);
   }
   return l;

@@ -6,7 +6,8 @@
 // list.h.
 //
 // The room: a file a kind, list.h with all of them, stops.h (19), imposed.h for coordinates that the device leads,
-// stabilisation.h (5), (18); tree.h and tree_solve.h solve a tree of bodies in linear time (7).
+// turns.h counts turns, stabilisation.h (5), (18); tree.h and tree_solve.h solve a tree of bodies in linear
+// time (7).
 #pragma once
 
 #include <array>
@@ -69,10 +70,16 @@ inline Real angle_of(Real sine, Real cosine) noexcept {
   return std::copysign(log_factor(w) * v, s);
 }
 
-/// R turned about its own axis k by an angle in [-pi, pi].
+/// Returns the number of whole turns nearest to an angle, rad.
+inline Real whole_turns(Real angle) noexcept { return std::nearbyint(angle * (Real(0.5) / pi)); }
+
+/// Returns the angle, rad, with the whole turns that bring it nearest to `near`: the same attitude.
+inline Real unwrapped(Real angle, Real near) noexcept { return angle + 2 * pi * whole_turns(near - angle); }
+
+/// Returns R turned about its own axis k by an angle, rad.
 inline Mat3 turned(const Mat3& R, int k, Real angle) noexcept {
   Vec3 a = Vec3::Zero();
-  a[k] = angle;
+  a[k] = unwrapped(angle, 0);
   return R * exp_so3(a).toRotationMatrix();
 }
 

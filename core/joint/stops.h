@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// Ends of one coordinate (rad or m): within [-pi, pi] for a turn.
+/// Ends of one coordinate (rad or m); turns may go on beyond +-pi, since they are counted.
 struct StopParams {
   Real lower = -std::numeric_limits<Real>::infinity();
   Real upper = std::numeric_limits<Real>::infinity();
@@ -21,7 +21,21 @@ struct JointStops {
   struct Params {
     std::array<StopParams, 2> stops;
   };
+  struct State {
+    JointCoordinates q = JointCoordinates::Zero();  // at the end of the last step, turns counted
+  };
 };
+
+/// Returns the coordinate at which a joint starts whose turn is measured as `angle`, rad. It stays where it is
+/// between the stops, or no deeper in one than its width; otherwise it is moved by whole turns to be nearest to the
+/// middle of the stops. A missing end is taken half a turn beyond the other one.
+inline Real start_coordinate(const StopParams& par, Real angle) noexcept {
+  constexpr Real open = std::numeric_limits<Real>::infinity();
+  if (angle >= par.lower - par.width && angle <= par.upper + par.width) return angle;
+  const Real lower = par.lower > -open ? par.lower : par.upper - pi;
+  const Real upper = par.upper < open ? par.upper : par.lower + pi;
+  return unwrapped(angle, Real(0.5) * (lower + upper));
+}
 
 /// (19)  at depth d beyond an end, with s = min(d, width):  T = -(k s (d - s/2) + g s q') / width
 ///
@@ -37,6 +51,19 @@ inline AxisTerms stop_terms(const StopParams& par, Real q, Real rate, Real h) no
   const Real k = share * par.k;
   const Real g = side * rate > 0 ? share * par.g : 0;
   return {.D = h * (g + h * k), .tau = -h * (side * k * (d - Real(0.5) * s) + g * rate)};
+}
+
+/// Returns the branch of (19) at q: 0 between the ends; beyond one +-1, deeper than `width` +-2.
+inline int stop_branch(const StopParams& par, Real q) noexcept {
+  if (q < par.lower) return par.lower - q > par.width ? -2 : -1;
+  if (q > par.upper) return q - par.upper > par.width ? 2 : 1;
+  return 0;
+}
+/// True if both coordinates of a joint are on the same branches at q and at q_0.
+inline bool on_same_branches(const std::array<StopParams, 2>& stops, const JointCoordinates& q,
+                             const JointCoordinates& q_0) noexcept {
+  return stop_branch(stops[0], q[0]) == stop_branch(stops[0], q_0[0]) &&
+         stop_branch(stops[1], q[1]) == stop_branch(stops[1], q_0[1]);
 }
 
 }  // namespace godobject

@@ -36,13 +36,20 @@ struct TreeJoints {
     [[no_unique_address]] Slot<typename Imposed::Params, 6> lead;
     bool driven = true;  // false: the device has no motor on this link; its feedback goes to the parent's (9)
   };
-  struct State : Imposed::State {
+  /// Coordinates are state where they have stops.
+  struct State : Imposed::State, std::conditional_t<uses<Stops>, typename Stops::State, Absent<26>> {
     Wrench F_C;  // of the joint in the last step
   };
   using Input = typename Imposed::Input;
   struct Output {
     Wrench F_C;  // of the joint on the child at its anchor, world axes, mean of the step's last stage
   };
+};
+
+/// Joints of the scene may have stops: their coordinates are state, and count turns.
+template <class S>
+inline constexpr bool counts_turns = requires(const typename S::Joints::State& x) {
+  x.q;
 };
 
 /// f(kind, motion) of joint i: motion(X) is what it allows at frames X, which is nothing where the device leads it.
@@ -99,10 +106,15 @@ struct TreeNode {
 /// What a stage is told of joints, and what it says of them. Scratch: undefined between steps.
 template <std::size_t N, class Joints>
 struct JointsInStage {
+  using Coordinates =
+      std::conditional_t<uses<typename Joints::Stops>, std::array<JointCoordinates, N>, Absent<27>>;
+
   std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
+  [[no_unique_address]] Coordinates q;  // where the stage starts, turns counted
   bool is_stiff =
       false;  // a stop or a force of a joint may have turned something round within the last stage
-  bool stop_acts = false;  // a coordinate was within a stop in the last stage
+  bool stop_acts = false;     // a coordinate was within a stop in the last stage
+  bool stop_changes = false;  // a coordinate entered or left a stop, or its width, in the last stage
 };
 
 /// Nodes of the bodies, then of the world.
@@ -264,8 +276,10 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& 
     if constexpr (Motion::num_turns == 3) beta.w.setZero();
     child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
     JointCoordinates q = JointCoordinates::Zero();
-    if constexpr (uses<typename Joints::Stops> && requires { kind.coordinates(joint.X); })
-      q = kind.coordinates(joint.X);
+    if constexpr (uses<typename Joints::Stops> && requires { kind.coordinates(joint.X); }) {
+      q = counted<decltype(kind)>(joint.X, joint.V.w, tree.q[i], h);
+      tree.stop_changes |= !on_same_branches(par.stop.stops, q, tree.q[i]);
+    }
     const bool has_parent = par.parent != world;
     ArticulatedBody &a = child.body, &p = parent.body;
     const StiffenedBody<Block> on_child{a.A.ww, a.A.vv, a.b, child.at.V},

@@ -1,9 +1,6 @@
 #include "platform/device/led_joints.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "platform/scene/joint/kinds.h"
 
 namespace godobject {
 
@@ -15,11 +12,9 @@ LedJoints::LedJoints(const SceneConfig& scene) {
     const std::vector<DeviceJoint>& device = scene.device->rig->tree.joints;
     Joint led{.body = *body_named(scene, joint.child), .num_coordinates = joint.coordinates.size()};
     led.driven = scene.bodies[led.body].coupling.has_value();
-    for (std::size_t i = 0; i < led.num_coordinates; ++i) {
+    for (std::size_t i = 0; i < led.num_coordinates; ++i)
       led.device_joints[i] =
           std::ranges::find(device, joint.coordinates[i], &DeviceJoint::name) - device.begin();
-      led.turns[i] = is_turn(joint.kind, i);
-    }
     joints_.push_back(led);
   }
 }
@@ -29,12 +24,7 @@ void LedJoints::lead(const JointTarget& device, bool valid, std::span<BodySample
     BodySample& sample = samples[joint.body];
     sample.valid = valid;
     for (std::size_t i = 0; i < joint.num_coordinates; ++i) {
-      const Real q = device.q[joint.device_joints[i]];
-      if (joint.turns[i] && !(std::abs(q) <= pi)) {
-        sample.valid = false;
-        continue;
-      }
-      sample.joint.q[static_cast<Eigen::Index>(i)] = q;
+      sample.joint.q[static_cast<Eigen::Index>(i)] = device.q[joint.device_joints[i]];
       sample.joint.q_dot[static_cast<Eigen::Index>(i)] = device.q_dot[joint.device_joints[i]];
     }
     if (!joint.driven && first_driven_) sample.engaged = samples[*first_driven_].engaged;

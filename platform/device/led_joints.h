@@ -18,8 +18,7 @@ class LedJoints {
   explicit LedJoints(const SceneConfig& scene);
 
   /// Writes the device's coordinates into the samples of the joints' children. valid: what the device says counts.
-  /// A joint is held and let go with its body's handle, or else with the first driven body's. Beyond +-pi a turn rests
-  /// where it was.
+  /// A joint is held and let go with its body's handle, or else with the first driven body's.
   void lead(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
 
  private:
@@ -28,7 +27,6 @@ class LedJoints {
     bool driven = false;   // by a handle
     std::size_t num_coordinates = 0;
     std::array<Eigen::Index, 2> device_joints{};
-    std::array<bool, 2> turns{};
   };
 
   std::vector<Joint> joints_;

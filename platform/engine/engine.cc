@@ -104,7 +104,7 @@ std::string complaint(Invalid rule) {
     case Invalid::gain_negative: return "a stiffness, damping, limit or ramp is negative or not finite";
     case Invalid::parent_not_before: return "a joint's parent does not stand before its child";
     case Invalid::joint_frame: return "the frame of a joint is not finite or not a rotation";
-    case Invalid::stop: return "a stop has crossed ends, ends beyond half a turn, negative gains or no width";
+    case Invalid::stop: return "a stop has crossed ends, negative gains or no width";
     case Invalid::contact_sphere: return "a sphere has no radius or is not where its body is";
     case Invalid::contact_surface: return "an obstacle or shape is not valid";
     case Invalid::contact_law:

@@ -145,6 +145,7 @@ class EngineOf final : public Engine {
       for (const JointConfig& joint : scene.joints)
         x_.bodies[*body_named(scene, joint.child)].joint.last.q = coordinates_at_start(scene.bodies, joint);
     }
+    start_turns(par_, x_);
     if constexpr (uses<NetOf<S>>) place_net(par_.net, x_);
     balance_.start(par_, x_);
   }

@@ -107,7 +107,7 @@ inline constexpr const char* world_name = "world";
 /// Springs at the ends of one coordinate of a joint (19).
 struct StopConfig {
   std::string coordinate;              // of the joint
-  std::optional<double> lower, upper;  // rad (within +-pi) or m; absent: no end there
+  std::optional<double> lower, upper;  // rad or m; absent: no end there
   double stiffness = 0;                // N m/rad or N/m, beyond `width`
   double damping = 0;                  // N m s/rad or N s/m, on the way in
   double width = 0;                    // rad or m over which both rise, > 0

@@ -1,6 +1,7 @@
 #include "platform/scene/joint/params.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "platform/scene/joint/kinds.h"
 
@@ -35,6 +36,35 @@ JointGap gap_at_start(std::span<const BodyConfig> bodies, const JointConfig& joi
   JointGap gap{.m = 0, .rad = angular_gap(joint.kind, X)};
   with_joint(joint.kind, [&](auto kind) { gap.m = decltype(kind)::motion(X).e_v.norm(); });
   return gap;
+}
+
+void close_gaps(std::span<BodyConfig> bodies, std::span<const JointConfig> joints) {
+  const std::vector<BodyConfig> placed(bodies.begin(), bodies.end());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto joint = std::ranges::find(joints, bodies[i].name, &JointConfig::child);
+    if (joint == joints.end()) continue;
+    Pose& X = bodies[i].X_WB;
+    const std::size_t parent = index_of(bodies, joint->parent);
+    if (parent < i) {
+      // with its parent
+      const Pose &from = placed[parent].X_WB, &to = bodies[parent].X_WB;
+      if (from.p != to.p || from.q.coeffs() != to.q.coeffs()) {
+        const Quat turn = (to.q * from.q.conjugate()).normalized();
+        X = {.p = to.p + turn * (X.p - from.p), .q = (turn * X.q).normalized()};
+      }
+    }
+    if (!is_apart(gap_at_start(bodies, *joint))) continue;
+    const JointFrames found = frames_at_start(bodies, *joint);
+    with_joint(joint->kind, [&](auto kind) {
+      using Kind = decltype(kind);
+      JointFrames held = found;  // the parent's frame at the child's coordinates
+      if constexpr (requires { Kind::coordinates(found); }) held = Kind::at(found, Kind::coordinates(found));
+      const Quat turn(Mat3(held.R_WP * found.R_WC.transpose()));
+      const Vec3 anchor = X.p + X.q * joint->X_BC.p - held.d_W;
+      if (!is_ball(joint->kind)) X.q = (turn * X.q).normalized();
+      X.p = anchor - X.q * joint->X_BC.p;
+    });
+  }
 }
 
 JointCoordinates coordinates_at_start(std::span<const BodyConfig> bodies, const JointConfig& joint) {

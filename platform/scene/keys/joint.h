@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <set>
 
 #include "core/math/so3.h"
@@ -15,8 +14,6 @@
 #include "platform/scene/text/visit.h"
 
 namespace godobject {
-
-inline constexpr double advised_gap_m = 1e-6, advised_gap_rad = 1e-6;  // of a joint at the start
 
 inline std::string quoted(const std::vector<std::string>& names) {
   std::string text;
@@ -42,15 +39,8 @@ void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
              .required = !only_one,
              .otherwise = "the joint's only one"},
          j.coordinates, s.coordinate);
-  v.value(Key{"lower", "rad or m", "end of travel; of a turn within +-pi"}, s.lower);
+  v.value(Key{"lower", "rad or m", "end of travel; turns are counted, and may go on beyond +-pi"}, s.lower);
   v.value(Key{"upper", "rad or m", "the other end, above `lower`"}, s.upper);
-  const auto i =
-      static_cast<std::size_t>(std::ranges::find(j.coordinates, s.coordinate) - j.coordinates.begin());
-  const auto possible = [&](const std::optional<double>& end) {
-    return !end || !is_turn(j.kind, i) || std::abs(*end) <= std::numbers::pi;
-  };
-  v.check(possible(s.lower), "lower", "must be within +-pi: the turn counts from -pi to pi");
-  v.check(possible(s.upper), "upper", "must be within +-pi: the turn counts from -pi to pi");
   v.check(s.lower || s.upper, "", "the stop has no end: give lower, upper or both");
   v.check(!(s.lower && s.upper) || *s.lower < *s.upper, "upper", "must be above lower");
   v.value(Key{"stiffness", "N m/rad or N/m", "beyond `width`", positive, true}, s.stiffness);
@@ -165,11 +155,14 @@ void visit_tool_joints(V& v, SceneConfig& s) {
         const std::string why_not = tree.add(j);
         t.check(why_not.empty(), "", why_not);
         const JointGap gap = gap_at_start(s.bodies, j);
-        t.advise(gap.m <= advised_gap_m && gap.rad <= advised_gap_rad, "",
+        t.advise(!is_apart(gap), "",
                  "joint '" + j.name + "' is apart by " + rounded(gap.m) + " m and " + rounded(gap.rad) +
-                     " rad where the bodies are placed: the first steps pull it together");
+                     " rad where the bodies are placed: the run begins with body '" + j.child +
+                     "' moved onto it, and all that is joined to that; place '" + j.child +
+                     "' there, or correct the frames of the joint");
       });
   s.bodies = parents_first(s.bodies, s.joints);
+  close_gaps(s.bodies, s.joints);
 }
 
 }  // namespace godobject

@@ -2,6 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+#include <sstream>
+
+#include "platform/scene/joint/kinds.h"
+#include "platform/scene/joint/params.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_articulated_scene {
@@ -122,7 +128,7 @@ TEST(ArticulatedScene, StopsAreOfOneCoordinateEach) {
   const auto errors = [&](const std::string& kind, const std::string& stop) {
     return errors_of(joint("j", kind, "world", "a") + "[[joint.stop]]\n" + spring + stop);
   };
-  EXPECT_THAT(errors("hinge", "lower = -4\n"), ElementsAre(HasSubstr("'lower' must be within +-pi")));
+  EXPECT_THAT(errors("hinge", "lower = -4\nupper = 30\n"), IsEmpty());  // turns are counted
   EXPECT_THAT(errors("hinge", "lower = 1\nupper = 0.5\n"), ElementsAre(HasSubstr("must be above lower")));
   EXPECT_THAT(errors("hinge", ""), ElementsAre(HasSubstr("the stop has no end")));
   EXPECT_THAT(errors("universal", "lower = 0\n"), ElementsAre(HasSubstr("required key 'coordinate'")));
@@ -143,6 +149,56 @@ TEST(ArticulatedScene, JointsApartAtTheStartAreAdvisedAgainst) {
   EXPECT_THAT(warnings("position = [0, 0, 0.3]\n", "slider"), IsEmpty());
   EXPECT_THAT(warnings("orientation_wxyz = [0, 0, 0, 1]\n", "slider"),
               ElementsAre(HasSubstr("0 m and 3.14 rad")));
+}
+
+/// Of every kind, with bodies anywhere: the run begins with the joints together, and with their coordinates.
+TEST(ArticulatedScene, JointsApartAtTheStartAreBroughtTogether) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const auto numbers = [&](int n, double size, bool unit) {
+    std::vector<double> x(static_cast<std::size_t>(n));
+    double sum = 0;
+    for (double& a : x) sum += (a = size * normal(random)) * a;
+    std::ostringstream text;
+    text.precision(17);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      text << (i == 0 ? "[" : ", ") << (unit ? x[i] / std::sqrt(sum) : x[i]);
+    return text.str() + "]\n";
+  };
+  const auto anywhere = [&](const std::string& prefix) {
+    return prefix + "position = " + numbers(3, 0.3, false) + prefix +
+           "orientation_wxyz = " + numbers(4, 1, true);
+  };
+  for (int draw = 0; draw < 60; ++draw) {
+    const std::vector<std::string> kinds = joint_kind_names();
+    const auto kind = [&](int i) { return kinds[static_cast<std::size_t>(draw + i) % kinds.size()]; };
+    const LoadResult loaded =
+        parse_tool(body("c", anywhere("")) + body("b", anywhere("")) + body("a", anywhere("")) +
+                   joint("p", kind(0), "world", "a", anywhere("parent_") + anywhere("child_")) +
+                   joint("q", kind(1), "a", "b", anywhere("parent_") + anywhere("child_")) +
+                   joint("r", kind(3), "b", "c", anywhere("parent_") + anywhere("child_")));
+    ASSERT_THAT(loaded.errors, IsEmpty());
+    EXPECT_THAT(loaded.warnings,
+                testing::Each(AllOf(HasSubstr("is apart by"), HasSubstr("the run begins with body"))));
+    EXPECT_THAT(loaded.warnings.size(), testing::Ge(1u));
+    for (const JointConfig& j : loaded.scene->joints) {
+      const JointGap gap = gap_at_start(loaded.scene->bodies, j);
+      EXPECT_LT(gap.m, 1e-12) << j.name;
+      EXPECT_LT(gap.rad, 1e-7) << j.name;
+    }
+    EXPECT_THAT(parse_scene(effective_config_toml(*loaded.scene), "again").warnings, IsEmpty());
+  }
+}
+
+/// A joint that holds stays as it is, also below one that does not: a chain is moved as a whole.
+TEST(ArticulatedScene, BodiesBelowAJointThatIsApartMoveWithIt) {
+  const LoadResult loaded = parse_tool(
+      body("a", "position = [0.1, 0, 0]\n") + body("b", "position = [0.3, 0, 0]\n") +
+      joint("p", "ball", "world", "a") + joint("q", "ball", "a", "b", "parent_position = [0.2, 0, 0]\n"));
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  EXPECT_THAT(loaded.warnings, ElementsAre(HasSubstr("joint 'p' is apart by 0.1 m")));
+  EXPECT_LT((loaded.scene->bodies[0].X_WB.p - Vec3(0, 0, 0)).norm(), 1e-15);
+  EXPECT_LT((loaded.scene->bodies[1].X_WB.p - Vec3(0.2, 0, 0)).norm(), 1e-15);
 }
 
 TEST(ArticulatedScene, ImposedJointsNeedADeviceThatMeasuresThem) {
