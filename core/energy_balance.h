@@ -72,7 +72,8 @@ class EnergyBalance {
     const Real by_gravity = gravity - gravity_;
     gravity_ = gravity;
     energy_ = T + U;
-    if (std::isfinite(W)) work_ += W;  // a step that is out of all bounds leaves the later ones their reference
+    if (std::isfinite(W))
+      work_ += W;  // a step that is out of all bounds leaves the later ones their reference
     watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
                    floor + gain_rounding * std::abs(energy_), par.h);
   }
@@ -83,8 +84,10 @@ class EnergyBalance {
   /// A gain that nobody gave.
   bool gains() const noexcept { return watch_.gains(); }
 
-  /// Energy in all springs but those of couplings, J; of contacts also what they may gain by being found (35).
-  static Real springs(const Params<S>& par, const State<S>& x, [[maybe_unused]] const Scratch<S>& w) noexcept {
+  /// Energy in all springs but those of couplings, J; of contacts also what they may gain by being found
+  /// (35).
+  static Real springs(const Params<S>& par, const State<S>& x,
+                      [[maybe_unused]] const Scratch<S>& w) noexcept {
     Real U = other_springs(par, x) + net_springs(par, x);
     if constexpr (uses<ContactsOf<S>>) {
       const Springs of_contacts = contact_springs(par, x, w);

@@ -1,9 +1,11 @@
-// Steps whose energy rises out of all measure. Such a step is a failed solve, whatever its cause, and is not taken.
+// Steps whose energy rises out of all measure. Such a step is a failed solve, whatever its cause, and is not
+// taken.
 //
 //   (58)  T+ <= c (T + U + W)
 //
-// T, T+: kinetic energy before and after the step. U: energy of all springs. W: a bound of the work that gravity, targets, applied
-// forces and prescribed joints may do in the step. c is far above 1: smaller gains are left to the balance of energy (38).
+// T, T+: kinetic energy before and after the step. U: energy of all springs. W: a bound of the work that
+// gravity, targets, applied forces and prescribed joints may do in the step. c is far above 1: smaller gains
+// are left to the balance of energy (38).
 #pragma once
 
 #include "core/energy_balance.h"

@@ -9,9 +9,10 @@
 //         at first F_n = F_n- + (F_0 - eta_n v_n - F_n-) / (1 + eta_n h / m),  F_n- of the stage before
 //                  F_t = -mu F_n s/|s| where it slips,                        v_n, s where the stage starts
 //
-// and eta_t is taken at s*. Neighbours give way, too, so that the node goes farther than that, never less. In the first iteration
-// the force itself is given: a net that slides as a whole is slowed down by mu F_n at any speed, where an eta_t would be off by its
-// acceleration, h a / |s|. A slip that this turns round sticks in the next iteration, whose eta_t does no work on slips.
+// and eta_t is taken at s*. Neighbours give way, too, so that the node goes farther than that, never less. In
+// the first iteration the force itself is given: a net that slides as a whole is slowed down by mu F_n at any
+// speed, where an eta_t would be off by its acceleration, h a / |s|. A slip that this turns round sticks in
+// the next iteration, whose eta_t does no work on slips.
 #pragma once
 
 #include "core/net/incomplete_factor.h"
@@ -53,10 +54,12 @@ Vector3<Pack> start_less_predicted(std::size_t pack, const NetStage<Net, N>& w) 
   return change;
 }
 
-/// Sets the friction of the first iteration, once the nodes are factored, by (50): nodes go on as fast as they are, since friction
-/// and springs mostly bear what gravity adds. One that sticks there is taken to stick, one that slips by its whole friction
-/// along that slip. A single iteration may not: it has no successor that finds slips which turn round. Which contacts touch stays
-/// as it was foreseen: (29) finds it, and another guess drives nets that are pinched where iterations are few.
+/// Sets the friction of the first iteration, once the nodes are factored, by (50). Nodes go on as fast as
+/// they are, since friction and springs mostly bear what gravity adds. A node that sticks there is taken to
+/// stick; one that slips gets its whole friction along that slip. Not where one iteration is all: no other
+/// finds slips which turn round. Which contacts touch stays as it was foreseen: (29) finds it, and another
+/// guess drives nets that are
+/// pinched where iterations are few.
 template <class Net, std::size_t N>
 void foresee_friction(Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {

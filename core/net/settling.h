@@ -1,13 +1,13 @@
-// Nets that float: no anchor pulls them, so no place in the world or on a body is theirs. Their dampers act on the deviation from their own
-// rigid motion, the shape's, and leave the motion as a whole alone.
+// Nets that float: no anchor pulls them, so no place in the world or on a body is theirs. Their dampers act
+// on the deviation from their own rigid motion, on the shape, and leave the motion as a whole alone.
 //
 //   (57)  impulse -h g (v - V - W x r) on a node at r from c;   c, V, W:  sum h g r = 0,
 //         G V = sum h g v,  J W = sum h g r x v,  G = sum h g,  J = sum h g (r^2 1 - r r^T)
 //
-// V and W are the rigid motion nearest to the nodes' velocities, with weights g. So these impulses add up to no force and no torque, and
-// take energy from every motion that is not rigid. What acts between the nodes of one net is in the system as springs are.
-//
-// The same sums with masses instead of h g give (45) and (48) the motion of a net that nothing touches.
+// V and W are the rigid motion nearest to the nodes' velocities, with weights g. So these impulses add up to
+// no force and no torque, and take energy from every motion that is not rigid. In the system they stand
+// beside the springs. The same sums with masses in place of h g give (45) and (48) the motion of a net that
+// flies.
 #pragma once
 
 #include <limits>
@@ -31,7 +31,7 @@ RigidFit rigid_fit(const FloatingNet& nodes, const Positions& p, Weight weight) 
     const Vec3 r = (p[n] - fit.c).vec();
     J += weight(n) * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
   }
-  // nodes in a row have no turn about themselves: any small number does, since nothing moves by it
+  // nodes in a row have no moment about their line: any small number does, since nothing moves by it
   const Real trace = J.trace();
   if (!(J.determinant() > std::numeric_limits<Real>::epsilon() * trace * trace * trace))
     J += (std::numeric_limits<Real>::epsilon() * trace + std::numeric_limits<Real>::min()) * Mat3::Identity();
@@ -79,7 +79,8 @@ void add_settling_product(const NetStage<Net, N>& w, const Vector& v, Vector& y)
   });
 }
 
-/// Finds the floating nets of the world that nothing touches and nothing is attached to: (45) and (48) keep their momenta.
+/// Finds the floating nets of the world that touch nothing and are attached to nothing: (45) and (48) keep
+/// their momenta.
 template <class Net, std::size_t N>
 void find_flying(NetStage<Net, N>& w) noexcept {
   each_floating(w, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {

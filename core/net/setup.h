@@ -33,7 +33,8 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   find_floating(par);
 }
 
-/// Finds the nets that float: rows of nodes which springs join to no others, without an anchor that pulls and with some damper.
+/// Finds the nets that float: rows of nodes which springs join to no others, without an anchor that pulls and
+/// with some damper.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 void find_floating(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   par.num_floating = 0;

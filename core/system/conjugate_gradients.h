@@ -61,7 +61,8 @@ void keep_balance(const System& system, Vectors& x) noexcept {
 ///   (28)  V^T A V = V^T b
 ///
 /// the balance of energy of the exact solution, as it does from rest; what rounding takes of it is given back in the
-/// end. A direction without a length ends the iteration. Every step is the best one along its direction. The system keeps what was loaded: is_complete is false.
+/// end. A direction without a length ends the iteration. Every step is the best one along its direction. The
+/// system keeps what was loaded: is_complete is false.
 /// speed_sq(u, V): of unknown u at V, squared; below the tolerance, m/s, for all of them the iteration ends.
 template <class System, class Vectors, class Speed>
 Iterated iterate(int most_iterations, Real tolerance, const System& system, Vectors& x,

@@ -1,4 +1,5 @@
-// Steps whose energy rises out of all measure (58) are not taken, whatever caused it; honest ones are, however abrupt.
+// Steps whose energy rises out of all measure (58) are not taken, whatever caused it; honest ones are,
+// however abrupt.
 #include <gtest/gtest.h>
 
 #include <cstdio>

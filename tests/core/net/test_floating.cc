@@ -74,7 +74,8 @@ std::unique_ptr<Running<S>> thrown(unsigned seed, Real T, std::size_t carrier, i
   return run;
 }
 
-/// Momenta are those that gravity gives, whatever the settling time and however few the iterations, and the energy falls.
+/// Momenta are those that gravity gives, whatever the settling time and however few the iterations, and the
+/// energy falls.
 template <class S>
 void keeps_its_motion() {
   Real linear = 0, angular = 0, rise = 0;
@@ -112,7 +113,8 @@ TEST(NetFloating, KeepsItsMotionAsAWhole) {
   keeps_its_motion<NetScene<TrBdf2>>();
 }
 
-/// What is left of its own motion, but for the rigid one, is 2 % squared after the settling time, give or take dampers that vary.
+/// What is left of its own motion, but for the rigid one, is 2 % squared after the settling time, give or
+/// take dampers that vary.
 TEST(NetFloating, SettlesItsShape) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     constexpr Real T = 0.1;

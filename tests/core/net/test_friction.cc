@@ -37,7 +37,8 @@ struct Dragged : Running<NetScene<I>> {
   }
 };
 
-/// Of 1000 steps, those of four Newton iterations or more: 144 with implicit Euler and 28 with TR-BDF2 without (50), 13 and none
+/// Of 1000 steps, those of four Newton iterations or more: 144 with implicit Euler and 28 with TR-BDF2
+/// without (50), 13 and none
 /// with it.
 template <class I>
 int count_long_steps() {

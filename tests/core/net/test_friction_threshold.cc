@@ -1,4 +1,5 @@
-// A sheet on a slope just below and just above the threshold of its friction: it rests, or it slides as (sin a - mu cos a) g.
+// A sheet on a slope just below and just above the threshold of its friction: it rests, or it slides as (sin
+// a - mu cos a) g.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -8,7 +9,8 @@
 namespace godobject::test_net_friction_threshold {
 namespace {
 
-/// ratio: of mu to the slope's tangent. A sheet of nodes, on a light body or of the world, that starts on the plane.
+/// ratio: of mu to the slope's tangent. A sheet of nodes, on a light body or of the world, that starts on the
+/// plane.
 template <class I>
 struct OnSlope : Running<NetScene<I>> {
   Real mu, slope;

@@ -1,5 +1,5 @@
-// Light nets of stiff springs on tools that are thrown on the floor, their iterations stopped after one: p^T A p is below its rounding
-// at times, and no velocity may come of it.
+// Light nets of stiff springs on tools that are thrown on the floor, their iterations stopped after one: p^T
+// A p is below its rounding at times, and no velocity may come of it.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -42,7 +42,8 @@ std::unique_ptr<Running<NetScene<I>>> thrown(unsigned seed) {
   return run;
 }
 
-/// What is committed: falls and throws reach some metres a second. A step may be refused (58), and then its state stands.
+/// What is committed: falls and throws reach some metres a second. A step may be refused (58), and then its
+/// state stands.
 template <class I>
 void expect_no_speed_of_rounding() {
   constexpr int most_refused = 3;  // of 60 runs
