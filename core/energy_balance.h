@@ -12,7 +12,7 @@
 
 #include "core/gain_watch.h"
 #include "core/net/energy.h"
-#include "core/step.h"
+#include "core/stage.h"
 
 namespace godobject {
 
@@ -75,7 +75,8 @@ class EnergyBalance {
     const Real by_gravity = gravity - gravity_;
     gravity_ = gravity;
     energy_ = T + U;
-    work_ += W;
+    if (std::isfinite(W))
+      work_ += W;  // a step that is out of all bounds leaves the later ones their reference
     watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
                    floor + gain_rounding * std::abs(energy_), par.h);
   }
@@ -85,6 +86,28 @@ class EnergyBalance {
   const GainWatch& watch() const noexcept { return watch_; }
   /// A gain that nobody gave.
   bool gains() const noexcept { return watch_.gains(); }
+
+  /// Energy in all springs but those of couplings, J; of contacts also what they may gain by being found
+  /// (35).
+  static Real springs(const Params<S>& par, const State<S>& x,
+                      [[maybe_unused]] const Scratch<S>& w) noexcept {
+    Real U = other_springs(par, x) + net_springs(par, x);
+    if constexpr (uses<ContactsOf<S>>) {
+      const Springs of_contacts = contact_springs(par, x, w);
+      U += of_contacts.energy + of_contacts.may_find + of_contacts.floor;
+    }
+    return U;
+  }
+
+  static Real kinetic(const Params<S>& par, const State<S>& x) noexcept {
+    Real T = 0;
+    for (std::size_t i = 0; i < num_bodies(par); ++i) T += kinetic_energy(par.bodies[i].body, x.bodies[i].x);
+    if constexpr (uses<NodesOf<S>>)
+      for (std::size_t j = 0; j < num_nodes(par); ++j)
+        T += Real(0.5) * par.nodes.list[j].m * x.nodes[j].v_W.squaredNorm();
+    if constexpr (uses<NetOf<S>>) T += net_kinetic_energy(par, x);
+    return T;
+  }
 
  private:
   /// A body with its coupling at the end of a step.
@@ -102,16 +125,6 @@ class EnergyBalance {
         return {coupling_at(par, x, i), true, body.x.X_WB, body.device.last, body.device.ramp.s};
     }
     return {};
-  }
-
-  static Real kinetic(const Params<S>& par, const State<S>& x) noexcept {
-    Real T = 0;
-    for (std::size_t i = 0; i < num_bodies(par); ++i) T += kinetic_energy(par.bodies[i].body, x.bodies[i].x);
-    if constexpr (uses<NodesOf<S>>)
-      for (std::size_t j = 0; j < num_nodes(par); ++j)
-        T += Real(0.5) * par.nodes.list[j].m * x.nodes[j].v_W.squaredNorm();
-    if constexpr (uses<NetOf<S>>) T += net_kinetic_energy(par, x);
-    return T;
   }
 
   /// Energy in the springs of nets, J.

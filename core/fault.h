@@ -15,7 +15,8 @@ enum class Fault : std::uint32_t {
   contacts_full = 1u << 3,  // more contacts than max_contacts: the deepest were kept, and the step was taken
   // contacts couple more pairs of bodies than there are blocks: solved by iteration, and the step was taken
   blocks_full = 1u << 4,
-  // the scene has gained energy that nobody gave it: said by whoever watches it (EnergyBalance), not by the step
+  // the scene has gained energy that nobody gave it: reported by whoever watches it (EnergyBalance);
+  // or this step would have gained out of all measure (58), and was not taken: reported by the step
   energy_gained = 1u << 5,
 };
 

@@ -21,6 +21,11 @@ class GainWatch {
   /// After each step; work: done in it, floor: no gain, J.
   void observe(Real E_less_W, Real T, Real work, Real floor, Real h) noexcept {
     age_ += h;
+    if (!std::isfinite(E_less_W) || !std::isfinite(T) || !std::isfinite(work) || !std::isfinite(floor)) {
+      gains_ = true;  // the window keeps its finite figures, which later steps are compared with
+      gained_ = std::numeric_limits<Real>::max();
+      return;
+    }
     last_[next_] = E_less_W;
     next_ = (next_ + 1) % gain_steps;
     const auto [kept, reached] = std::minmax_element(last_.begin(), last_.end());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/device/feedback.h"
+#include "core/energy_rise.h"
 #include "core/math/flatten.h"
 #include "core/net/momentum.h"
 #include "core/stage.h"
@@ -100,7 +101,8 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
 }
 
 /// One time step of length par.h: from state x and the devices' samples at the end of the step to the new
-/// state and what the devices are to show. A step whose input or result is not finite is not taken: x
+/// state and what the devices are to show. A step whose input or result is not finite, or that breaks (58),
+/// is not taken: x
 /// keeps all but the shown wrench, which goes to zero within its rate limit.
 template <Scene S>
 // NOLINTNEXTLINE(readability-function-size): one flat list
@@ -130,6 +132,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
     out.limited |= S::Integrator::advance(par, x, w);
     if constexpr (uses<NetOf<S>>) keep_angular_momentum(par, x, w);
     if (!is_finite(par, w)) out.fault |= Fault::state_not_finite;
+    else if (rises_out_of_measure(par, x, w)) out.fault |= Fault::energy_gained;
   }
   if (!any(out.fault)) commit(par, w, x);
   const bool taken = !any(out.fault);

@@ -222,6 +222,10 @@ inline constexpr Real calm_per_gap = 30;
 inline constexpr Real gain_allowed = 0.01;
 /// J, which no hand feels; and the share of E that it is rounded by: less is no gain.
 inline constexpr Real gain_floor = 1e-12, gain_rounding = 1e-12;
+/// (58), multiple of the energy at hand: a step that ends with more kinetic energy is a failed solve. Far
+/// above the gains of any order's error, far below those of a division by nothing.
+/// tests/core/test_energy_rise.cc.
+inline constexpr Real max_rise = 100;
 /// Share of what the springs of nets hold: less is no gain. Their iteration ends at a tolerance, and so do their contacts'
 /// forces: a net that is held pressed moves by it, back and forth. tests/core/net/test_stability.cc.
 inline constexpr Real net_gain_floor = 1e-3;

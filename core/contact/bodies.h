@@ -113,14 +113,16 @@ bool settle_contacts(int iteration, [[maybe_unused]] Real h, const Island& islan
   most = {};
   const Pass next = pass_of<Seeking>(iteration + 1);
   bool changed = false;
+  [[maybe_unused]] bool turned = false;  // friction given along a slip (50) does work on it
   each_pack(w.x.V, island, w, [&]<class V>(ContactPack& c, [[maybe_unused]] const V& v) noexcept {
-    if constexpr (std::is_same_v<V, PackVelocity>)
-      settle<Seeking::tangents>(c, next, F_small, most, slip_ahead(v.number, h, w.net));
-    else settle<Seeking::tangents>(c, next, F_small, most);
+    if constexpr (std::is_same_v<V, PackVelocity>) {
+      turned = turned || is_turned_round(c);
+      settle<true>(c, next, F_small, most, slip_ahead(v.number, h, w.net));
+    } else settle<Seeking::tangents>(c, next, F_small, most);
     changed = changed || c.changed;
   });
   const Real F_n = most.F_n();
-  const bool normal = most.normal() <= Seeking::normal_tolerance(iteration) * F_n;
+  const bool normal = !turned && most.normal() <= Seeking::normal_tolerance(iteration) * F_n;
   if (next == Pass::as_it_was) return normal || !changed;
   return normal && most.friction() <= Seeking::friction_tolerance(iteration) * F_n;
 }

@@ -110,6 +110,9 @@ inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& spe
   c.f_slip = slips * c.mu * F_n;
 }
 
+/// True if friction that was taken along the slip does work on one of the contacts.
+inline bool is_turned_round(const ContactPack& c) noexcept { return any(c.u.dot(c.v + c.v_xi) < 0); }
+
 /// Friction is taken at the speed that an iteration has left.
 struct SpeedAsItIs {};
 
@@ -137,7 +140,7 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
   Pack slip_eta = law_eta;
   if constexpr (!std::is_same_v<Ahead, SpeedAsItIs>) slip_eta = friction(c, ahead(c, s, speed, law_n), law_n);
   // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
-  if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, law_eta);
+  if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, slip_eta);
   else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.touching * c.eta_t, slip_eta);
   c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
   c.changed = c.changed || differ(c.eta_t, eta_before);

@@ -75,6 +75,8 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     found += begin_four(near, gathered(laws), near.live(),
                         gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }), h,
                         w.stage, of_step, of_stage, w.found_deeper, of.begun[p], of.packs[p]);
+    of.packs[p].u.setConstant(Pack(0));
+    of.packs[p].f_slip = 0;
   }
   w.report.found += total(found);
 }
@@ -134,7 +136,8 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
         .r = Column(lane(c.r, j)),
         .a = a,
         .b = b,
-        .J = Column(Vec3(n * (h * c.touching[j] * c.F_0[j]) - lane(c.v_xi, j) * a))};
+        .J = Column(Vec3(n * (h * c.touching[j] * c.F_0[j]) - lane(c.v_xi, j) * a -
+                         lane(c.u, j) * (h * c.f_slip[j])))};
   }
 }
 

@@ -110,6 +110,7 @@ struct CoupledSystem {
       }
     }
     add_springs_product(net, v, AV.nodes);
+    add_settling_product(net, v, AV.nodes);
     for (std::size_t c = 0; c < net.num_contacts; ++c) {
       const NetContactTerm& contact = net.contacts[c];
       const bool on_body = contact.body != NetContactTerm::on_world;
@@ -160,6 +161,19 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   });
   solve(system.bodies, x.Ap.bodies, c_1);
   system.bodies.each([&](std::uint32_t u) noexcept { along_c_1.add(x.p[u], c_1[u]); });
+  // likewise of nets that fly
+  auto& net = system.net;
+  each_floating(net, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
+    if (!of.flies) return;
+    const auto A_V = [&](std::uint32_t n) noexcept { return b.nodes[n] - x.r.nodes[n]; };
+    of.delta = rigid_motion(nodes, of.masses, net.p, [&](std::uint32_t n) noexcept { return x.r.nodes[n]; });
+    of.c_1 = rigid_motion(nodes, of.masses, net.p, A_V);
+    for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
+      const Column r = net.p[n] - of.masses.c;
+      along_delta.add(A_V(n), shifted(of.delta, r).v);
+      along_c_1.add(A_V(n), shifted(of.c_1, r).v);
+    }
+  });
   system.each([&](auto u) noexcept {
     V_r.add(x.V[u], x.r[u]);
     V_b.add(x.V[u], b[u]);
@@ -171,6 +185,12 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   system.bodies.each([&](std::uint32_t u) noexcept {
     x.V[u] = x.V[u] + delta[u] - c_1[u] * s_1;
     x.r[u] = SpatialVector::zero();
+  });
+  each_floating(net, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+    if (!of.flies) return;
+    const SpatialVector c = of.delta - of.c_1 * s_1;
+    for (std::uint32_t n = nodes.first; n < nodes.end; ++n)
+      x.V.nodes[n] += shifted(c, net.p[n] - of.masses.c).v;
   });
 }
 

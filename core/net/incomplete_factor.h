@@ -8,7 +8,7 @@
 // on at once.
 #pragma once
 
-#include "core/net/springs.h"
+#include "core/net/settling.h"
 
 namespace godobject {
 
@@ -52,7 +52,7 @@ template <class Net, std::size_t N>
 void factor_nodes(NetStage<Net, N>& w) noexcept {
   auto& D = w.D;
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
-    D[n] = SymmetricBlock::multiple(w.m[n] + w.kappa[n]);
+    D[n] = SymmetricBlock::multiple(w.m[n] + w.kappa[n] + w.settling[n]);
     w.of_contacts[n] = SymmetricBlock::zero();
   }
   for (std::size_t c = 0; c < w.num_contacts; ++c)

@@ -48,6 +48,18 @@ struct Alone {
   }
 };
 
+/// The nodes of a net that flies without a carrier.
+struct WithoutCarrier {
+  const FloatingNet& nodes;
+
+  template <class F>
+  void each_body(F) const noexcept {}
+  template <class F>
+  void each_run(F f) const noexcept {
+    f(nodes);
+  }
+};
+
 /// Bodies that attachments join to one, with all nodes that these carry: body i is of the group number of[i].
 template <class Net, std::size_t N>
 struct Attached {
@@ -85,7 +97,7 @@ struct Attached {
 
 template <class Flyers, class F>
 void each_node_of(const Flyers& flyers, F f) noexcept {
-  flyers.each_run([&](const NetRun& run) noexcept {
+  flyers.each_run([&](const auto& run) noexcept {
     for (std::uint32_t n = run.first; n < run.end; ++n) f(n);
   });
 }
@@ -167,6 +179,9 @@ void give_back_turn(const Params<S>& par, const State<S>& x, const Flyers& flyer
 template <Scene S>
 void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   const auto& net = w.contacts.net;
+  each_floating(net, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+    if (of.flies) give_back_turn(par, x, WithoutCarrier{nodes}, w);
+  });
   if (net.attached().empty()) {
     each_carried(net, [&](const NetRun& run) noexcept {
       if (flies(par, w, run.body) && !joins_carriers(net, run)) give_back_turn(par, x, Alone{run}, w);

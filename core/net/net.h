@@ -23,8 +23,9 @@ struct NetNode {
   std::size_t body = world;  // the carrier; world: the net lies in the scene
   Vec3 p_B = Vec3::
       Zero();  // where its anchor is: from the carrier's centre of mass in body axes, or in the world, m
-  Real k = 0, g = 0;  // of the anchor, N/m and N s/m; both 0: none
-  Real radius = 0;    // of the sphere by which it touches, m; 0: it touches nothing
+  // of the anchor, N/m and N s/m; both 0: none. Where k is 0 for all nodes that springs join, the net floats
+  Real k = 0, g = 0;
+  Real radius = 0;  // of the sphere by which it touches, m; 0: it touches nothing
   MaterialId material = 0;
 };
 
@@ -78,6 +79,14 @@ struct NodePlace {
   std::uint32_t group = 0, lane = 0;
 };
 
+/// Nodes [first, end) of a net that floats: springs join them to no others, and no anchor of theirs pulls.
+/// Their dampers act on the deviation from their rigid motion (57).
+struct FloatingNet {
+  std::uint32_t first = 0, end = 0;
+
+  bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
+};
+
 /// Constant while running. Springs are in the order of i, then j, attachments in that of their nodes, and nodes in groups:
 /// put_in_order() of setup.h.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments = 0>
@@ -92,8 +101,10 @@ struct NetParams {
   std::array<NodeGroup, max_nodes> groups;
   std::size_t num_groups = 0;
   std::array<SpringSlot, max_springs> slots;
-  std::array<NodePlace, max_nodes> places;  // of the nodes in the groups
-  int max_iterations = 12;                  // of conjugate gradients in a stage
+  std::array<NodePlace, max_nodes> places;              // of the nodes in the groups
+  std::array<FloatingNet, max_nodes / 2 + 1> floating;  // of two nodes or more
+  std::size_t num_floating = 0;
+  int max_iterations = 12;  // of conjugate gradients in a stage
   // m/s^3: an iteration that changes no velocity by more than this times h^2, h of the stage, is the last. Steps add up what
   // it leaves: so that falls as the error of the integrator does.
   Real tolerance = 100;

@@ -47,6 +47,20 @@ struct SlotMass {
   }
 };
 
+/// Weighted sums of nodes about their centre: how they move as one.
+struct RigidFit {
+  Column c;         // centre, m
+  Real size = 0;    // sum of the weights
+  Block J_inverse;  // of their moments about it
+};
+
+/// A net that floats in a stage.
+struct FloatingStage {
+  RigidFit dampers, masses;
+  bool flies = false;        // nothing touches it
+  SpatialVector delta, c_1;  // (45), about the centre of masses
+};
+
 /// The nets of a scene in a stage. N: bodies. Scratch: undefined between steps.
 template <class Net, std::size_t N>
 struct NetStage {
@@ -61,7 +75,11 @@ struct NetStage {
   // by node, where the stage is predicted to end
   std::array<Column, max_nodes> p, v, r;  // r: from the carrier's centre of mass
   std::array<Column, max_nodes> v_free;   // velocities by gravity alone
+  Column by_gravity;                      // what it adds to velocities in the stage, m/s
+  bool begins_at_solution = false;        // V_0 is the last solution of the same stage (39)
   std::array<Real, max_nodes> m, kappa;   // mass; effective mass of the anchor
+  std::array<Real, max_nodes> settling;   // h g of nodes that float, otherwise 0
+  std::array<FloatingStage, max_nodes / 2 + 1> floating;
   std::array<Column, max_nodes> J_anchor;
   std::array<Column, max_nodes> b;  // impulses of all but contacts
 

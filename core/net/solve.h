@@ -16,6 +16,7 @@ void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
     begin_anchors<typename Contacts::Net>(in.par, run,
                                           run.body == world ? TreePlace{} : w.finder.at[run.body], h, net);
   }
+  begin_settling<typename Contacts::Net>(in.par, h, net);
   begin_attachments<typename Contacts::Net>(in.par, w.finder.at, h, net);
   begin_springs<as, typename Contacts::Net>(in.par, h, net);
 }
@@ -46,6 +47,7 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
     shift_attachments(w.graph.joints.V_p, w.net);
   }
   ride(w.net, w.x.V_0);
+  find_flying(w.net);
   using Scratch = BodyContactScratch<Contacts, N>;
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};
   const Solving how{.has_contacts = w.net.near.size > 0 || w.near.size > 0,
@@ -86,7 +88,8 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   net.report = {};
   if (net.num_nodes == 0) return;
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
-  const auto& begin = Contacts::jointed && in.again ? w.x.V.nodes : net.v;
+  net.begins_at_solution = Contacts::jointed && in.again;
+  const auto& begin = net.begins_at_solution ? w.x.V.nodes : net.v;
   std::copy_n(begin.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
   if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, in.gravity_W, h, net)

@@ -62,7 +62,7 @@ void index_net(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
 /// Where the nodes are predicted to be at the end of the stage: where their bases lead them.
 template <class Net, std::size_t N, class Bases>
 void predict_nodes(const Bases& bases, const Vec3& gravity_W, Real h, NetStage<Net, N>& w) noexcept {
-  const Column by_gravity(Vec3(h * gravity_W));
+  const Column by_gravity = w.by_gravity = Column(Vec3(h * gravity_W));
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
     w.v_free[n] = w.v[n] = Column(bases[n].v_W) + by_gravity;
     w.p[n] = Column(bases[n].p_W) + w.v[n] * h;
@@ -90,6 +90,7 @@ void begin_anchors(const typename Net::Params& par, const NetRun& run, const Tre
     w.r[n] = r;
     w.m[n] = node.m;
     w.kappa[n] = h * (h_k + node.g);
+    w.settling[n] = 0;
     w.J_anchor[n] = (x_dot * h - x) * h_k;
     w.b[n] = w.v_free[n] * node.m + w.J_anchor[n];
   }

@@ -14,6 +14,26 @@ struct SystemVectors {
   typename System::Vector V, V_0, r, AV_0, z, p, Ap;
 };
 
+/// V^T A V of a positive definite A; zero where it is less than its own rounding, since V has no length then.
+class SquaredLength {
+ public:
+  template <class Vector>
+  void add(const Vector& V, const Vector& AV) noexcept {
+    sum_.add(V, AV);
+    size_.add(abs(V), abs(AV));
+  }
+  operator Real() const noexcept {
+    const Real sum = sum_, size = size_;
+    return sum > std::numeric_limits<Real>::epsilon() * size ? sum : 0;
+  }
+
+ private:
+  static Column abs(const Column& v) noexcept { return Column(godobject::abs(v.p)); }
+  static SpatialVector abs(const SpatialVector& V) noexcept { return {.w = abs(V.w), .v = abs(V.v)}; }
+
+  SpatialSum sum_, size_;
+};
+
 /// How an iteration ended: after how many, and whether because all velocities were known.
 struct Iterated {
   int iterations = 0;
@@ -41,20 +61,21 @@ void keep_balance(const System& system, Vectors& x) noexcept {
 ///   (28)  V^T A V = V^T b
 ///
 /// the balance of energy of the exact solution, as it does from rest; what rounding takes of it is given back in the
-/// end. Every step is the best one along its direction. The system keeps what was loaded: is_complete is false.
+/// end. A direction without a length ends the iteration. Every step is the best one along its direction. The
+/// system keeps what was loaded: is_complete is false.
 /// speed_sq(u, V): of unknown u at V, squared; below the tolerance, m/s, for all of them the iteration ends.
 template <class System, class Vectors, class Speed>
 Iterated iterate(int most_iterations, Real tolerance, const System& system, Vectors& x,
                  Speed speed_sq) noexcept {
-  constexpr Real tiny = std::numeric_limits<Real>::min();
   const auto& b = system.b;
   system.multiply(x.V_0, x.AV_0);
-  SpatialSum V_0_A_V_0, V_0_b;
+  SquaredLength V_0_A_V_0;
+  SpatialSum V_0_b;
   system.each([&](auto u) noexcept {
     V_0_A_V_0.add(x.V_0[u], x.AV_0[u]);
     V_0_b.add(x.V_0[u], b[u]);
   });
-  const Real norm_0 = std::max<Real>(V_0_A_V_0, tiny), scale = V_0_b / norm_0;
+  const Real norm_0 = V_0_A_V_0, scale = norm_0 > 0 ? V_0_b / norm_0 : 0;
   system.each([&](auto u) noexcept {
     x.V[u] = x.V_0[u] * scale;
     x.r[u] = x.Ap[u] = b[u] - x.AV_0[u] * scale;
@@ -73,18 +94,20 @@ Iterated iterate(int most_iterations, Real tolerance, const System& system, Vect
     });
     if (!System::is_coupled) converged = iterations > 0 && error_sq <= tolerance * tolerance;
     if (converged || !(rz > 0)) break;  // otherwise the factor has lost its last digits: no direction is left
-    const Real mu = AV_0_z / norm_0, beta = rz / last;
+    const Real mu = norm_0 > 0 ? AV_0_z / norm_0 : 0, beta = rz / last;
     last = rz;
     system.each([&](auto u) noexcept {
       x.p[u] = (iterations == 0 ? x.z[u] : x.z[u] + x.p[u] * beta) - x.V_0[u] * mu;
     });
     system.multiply(x.p, x.Ap);
-    SpatialSum pr, pAp;
+    SpatialSum pr;
+    SquaredLength pAp;
     system.each([&](auto u) noexcept {
       pr.add(x.p[u], x.r[u]);
       pAp.add(x.p[u], x.Ap[u]);
     });
-    const Real alpha = pr / std::max<Real>(pAp, tiny);
+    if (!(pAp > 0)) break;
+    const Real alpha = pr / pAp;
     Real change_sq = 0;
     system.each([&](auto u) noexcept {
       x.V[u] = x.V[u] + x.p[u] * alpha;

@@ -46,7 +46,9 @@ inline constexpr std::array<CoreFaultText, 6> core_fault_texts{{
      {"energy_gained",
       "the scene gained more than 1 % of the energy at work in it within a second, and nobody gave it: what "
       "it "
-      "showed from there on is not what it simulates",
+      "showed from there on is not what it simulates; a single step of more than 100 times the energy was "
+      "not "
+      "taken",
       "a shorter step; softer couplings, contacts or stops; less contrast of masses in an articulated tool"}},
 }};
 

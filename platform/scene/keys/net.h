@@ -106,12 +106,12 @@ void visit_net_springs(V& v, NetConfig& n) {
 template <class V>
 void visit_net_anchors(V& v, NetConfig& n) {
   const double sigma = n.surface_density;
-  v.value(Key{"settling_time", "s",
-              "T after which 2 % is left of a swing against its body (of its speed, where it has no anchors, "
-              "after "
-              "T / 2): damping of 8 sigma / T of each area, against the body or the world",
-              positive, true},
-          n.settling_time);
+  v.value(
+      Key{"settling_time", "s",
+          "T after which 2 % is left of a swing: damping of 8 sigma / T of each area, against the body or "
+          "the world; of a net that is neither anchored nor held, against its own motion as a whole",
+          positive, true},
+      n.settling_time);
   if (!n.anchor_stiffness && n.settling_time > 0 && sigma > 0)
     n.anchor_stiffness = n.body == world_name ? 0 : anchor_stiffness_for(sigma, n.settling_time);
   v.value(Key{.name = "anchor_stiffness",

@@ -260,7 +260,7 @@ struct RandomNet : Running<NetScene<I>> {
   bool step_and_watch() {
     lead();
     this->step();
-    const bool taken = !has(this->out.fault, Fault::state_not_finite);
+    const bool taken = !has(this->out.fault, Fault::state_not_finite | Fault::energy_gained);
     if (taken) balance.observe(this->par, this->x, this->w, this->out);
     return taken;
   }

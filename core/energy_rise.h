@@ -1,0 +1,136 @@
+// Steps whose energy rises out of all measure. Such a step is a failed solve, whatever its cause, and is not
+// taken.
+//
+//   (58)  T+ <= c (T + U + W)
+//
+// T, T+: kinetic energy before and after the step. U: energy of all springs. W: a bound of the work that
+// gravity, targets, applied forces and prescribed joints may do in the step. c is far above 1: smaller gains
+// are left to the balance of energy (38).
+#pragma once
+
+#include "core/energy_balance.h"
+
+namespace godobject {
+
+/// Mass and inertia of the whole scene, for the energy of a prescribed motion that takes everything along.
+class Whole {
+ public:
+  template <Scene S>
+  Whole(const Params<S>& par, const State<S>& x) noexcept {
+    const auto each = [&](auto f) noexcept {
+      for (std::size_t i = 0; i < num_bodies(par); ++i) f(par.bodies[i].body.m, x.bodies[i].x.X_WB.p);
+      if constexpr (uses<NodesOf<S>>)
+        for (std::size_t j = 0; j < num_nodes(par); ++j) f(par.nodes.list[j].m, x.nodes[j].p_W);
+      if constexpr (uses<NetOf<S>>)
+        for (std::size_t n = 0; n < num_net_nodes(par); ++n) f(par.net.nodes[n].m, x.net.nodes[n].p_W);
+    };
+    Vec3 mp_W = Vec3::Zero();
+    each([&](Real m, const Vec3& p_W) noexcept {
+      m_ += m;
+      mp_W += m * p_W;
+    });
+    c_W_ = mp_W / m_;
+    each([&](Real m, const Vec3& p_W) noexcept { I_ += m * (p_W - c_W_).squaredNorm(); });
+    for (std::size_t i = 0; i < num_bodies(par); ++i) I_ += par.bodies[i].body.I_B.trace();
+  }
+  /// Bound of the kinetic energy at the speed v of the point p_W and the angular speed w, J.
+  Real energy(const Vec3& p_W, Real v, Real w) const noexcept {
+    return m_ * v * v + (I_ + m_ * (p_W - c_W_).squaredNorm()) * w * w;
+  }
+  Real mass() const noexcept { return m_; }
+
+ private:
+  Real m_ = 0, I_ = 0;  // I_: trace of the inertia about the centre
+  Vec3 c_W_;
+};
+
+/// Kinetic energy at the end of the step, J.
+template <Scene S>
+Real kinetic_energy_after(const Params<S>& par, const Scratch<S>& w) noexcept {
+  Real T = 0;
+  for (std::size_t i = 0; i < num_bodies(par); ++i)
+    T += kinetic_energy(par.bodies[i].body, lane(w.next[i / lanes<S>].x, i % lanes<S>));
+  if constexpr (uses<NodesOf<S>>)
+    for (std::size_t j = 0; j < num_nodes(par); ++j)
+      T += Real(0.5) * par.nodes.list[j].m * w.nodes.next[j].v_W.squaredNorm();
+  if constexpr (uses<NetOf<S>>)
+    for (std::size_t n = 0; n < num_net_nodes(par); ++n)
+      T += Real(0.5) * par.net.nodes[n].m * w.net.next[n].v_W.squaredNorm();
+  return T;
+}
+
+/// (58)  W of the coupling and of the applied wrench of body i, J.
+template <Scene S>
+Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
+                    [[maybe_unused]] const Scratch<S>& w, [[maybe_unused]] const Whole& whole,
+                    [[maybe_unused]] std::size_t i) noexcept {
+  Real W = 0;
+  if constexpr (uses<typename S::Coupling>) {
+    const SpringParams& spring = par.bodies[i].coupling;
+    const Pose& X_WB = x.bodies[i].x.X_WB;
+    const Target &from = w.pulls[i].from, &to = w.pulls[i].to;
+    if (pulls(spring)) {
+      // the cubic (15) of TR-BDF2 swings out beyond both ends by what their velocities are
+      const auto angle = [](const Quat& a, const Quat& b) noexcept {
+        return rotation_error(a, b, Vec3::Zero()).phi_B.norm();
+      };
+      const Real moved = (to.X_WD.p - from.X_WD.p).norm(), turned = angle(from.X_WD.q, to.X_WD.q),
+                 v = to.V_WD.v.norm() + from.V_WD.v.norm(), w_D = to.V_WD.w.norm() + from.V_WD.w.norm(),
+                 e = (to.X_WD.p - X_WB.p).norm() + moved + par.h * v,
+                 alpha = angle(X_WB.q, to.X_WD.q) + turned + par.h * w_D;
+      W += Real(0.5) * (spring.k * e * e + spring.k_r * alpha * alpha) +
+           whole.energy(X_WB.p, v + moved / par.h, w_D + turned / par.h);
+    }
+  }
+  if constexpr (uses<typename S::Device>) {
+    const RigidBodyParams& body = par.bodies[i].body;
+    const Wrench F = w.pulls[i].F_WB;
+    const Real least_I = body.I_B.trace() / (3 * body.anisotropy * body.anisotropy);
+    W += Real(0.5) * par.h * par.h * (F.f.squaredNorm() / body.m + F.tau.squaredNorm() / least_I);
+  }
+  return W;
+}
+
+/// (58)  W of a prescribed joint of body i, and of one that is apart and is closed, J.
+template <Scene S>
+Real work_of_joint([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
+                   [[maybe_unused]] const Scratch<S>& w, [[maybe_unused]] const Whole& whole,
+                   [[maybe_unused]] std::size_t i) noexcept {
+  Real W = 0;
+  if constexpr (uses<typename S::Joints>) {
+    const auto& joint = par.bodies[i].joint;
+    if (joint.kind == JointKind::free) return 0;
+    const Vec3& p_W = x.bodies[i].x.X_WB.p;
+    const Real turned = max_turned_back / par.h, moved = max_moved_back / par.h * joint.C.p.norm();
+    W += whole.energy(p_W, moved, turned);
+    if constexpr (imposes<S>) {
+      const Lead& lead = w.leads[i];
+      const Real rate =
+          (lead.to.q - lead.from.q).norm() / par.h + lead.from.q_dot.norm() + lead.to.q_dot.norm();
+      if (joint.lead.imposed) W += whole.energy(p_W, rate, rate);
+    }
+  }
+  return W;
+}
+
+/// True if the step of w.next breaks (58).
+template <Scene S>
+[[gnu::noinline]] bool rises_out_of_measure(const Params<S>& par, const State<S>& x, const Scratch<S>& w,
+                                            Real T, Real T_after) noexcept {
+  const Whole whole(par, x);
+  const Real v_g = par.h * par.gravity_W.norm();
+  Real at_hand = T + EnergyBalance<S>::springs(par, x, w) + whole.mass() * v_g * v_g;
+  for (std::size_t i = 0; i < num_bodies(par); ++i)
+    at_hand += work_of_device(par, x, w, whole, i) + work_of_joint(par, x, w, whole, i);
+  return T_after > max_rise * (at_hand + gain_floor);
+}
+
+/// True if the step is to be refused by (58). Motion that has grown little needs no look at springs and work.
+template <Scene S>
+bool rises_out_of_measure(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
+  const Real T = EnergyBalance<S>::kinetic(par, x), T_after = kinetic_energy_after(par, w);
+  if (T_after <= max_rise * (T + gain_floor)) return false;
+  return rises_out_of_measure(par, x, w, T, T_after);
+}
+
+}  // namespace godobject

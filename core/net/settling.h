@@ -1,0 +1,98 @@
+// Nets that float: no anchor pulls them, so no place in the world or on a body is theirs. Their dampers act
+// on the deviation from their own rigid motion, on the shape, and leave the motion as a whole alone.
+//
+//   (57)  impulse -h g (v - V - W x r) on a node at r from c;   c, V, W:  sum h g r = 0,
+//         G V = sum h g v,  J W = sum h g r x v,  G = sum h g,  J = sum h g (r^2 1 - r r^T)
+//
+// V and W are the rigid motion nearest to the nodes' velocities, with weights g. So these impulses add up to
+// no force and no torque, and take energy from every motion that is not rigid. In the system they stand
+// beside the springs. The same sums with masses in place of h g give (45) and (48) the motion of a net that
+// flies.
+#pragma once
+
+#include <limits>
+
+#include "core/net/springs.h"
+
+namespace godobject {
+
+/// Sums of nodes weighted by weight(node), about their centre.
+template <class Positions, class Weight>
+RigidFit rigid_fit(const FloatingNet& nodes, const Positions& p, Weight weight) noexcept {
+  RigidFit fit;
+  Column wp(Pack(0));
+  for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
+    fit.size += weight(n);
+    wp += p[n] * weight(n);
+  }
+  fit.c = wp * (1 / fit.size);
+  Mat3 J = Mat3::Zero();
+  for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
+    const Vec3 r = (p[n] - fit.c).vec();
+    J += weight(n) * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+  }
+  // nodes in a row have no moment about their line: any small number does, since nothing moves by it
+  const Real trace = J.trace();
+  if (!(J.determinant() > std::numeric_limits<Real>::epsilon() * trace * trace * trace))
+    J += (std::numeric_limits<Real>::epsilon() * trace + std::numeric_limits<Real>::min()) * Mat3::Identity();
+  fit.J_inverse = block_of(Mat3(J.inverse()));
+  return fit;
+}
+
+/// The twist about c by which impulses J(node) set the weighted nodes in motion as one.
+template <class Positions, class Impulse>
+SpatialVector rigid_motion(const FloatingNet& nodes, const RigidFit& fit, const Positions& p,
+                           Impulse impulse) noexcept {
+  SpatialVector sum = SpatialVector::zero();
+  for (std::uint32_t n = nodes.first; n < nodes.end; ++n)
+    sum = sum + moved_wrench({.w = Column(Pack(0)), .v = impulse(n)}, p[n] - fit.c);
+  return {.w = fit.J_inverse * sum.w, .v = sum.v * (1 / fit.size)};
+}
+
+/// f(net, what is known of it) for every net that floats.
+template <class Stage, class F>
+void each_floating(Stage& w, F f) noexcept {
+  for (std::size_t k = 0; k < w.par->num_floating; ++k) f(w.par->floating[k], w.floating[k]);
+}
+
+/// Dampers of floating nets, after begin_anchors() which takes them for anchors.
+template <class Net, std::size_t N>
+void begin_settling(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
+  each_floating(w, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
+    for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
+      w.settling[n] = h * par.nodes[n].g;
+      w.kappa[n] = 0;
+    }
+    of.dampers = rigid_fit(nodes, w.p, [&](std::uint32_t n) noexcept { return w.settling[n]; });
+    of.masses = rigid_fit(nodes, w.p, [&](std::uint32_t n) noexcept { return w.m[n]; });
+  });
+}
+
+/// (57)  y += A_dampers v.
+template <class Net, std::size_t N, class Vector>
+void add_settling_product(const NetStage<Net, N>& w, const Vector& v, Vector& y) noexcept {
+  each_floating(w, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+    const SpatialVector V =
+        rigid_motion(nodes, of.dampers, w.p, [&](std::uint32_t n) noexcept { return v[n] * w.settling[n]; });
+    for (std::uint32_t n = nodes.first; n < nodes.end; ++n)
+      y[n] += (v[n] - shifted(V, w.p[n] - of.dampers.c).v) * w.settling[n];
+  });
+}
+
+/// Finds the floating nets of the world that touch nothing and are attached to nothing: (45) and (48) keep
+/// their momenta.
+template <class Net, std::size_t N>
+void find_flying(NetStage<Net, N>& w) noexcept {
+  each_floating(w, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
+    of.flies = true;
+    for (std::size_t k = 0; k < w.num_runs; ++k)
+      if (w.runs[k].body != world && nodes.first < w.runs[k].end && w.runs[k].first < nodes.end)
+        of.flies = false;
+    for (std::size_t c = 0; c < w.num_attachments; ++c)
+      if (nodes.holds(w.contacts[c].node)) of.flies = false;
+    for (std::size_t k = 0; k < w.near.size; ++k)
+      if (nodes.holds(w.near.list[k].a)) of.flies = false;
+  });
+}
+
+}  // namespace godobject
