@@ -44,6 +44,7 @@ class ReplayBus final : public LinuxBus {
   std::size_t position_ = 0;  // in log_, of the next line to be parsed
   ReceivedFrame next_{};      // on CLOCK_MONOTONIC
   bool has_next_ = false;
+  bool is_cut_ = false;       // its last line
   Nanoseconds begin_ns_ = 0;  // time of the log's first frame
   Nanoseconds shift_ = 0;     // from the log's time to CLOCK_MONOTONIC
   int timer_fd_ = -1;

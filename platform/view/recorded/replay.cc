@@ -104,6 +104,7 @@ std::string read_log(const std::string& path, const std::vector<BusParams>& buse
     std::string_view name;
     const CandumpResult result = parse_candump(line, frame, name);
     if (result == CandumpResult::ignored || result == CandumpResult::error_frame) continue;
+    if (result != CandumpResult::ok && in.eof()) break;  // cut off with the program that wrote it
     if (result != CandumpResult::ok)
       return path + ":" + std::to_string(number) +
              ": no line of a log, as candump -l or godobject run --record writes it";
