@@ -98,6 +98,7 @@ void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
   if (now < boot_deadline_) {
     report_.state = TrackerState::initialising;
     restart(now);
+    enter(TrackerState::initialising, "%s: %s; trying again", name_of(at), why);
     return;
   }
   enter(TrackerState::failed, "%s: %s; tried again every 5 s", name_of(at), why);
@@ -222,6 +223,8 @@ void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
   not_before_ = now + quiet;
   quiet_until_ = now + most_quiet;
   if (step_ == Step::send_break) return go(Step::set_rate);
+  if (report_.state == TrackerState::initialising)
+    enter(TrackerState::initialising, "%s: %s", name_of(step_), not_understood("replies are not readable"));
   if (step_ == Step::poll) {
     tries_ = 0;  // it does answer
   } else if (tries_ >= max_tries) {

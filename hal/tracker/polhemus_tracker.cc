@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 
 namespace godobject {
 namespace {
@@ -79,20 +80,21 @@ LineRequest PolhemusTracker::next(Nanoseconds now) noexcept {
   }
   if (now < deadline_) return {};
   ++report_.counters.timeouts;
+  std::array<char, 140> why{};
+  if (unread_.empty())
+    std::snprintf(why.data(), why.size(),
+                  "is the tracker switched on, this its port, and its switches at %u bit/s?",
+                  unsigned{params_.baud});
+  else unread_.describe(TrackerProtocol::polhemus, params_.baud, why);
   if (report_.state == TrackerState::tracking) {
     ++report_.counters.restarts;
     boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
     report_.state = TrackerState::initialising;
   } else if (now >= boot_deadline_) {
-    std::array<char, 140> seen{};
-    if (!unread_.empty()) unread_.describe(TrackerProtocol::polhemus, params_.baud, seen);
-    if (!unread_.empty()) enter(TrackerState::failed, "no records, but %s", seen.data());
-    else
-      enter(TrackerState::failed,
-            "no records: is the tracker switched on, this its port, and its switches at %u bit/s?",
-            params_.baud);
+    report_.state = TrackerState::failed;
   }
   begin(now);
+  enter(report_.state, "no records: %s", why.data());
   return {};
 }
 
