@@ -77,13 +77,16 @@ std::string joined(const std::set<std::string, std::less<>>& names) {
 
 }  // namespace
 
-ReplayBus::ReplayBus(std::string where, const BusSettings& settings)
-    : path_(std::move(where)), filters_(settings.filters.begin(), settings.filters.end()) {
-  const std::size_t comma = path_.rfind(',');
-  if (comma == std::string::npos || std::filesystem::exists(path_)) return;  // a name may have a comma in it
-  interface_ = path_.substr(comma + 1);
-  path_.resize(comma);
+LogAddress parse_log_address(const std::string& where) {
+  const std::size_t comma = where.rfind(',');
+  if (comma == std::string::npos || std::filesystem::exists(where)) return {.path = where, .interface = ""};
+  return {.path = where.substr(0, comma), .interface = where.substr(comma + 1)};
 }
+
+ReplayBus::ReplayBus(const std::string& where, const BusSettings& settings)
+    : path_(parse_log_address(where).path),
+      interface_(parse_log_address(where).interface),
+      filters_(settings.filters.begin(), settings.filters.end()) {}
 
 bool ReplayBus::fail(std::string why) {
   why_ = std::move(why);

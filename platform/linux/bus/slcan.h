@@ -32,6 +32,7 @@ class SlcanBus final : public LinuxBus {
   std::string trouble() const override;
   std::string name() const override { return path_; }
   std::string as_written(const CanFrame& frame) const override;
+  std::string slowness() const override { return line_.port().slowness(); }
   const LineRest* line_rest() const noexcept override { return &line_.rest(); }
   const SerialPort& port() const noexcept { return line_.port(); }
 
