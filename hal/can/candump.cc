@@ -95,7 +95,8 @@ bool parse_bytes(std::string_view text, CanFrame& frame) {
   return true;
 }
 
-/// Takes "_9" to "_F" off the end: a DLC above 8 of a classic frame, which has 8 bytes then. False: another suffix.
+/// Takes "_9" to "_F" off the end: a DLC above 8 of a classic frame, which has 8 bytes then. False: another
+/// suffix.
 bool take_long_dlc(std::string_view& text, bool& has_long_dlc) {
   const std::size_t at = text.find('_');
   std::uint32_t dlc = 0;

@@ -9,8 +9,9 @@
 // Adapter to host: received frames in the same form, with four digits of milliseconds at the end after Z1; z
 // or Z for a frame taken; F and two digits. Linux's slcan driver also understands sSRRRTTT and eNXX.. from
 // the adapter: the controller's state with its receive and transmit error counters, and N kinds of error.
-// Adapters for CAN FD send FD frames as d, D, b and B, with a DLC of one digit: they are recognised, not decoded.
-// Adapters differ: stock CANables answer to V alone, some acknowledge with LF, UCCB takes one command per write.
+// Adapters for CAN FD send FD frames as d, D, b and B, with a DLC of one digit: they are recognised, not
+// decoded. Adapters differ: stock CANables answer to V alone, some acknowledge with LF, UCCB takes one
+// command per write.
 //
 // What it cannot do: CAN FD; the controller's state beyond the flags of F, so no bus-off and no restart
 // (except in the dialect of Linux's driver); time stamps better than a millisecond, and no hardware ones that
@@ -103,8 +104,8 @@ struct Request {
 /// A line of a host, without its CR. other_message: a command that is not in the list above.
 [[nodiscard]] ParseResult parse_request(std::string_view line, Request& out) noexcept;
 
-/// Cuts the stream of bytes into lines, which end with CR, LF, both of them, or BEL. A line that is too long or
-/// cut off by a BEL is dropped and counted; reading recovers from garbage at the next line end.
+/// Cuts the stream of bytes into lines, which end with CR, LF, both of them, or BEL. A line that is too long
+/// or cut off by a BEL is dropped and counted; reading recovers from garbage at the next line end.
 class LineReader {
  public:
   /// Takes one byte. True: line() is a complete line, until the next call.

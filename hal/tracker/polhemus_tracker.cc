@@ -148,8 +148,8 @@ void PolhemusTracker::report_tracking(const polhemus::Record& record) noexcept {
         record.error == ' ' ? "" : " reports a weak or disturbed signal");
 }
 
-/// The field of the source is the same at p and at -p: a sensor that leaves its hemisphere is reported at -p. It is lost
-/// until it is back, however long that takes; any other jump is real if it lasts.
+/// The field of the source is the same at p and at -p: a sensor that leaves its hemisphere is reported at -p.
+/// It is lost until it is back, however long that takes; any other jump is real if it lasts.
 PolhemusTracker::Verdict PolhemusTracker::judge(Plausibility& last, const Vec3& p, Nanoseconds t) noexcept {
   const double dt = 1e-9 * static_cast<double>(std::max<Nanoseconds>(t - last.t_ns, 0));
   const double way = max_jump + max_speed * dt;

@@ -17,8 +17,8 @@ class UnreadBytes {
   void clear() noexcept { count_ = 0; }
   bool empty() const noexcept { return count_ == 0; }
 
-  /// Writes how many bytes came, how they begin and whose they may be, and ends with a zero. expected: the protocol that
-  /// the scene gives the tracker. baud: bit/s of the line.
+  /// Writes how many bytes came, how they begin and whose they may be, and ends with a zero.
+  /// expected: the protocol that the scene gives the tracker. baud: bit/s of the line.
   void describe(TrackerProtocol expected, std::uint32_t baud, std::span<char> out) const noexcept;
 
  private:

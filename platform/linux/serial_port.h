@@ -29,8 +29,9 @@ enum class LowLatency : std::uint8_t {
   refused,     // latency_report() has the reason and the udev rule
 };
 
-/// Reads and writes that did not return at once, although the port never waits for bytes: the kernel kept them, because its
-/// worker that hands bytes on (kworker, flush_to_ldisc) held the terminal and was not running.
+/// Reads and writes that did not return at once, although the port never waits for bytes: the kernel kept
+/// them, because its worker that hands bytes on (kworker, flush_to_ldisc) held the terminal and was not
+/// running.
 struct SlowCalls {
   static constexpr Nanoseconds at_least = 1'000'000;
   std::uint64_t count = 0;

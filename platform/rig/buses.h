@@ -27,8 +27,9 @@ struct RigAddresses {
   }
 };
 
-/// An address where the scene has one bus, NAME=ADDRESS for each where it has several; `pty` alone stands for one of each,
-/// `replay:FILE` alone for a log that has all. Logs do not go with other buses: those keep time of their own.
+/// An address where the scene has one bus, NAME=ADDRESS for each where it has several; `pty` alone stands for
+/// one of each, `replay:FILE` alone for a log that has all. Logs do not go with other buses: those keep time
+/// of their own.
 /// option: of the command line that gives them, "--bus"; empty: arguments.
 RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig& scene,
                            const std::string& option, std::vector<std::string>& errors);

@@ -110,7 +110,8 @@ bool LogLink::begins_cycle(std::size_t bus, const CanFrame& frame) const noexcep
   return !has_canopen_ && protocol.sender(frame) == 0;
 }
 
-/// Returns the time of a frame on the wire. A log has the end of a frame; a host that sent it began so much before.
+/// Returns the time of a frame on the wire. A log has the end of a frame; a host that sent it began so much
+/// before.
 Nanoseconds LogLink::wire_time(std::size_t bus, const CanFrame& frame) const noexcept {
   const BusParams& of = rig_.buses[bus];
   FrameBits bits = frame.fd ? nominal_bits(frame) : exact_bits(frame);

@@ -1,5 +1,5 @@
-// The buses of a rig as logs have them: frames arrive at the times of the log, on a clock of their own. Frames
-// that the rig sends go nowhere.
+// The buses of a rig as logs have them: frames arrive at the times of the log, on a clock of their own.
+// Frames that the rig sends go nowhere.
 #pragma once
 
 #include <limits>
@@ -19,9 +19,9 @@ struct LogSource {
   std::string interface;  // empty: the one with the name of the bus, or the only one of the log
 };
 
-/// A cycle begins at each SYNC of the log, of a rig without CANopen at the first request, and where there is none
-/// left, a period after the last. Frames of the host that wrote the log are left out, since a host does not hear
-/// itself. Frames before its first cycle are left out too: nodes were set up by them.
+/// A cycle begins at each SYNC of the log, of a rig without CANopen at the first request, and where there is
+/// none left, a period after the last. Frames of the host that wrote the log are left out, since a host does
+/// not hear itself. Frames before its first cycle are left out too: nodes were set up by them.
 class LogLink final : public RigLink {
  public:
   /// period: of a cycle without a SYNC, ns.

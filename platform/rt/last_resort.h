@@ -12,8 +12,8 @@
 
 namespace godobject {
 
-/// The rest of a line that a short write has cut off: on a bus of lines the last frames come after it. Stored by the
-/// thread that writes, within a BusWrite; read by the last resort.
+/// The rest of a line that a short write has cut off: on a bus of lines the last frames come after it. Stored
+/// by the thread that writes, within a BusWrite; read by the last resort.
 class LineRest {
  public:
   void store(std::string_view rest) noexcept {

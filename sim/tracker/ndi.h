@@ -20,7 +20,8 @@ class SimNdi final : public SimTracker {
   void serial_break(Nanoseconds now) noexcept override;
   /// Older firmware: BX is an invalid command.
   void set_text_only(bool text_only) noexcept { text_only_ = text_only; }
-  /// Adds tools that no scene has, from handle `first` on, seen in every reply with this pose, which need be none.
+  /// Adds tools that no scene has, from handle `first` on, seen in every reply with this pose, which need be
+  /// none.
   void set_foreign_tools(std::uint8_t first, std::size_t count, const Pose& X) noexcept {
     first_foreign_ = first;
     num_foreign_ = count;

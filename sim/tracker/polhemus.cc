@@ -51,8 +51,8 @@ void SimPolhemus::obey(std::span<const std::uint8_t> command, Nanoseconds now) n
   has_format_[station] = text.substr(comma) == (fastrak ? ",2,11,0\r" : ",2,7,8,0\r");
 }
 
-/// True if it is a command that sets a frame: R, b, N, r, H of a Fastrak, ^R, ^B, N, G, H of a Liberty. Only resets and the
-/// hemisphere have an effect.
+/// True if it is a command that sets a frame: R, b, N, r, H of a Fastrak, ^R, ^B, N, G, H of a Liberty. Only
+/// resets and the hemisphere have an effect.
 bool SimPolhemus::set_frame(std::string_view text) noexcept {
   const bool fastrak = model_ == polhemus::Model::fastrak;
   const std::size_t kind = std::string_view(fastrak ? "RbNrH" : "\x12\x02NGH").find(text[0]);

@@ -1,5 +1,5 @@
-// A simulated Polhemus tracker: Fastrak or Liberty. It sends records after the command for them, as text until the command
-// for binary ones, and answers a command that it does not have with an error.
+// A simulated Polhemus tracker: Fastrak or Liberty. It sends records after the command for them, as text
+// until the command for binary ones, and answers a command that it does not have with an error.
 #pragma once
 
 #include <string_view>

@@ -57,7 +57,8 @@ void add_recoveries(const std::vector<Recovery>& recoveries, std::vector<FaultRe
   }
 }
 
-/// Adds the fault of a run on a device whose loop kept too few of its deadlines, with what the buses know of that.
+/// Adds the fault of a run on a device whose loop kept too few of its deadlines, with what the buses know of
+/// that.
 void add_held(const RunReport& report, std::vector<FaultReport>& faults) {
   const RunStatistics& statistics = report.result.statistics;
   const auto held = static_cast<double>(statistics.hold_cycles),

@@ -37,7 +37,8 @@ class LinuxBus : public CanBus {
   virtual std::string as_written(const CanFrame&) const { return {}; }
   /// Reads and writes that the kernel kept, and what to do, as one line; empty: none. Allocates.
   virtual std::string slowness() const { return {}; }
-  /// The rest of a line that a write to descriptor() has cut off; null: this bus has no lines. Lives as long as the bus.
+  /// The rest of a line that a write to descriptor() has cut off; null: this bus has no lines. Lives as long
+  /// as the bus.
   virtual const LineRest* line_rest() const noexcept { return nullptr; }
 };
 

@@ -125,7 +125,8 @@ bool ReplayBus::check_log() {
     ReceivedFrame frame;
     std::string_view name;
     const CandumpResult result = parse_candump(line, frame, name);
-    // A last line without an end was cut off with the program that wrote it, perhaps between two bytes of its data.
+    // A last line without an end was cut off with the program that wrote it, perhaps between two bytes of its
+    // data.
     const auto size = sizes.find(frame.frame.id);
     if (at > log_.size() && line.starts_with('(') &&
         (is_wrong(result) || (size != sizes.end() && size->second != frame.frame.size))) {

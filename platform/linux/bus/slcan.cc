@@ -39,8 +39,8 @@ bool SlcanBus::open() noexcept {
   if (baud_ == 0) return fail("the baud rate after the comma is not a number above 0");
   if (!line_.port().open(path_, {.baud = baud_})) return false;
   line_.clear();
-  // A line that an earlier host left half ends here: not with a bare CR, upon which some adapters repeat their last
-  // command. V is no digit, so it makes no frame of a half one.
+  // A line that an earlier host left half ends here: not with a bare CR, upon which some adapters repeat
+  // their last command. V is no digit, so it makes no frame of a half one.
   for (const std::string_view first : {slcan::version_command, slcan::close_command})
     if (line_.put(first)) wait_for_quiet();
   version_.clear();
@@ -94,8 +94,8 @@ SlcanBus::Answer SlcanBus::ask(std::string_view command, Nanoseconds patience) {
   return Answer::none;
 }
 
-/// Returns the first text that comes upon V, or its beginning where it is longer than a line; empty: none came. An echo
-/// is no answer. wanted: the text to wait for; empty: any.
+/// Returns the first text that comes upon V, or its beginning where it is longer than a line; empty: none
+/// came. An echo is no answer. wanted: the text to wait for; empty: any.
 std::string SlcanBus::ask_version(const std::string& wanted) {
   const Nanoseconds deadline = MonotonicClock().now() + answer_timeout;
   const std::uint64_t num_overlong = line_.reader().num_overlong();

@@ -11,8 +11,8 @@
 namespace godobject {
 
 /// `sent` counts the frames the adapter has acknowledged as taken; an adapter that acknowledges none leaves
-/// it at 0. send_dropped: those it refused although they had been queued here. error_frames: lines that were garbled, and
-/// the bus errors of the adapter's flags.
+/// it at 0. send_dropped: those it refused although they had been queued here. error_frames: lines that were
+/// garbled, and the bus errors of the adapter's flags.
 class SlcanBus final : public LinuxBus {
  public:
   /// where: path of a serial port, and after a comma its baud rate where that is not 115200. USB adapters of

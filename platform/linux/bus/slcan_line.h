@@ -23,8 +23,8 @@ class SlcanLine {
   /// Queues `text` and writes what the port takes. False: there is no room for all of it; none of it is
   /// queued.
   [[nodiscard]] bool put(std::string_view text) noexcept;
-  /// Writes what is queued, as much as the port takes, each line in a write of its own: some adapters take one command
-  /// of a USB packet and drop the others.
+  /// Writes what is queued, as much as the port takes, each line in a write of its own: some adapters take
+  /// one command of a USB packet and drop the others.
   void flush() noexcept;
   /// Returns the line of a frame; empty: the protocol cannot carry it.
   static std::string text_of(const CanFrame& frame);

@@ -127,7 +127,8 @@ TEST(Candump, NamesWhatIsWrong) {
   EXPECT_EQ(result_of("(1.000000) can0 20000080#0000000000000000"), CandumpResult::error_frame);
 }
 
-// candump of can-utils 2023 and later, with several interfaces, option -8 (DLC above 8) and hardware time stamps.
+// candump of can-utils 2023 and later, with several interfaces, option -8 (DLC above 8) and hardware time
+// stamps.
 TEST(Candump, ReadsWhatNewerCandumpsWrite) {
   const auto parsed = [](std::string_view line) {
     ReceivedFrame received;

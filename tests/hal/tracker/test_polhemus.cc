@@ -70,7 +70,8 @@ TEST(Polhemus, FrameCommands) {
   EXPECT_EQ(all(Model::liberty, 16), "\x12*\r\x02*\rN*,0,0,0\rG0,0,0\rH*,0.600,0.000,-0.800\r");
 }
 
-/// A station that is not in the scene, without a pose, again and again: the others lose none of their records.
+/// A station that is not in the scene, without a pose, again and again: the others lose none of their
+/// records.
 TEST(Polhemus, ARecordWithoutAPoseCostsNoOther) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const Model model : {Model::fastrak, Model::liberty}) {

@@ -159,7 +159,8 @@ TEST_F(LogOfARig, OfDrivesWithoutCanopenIsARigToRunOn) {
   }
 }
 
-/// Nodes that were set up first, with long waits: requests and answers of SDO, and boot-ups, are before the first SYNC.
+/// Nodes that were set up first, with long waits: requests and answers of SDO, and boot-ups, are before the
+/// first SYNC.
 TEST_F(LogOfARig, SettingUpIsLeftOut) {
   const RigParams params = arm_rig_params();
   const Logged first =

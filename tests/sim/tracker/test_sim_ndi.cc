@@ -253,7 +253,8 @@ TEST(SimNdi, LateRepliesAreTakenAsLate) {
   EXPECT_LT(rig.now - rig.tool(0).t_ns, 45'000'000);
 }
 
-/// Tools that somebody else has plugged in, loaded or worn out cost nothing: however many, and whatever their poses are.
+/// Tools that somebody else has plugged in, loaded or worn out cost nothing: however many, and whatever their
+/// poses are.
 TEST(SimNdi, ForeignToolsCostNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const bool text_only : {false, true}) {

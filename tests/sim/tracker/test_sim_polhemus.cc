@@ -116,7 +116,8 @@ TEST(SimPolhemus, TheHemisphereIsThatOfTheScene) {
   }
 }
 
-/// Beyond the plane of the hemisphere the tracker reports the mirror image: the tool is lost, not somewhere else.
+/// Beyond the plane of the hemisphere the tracker reports the mirror image: the tool is lost, not somewhere
+/// else.
 TEST(SimPolhemus, ASensorThatLeavesItsHemisphereIsLostUntilItIsBack) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> uniform(-1, 1);
