@@ -155,7 +155,8 @@ TEST_F(LogOfARig, OfDrivesWithoutCanopenIsARigToRunOn) {
     const Logged second = run(params, link, 300, [&] { return !link.ended(); });
     EXPECT_EQ(second.faults, RigFault::none) << static_cast<int>(protocol);
     EXPECT_GE(second.q.size(), 295u) << static_cast<int>(protocol);
-    EXPECT_LE(second.incomplete, first.incomplete + 10) << "a request behind a heartbeat was sent before it began";
+    EXPECT_LE(second.incomplete, first.incomplete + 10)
+        << "a request behind a heartbeat was sent before it began";
   }
 }
 
