@@ -32,10 +32,10 @@ void StatusLine::update(const CycleRecord& record, Nanoseconds wake_ns) {
 void StatusLine::show(const CycleRecord& record) {
   const bool fault = any(record.fault) || any(record.rig_faults);
   const double held_percent = 100 * static_cast<double>(held_) / static_cast<double>(cycles_);
-  std::array<char, 24> state{"ok"};
-  if (fault) std::snprintf(state.data(), state.size(), "FAULT");
-  else if (held_percent > 100 * RunStatistics::max_held)
-    std::snprintf(state.data(), state.size(), "HELD %.0f %%", held_percent);
+  std::array<char, 24> state{};
+  if (held_percent > 100 * RunStatistics::max_held)
+    std::snprintf(state.data(), state.size(), "%sHELD %.0f %%", fault ? "FAULT, " : "", held_percent);
+  else std::snprintf(state.data(), state.size(), "%s", fault ? "FAULT" : "ok");
   std::array<char, 200> line{};
   std::snprintf(line.data(), line.size(),
                 "%st %7.2f s   wake-up <= %6.0f us   following %7.3f mm %7.4f rad   energy %8.2e J   %s%s",
