@@ -65,15 +65,16 @@ std::string_view cut(std::string_view& text, char separator) {
   return head;
 }
 
-/// "(1631416514.717133)"
+/// "(1631416514.717133)", or with nine digits
 bool parse_time(std::string_view text, Nanoseconds& t_ns) {
   if (text.size() < 2 || text.front() != '(' || text.back() != ')') return false;
-  std::string_view microseconds_text = text.substr(1, text.size() - 2);
-  const std::string_view seconds_text = cut(microseconds_text, '.');
-  std::int64_t seconds = 0, microseconds = 0;
-  if (microseconds_text.size() != 6 || !to_number(microseconds_text, 10, microseconds)) return false;
+  std::string_view fraction_text = text.substr(1, text.size() - 2);
+  const std::string_view seconds_text = cut(fraction_text, '.');
+  std::int64_t seconds = 0, fraction = 0;
+  const bool nanoseconds = fraction_text.size() == 9;
+  if ((fraction_text.size() != 6 && !nanoseconds) || !to_number(fraction_text, 10, fraction)) return false;
   if (!to_number(seconds_text, 10, seconds) || seconds > max_seconds) return false;
-  t_ns = seconds * 1'000'000'000 + microseconds * 1000;
+  t_ns = seconds * 1'000'000'000 + fraction * (nanoseconds ? 1 : 1000);
   return true;
 }
 
@@ -94,8 +95,22 @@ bool parse_bytes(std::string_view text, CanFrame& frame) {
   return true;
 }
 
+/// Takes "_9" to "_F" off the end: a DLC above 8 of a classic frame, which has 8 bytes then. False: another
+/// suffix.
+bool take_long_dlc(std::string_view& text, bool& has_long_dlc) {
+  const std::size_t at = text.find('_');
+  std::uint32_t dlc = 0;
+  has_long_dlc = at != std::string_view::npos;
+  if (!has_long_dlc) return true;
+  const bool is_long = text.size() == at + 2 && to_number(text.substr(at + 1), 16, dlc) && dlc > 8;
+  text = text.substr(0, at);
+  return is_long;
+}
+
 /// What follows the first '#'.
 bool parse_body(std::string_view text, CanFrame& frame) {
+  bool has_long_dlc = false;
+  if (!take_long_dlc(text, has_long_dlc)) return false;
   if (text.starts_with('#')) {
     std::uint32_t flags = 0;
     if (text.size() < 2 || !to_number(text.substr(1, 1), 16, flags)) return false;
@@ -103,12 +118,15 @@ bool parse_body(std::string_view text, CanFrame& frame) {
     frame.fd = true;
     frame.bit_rate_switch = (flags & fd_bit_rate_switch_flag) != 0;
     text.remove_prefix(2);
-  } else if (text.starts_with('R')) {
-    frame.remote = true;
-    if (text.size() == 1) return true;
-    return text.size() == 2 && to_number(text.substr(1), 10, frame.size) && is_valid(frame);
   }
-  return parse_bytes(text, frame) && is_valid(frame);
+  if (!frame.fd && text.starts_with('R')) {
+    frame.remote = true;
+    const bool has_size = text.size() == 2 && to_number(text.substr(1), 10, frame.size) && is_valid(frame);
+    if (text.size() != 1 && !has_size) return false;
+  } else if (!parse_bytes(text, frame) || !is_valid(frame)) {
+    return false;
+  }
+  return !has_long_dlc || (!frame.fd && frame.size == 8);
 }
 
 }  // namespace
@@ -153,8 +171,10 @@ CandumpResult parse_candump(std::string_view line, ReceivedFrame& received,
   line = line.substr(0, line.find_first_of("\r\n"));
   ReceivedFrame parsed;
   if (!parse_time(cut(line, ' '), parsed.t_ns)) return CandumpResult::bad_time;
+  line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
   const std::string_view name = cut(line, ' ');
-  if (!is_interface(name)) return CandumpResult::bad_interface;
+  const bool is_missing = line.empty() && name.find('#') != std::string_view::npos;
+  if (!is_interface(name) || is_missing) return CandumpResult::bad_interface;
   std::string_view body = cut(line, ' ');
   const std::string_view direction = line;
   if (body.find('#') == std::string::npos) return CandumpResult::bad_data;

@@ -1,8 +1,10 @@
 // Lines of candump's log format: "(1631416514.717133) can0 0D2#0000FFFF10000000".
 //   (seconds.microseconds) interface ID#DATA    classic; three digits of ID: standard, eight: extended
 //   ... ID#R or ID#R<size>                      remote
+//   ... ID#DATA_<DLC> or ID#R8_<DLC>            8 bytes with a DLC of 9 to F, which means 8 as well and is dropped
 //   ... ID##<flags>DATA                         FD; flag 1: bit-rate switch, 2: error state, 4: FD (newer kernels)
-// The fraction has exactly six digits: can-utils takes any other count for a wrong number of microseconds.
+// The fraction is written with six digits, because older can-utils take any other count for a wrong number of
+// microseconds, and read with six or nine. Names of several interfaces are padded with spaces to the longest.
 #pragma once
 
 #include <span>
@@ -15,10 +17,10 @@ namespace godobject {
 enum class CandumpResult : std::uint8_t {
   ok,
   ignored,           // parse: the line does not begin with "(", which readers skip
-  bad_time,          // parse: not "(digits.six digits)"; format: before 0
+  bad_time,          // parse: not "(digits.six or nine digits)"; format: before 0
   bad_interface,     // missing, longer than 15 characters or with white space in it
   bad_identifier,    // not three or eight hexadecimal digits, or out of range
-  bad_data,          // odd number of digits, not hexadecimal, or a size the format does not have
+  bad_data,          // odd number of digits, not hexadecimal, or a size or DLC the format does not have
   error_frame,       // parse: a controller's error report, which is not a frame on the wire
   buffer_too_small,  // format
 };

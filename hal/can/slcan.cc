@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace godobject::slcan {
 namespace {
@@ -40,6 +41,10 @@ bool is_frame(char command) noexcept {
   return command == 't' || command == 'T' || command == 'r' || command == 'R';
 }
 
+bool is_fd(char command) noexcept {
+  return command == 'd' || command == 'D' || command == 'b' || command == 'B';
+}
+
 /// `text` begins with t, T, r or R; what follows the data stays in it.
 ParseResult take_frame(std::string_view& text, CanFrame& frame) noexcept {
   const char command = text.front();  // cppcheck-suppress containerOutOfBounds
@@ -73,6 +78,32 @@ ParseResult parse_received_frame(std::string_view text, Reply& reply) noexcept {
   if (!take(text, timestamp_digits, 16, milliseconds)) return ParseResult::bad_value;
   reply.timestamp_ms = static_cast<std::uint16_t>(milliseconds);
   return ParseResult::ok;
+}
+
+/// True if `text`, from d, D, b or B on, is a whole CAN FD frame, with or without a time stamp.
+bool is_fd_frame(std::string_view text) noexcept {
+  constexpr std::array<std::size_t, 16> sizes{0, 1,  2,  3,  4,  5,  6,  7,
+                                              8, 12, 16, 20, 24, 32, 48, 64};  // by DLC
+  CanFrame frame{.extended = text.front() == 'D' || text.front() == 'B'};
+  std::uint32_t dlc = 0, byte = 0;
+  text.remove_prefix(1);
+  if (!take(text, frame.extended ? 8 : 3, 16, frame.id) || !take(text, 1, 16, dlc) || !is_valid(frame))
+    return false;
+  const std::size_t data_digits = 2 * sizes[dlc];
+  if (text.size() != data_digits && text.size() != data_digits + timestamp_digits) return false;
+  while (!text.empty())
+    if (!take(text, 1, 16, byte)) return false;
+  return true;
+}
+
+/// True if a line that is too long for a classic frame begins like a CAN FD frame.
+bool begins_fd_frame(std::string_view text) noexcept {
+  std::uint32_t digit = 0;
+  if (!is_fd(text.front())) return false;
+  text.remove_prefix(1);
+  while (!text.empty())
+    if (!take(text, 1, 16, digit)) return false;
+  return true;
 }
 
 /// "w096100": state and the receive and transmit error counters, in decimal.
@@ -136,6 +167,10 @@ ParseResult parse_flags(std::string_view text, Reply& reply) noexcept {
 ParseResult parse_reply_into(std::string_view line, Reply& reply) noexcept {
   if (line.empty()) return ParseResult::ok;
   if (is_frame(line.front())) return parse_received_frame(line, reply);
+  if (is_fd(line.front())) {
+    reply.kind = ReplyKind::fd_frame;
+    return is_fd_frame(line) ? ParseResult::ok : ParseResult::bad_value;
+  }
   const std::string_view rest = line.substr(1);
   switch (line.front()) {
     case '\a': reply.kind = ReplyKind::refused; return check_size(rest.size(), 0);
@@ -229,21 +264,29 @@ bool LineReader::put(std::uint8_t byte) noexcept {
   if (complete_) size_ = 0;
   complete_ = false;
   const char c = static_cast<char>(byte);
-  if (c == '\n') return false;  // some adapters end their lines with both
+  const char last_end = std::exchange(end_, '\0');
   if (c == '\a') {
+    if (size_ > 0) ++num_cut_;
     text_[0] = c;
     size_ = 1;
     overlong_ = false;
     return complete_ = true;
   }
-  if (c == '\r') {
+  if (c == '\r' || c == '\n') {
+    if (last_end != '\0' && last_end != c) return false;  // the other half of the same end
+    end_ = c;
     complete_ = !overlong_;
     if (overlong_) size_ = 0;
     overlong_ = false;
     return complete_;
   }
   if (size_ == text_.size()) {
-    if (!overlong_) ++num_overlong_;
+    if (!overlong_ && begins_fd_frame(line())) {
+      ++num_fd_;
+    } else if (!overlong_) {
+      ++num_overlong_;
+      overlong_begin_ = text_;
+    }
     overlong_ = true;
     return false;
   }

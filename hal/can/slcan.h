@@ -9,6 +9,9 @@
 // Adapter to host: received frames in the same form, with four digits of milliseconds at the end after Z1; z
 // or Z for a frame taken; F and two digits. Linux's slcan driver also understands sSRRRTTT and eNXX.. from
 // the adapter: the controller's state with its receive and transmit error counters, and N kinds of error.
+// Adapters for CAN FD send FD frames as d, D, b and B, with a DLC of one digit: they are recognised, not
+// decoded. Adapters differ: stock CANables answer to V alone, some acknowledge with LF, UCCB takes one
+// command per write.
 //
 // What it cannot do: CAN FD; the controller's state beyond the flags of F, so no bus-off and no restart
 // (except in the dialect of Linux's driver); time stamps better than a millisecond, and no hardware ones that
@@ -66,6 +69,7 @@ enum class ReplyKind : std::uint8_t {
   flags,         // F
   identity,      // V or N: version or serial number, as text
   error_report,  // s or e
+  fd_frame,      // d, D, b or B: a CAN FD frame, which is not decoded
 };
 
 struct Reply {
@@ -100,23 +104,33 @@ struct Request {
 /// A line of a host, without its CR. other_message: a command that is not in the list above.
 [[nodiscard]] ParseResult parse_request(std::string_view line, Request& out) noexcept;
 
-/// Cuts the stream of bytes into lines. Whatever is between two line ends and is too long to be a line is
-/// dropped and counted; so reading recovers from garbage at the next line end.
+/// Cuts the stream of bytes into lines, which end with CR, LF, both of them, or BEL. A line that is too long
+/// or cut off by a BEL is dropped and counted; reading recovers from garbage at the next line end.
 class LineReader {
  public:
   /// Takes one byte. True: line() is a complete line, until the next call.
   [[nodiscard]] bool put(std::uint8_t byte) noexcept;
-  /// Without CR; "\a" where the line ended with BEL. What came before a BEL belongs to no line and is
-  /// dropped.
+  /// Without its end; "\a" where the line ended with BEL.
   std::string_view line() const noexcept { return {text_.data(), size_}; }
   std::uint64_t num_overlong() const noexcept { return num_overlong_; }
+  /// Returns how many lines a BEL has cut off.
+  std::uint64_t num_cut() const noexcept { return num_cut_; }
+  /// Returns how many of the lines that are too long are CAN FD frames; num_overlong() leaves them out.
+  std::uint64_t num_fd() const noexcept { return num_fd_; }
+  /// Returns the first max_line characters of the last line that was too long.
+  std::string_view overlong_begin() const noexcept {
+    return num_overlong_ > 0 ? std::string_view(overlong_begin_.data(), overlong_begin_.size())
+                             : std::string_view();
+  }
 
  private:
   std::array<char, max_line> text_{};
   std::size_t size_ = 0;
   bool complete_ = false;
   bool overlong_ = false;
-  std::uint64_t num_overlong_ = 0;
+  char end_ = '\0';  // CR or LF that has just ended a line; the other one belongs to the same end
+  std::array<char, max_line> overlong_begin_{};
+  std::uint64_t num_overlong_ = 0, num_cut_ = 0, num_fd_ = 0;
 };
 
 }  // namespace godobject::slcan

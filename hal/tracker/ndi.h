@@ -38,7 +38,7 @@ std::optional<char> comm_digit(std::uint32_t baud) noexcept;
 /// Takes replies out of the stream and checks their CRC: text up to CR, or a binary reply with a checked header.
 class ReplyReceiver {
  public:
-  static constexpr std::size_t capacity = 4096;  // bytes of one reply
+  static constexpr std::size_t capacity = 18 * 1024;  // bytes of one reply: TX with the poses of 254 handles
 
   enum class Event : std::uint8_t {
     more,

@@ -170,20 +170,27 @@ bool read_handle(ByteReader& in, std::uint16_t options, HandlePose& pose) noexce
   return true;
 }
 
-/// Quaternions are scaled to unit length.
-bool take_plausible(PoseReply& reply) noexcept {
+/// Scales quaternions to unit length. False if a pose is none and refuses the reply.
+bool take_plausible(PoseReply& reply, ImplausiblePose implausible) noexcept {
   for (std::size_t i = 0; i < reply.num_handles; ++i) {
     HandlePose& pose = reply.handles[i];
     if (pose.status != HandleStatus::valid) continue;
-    if (!is_plausible(pose)) return false;
-    pose.X_TH.q.normalize();
+    if (is_plausible(pose)) {
+      pose.X_TH.q.normalize();
+    } else if (implausible == ImplausiblePose::refuse_reply) {
+      return false;
+    } else {
+      pose.status = HandleStatus::implausible;
+      pose.X_TH = {};
+    }
   }
   return true;
 }
 
 }  // namespace
 
-ParseResult parse_tx(std::span<const std::uint8_t> text, std::uint16_t options, PoseReply& out) noexcept {
+ParseResult parse_tx(std::span<const std::uint8_t> text, std::uint16_t options, PoseReply& out,
+                     ImplausiblePose implausible) noexcept {
   PoseReply reply;
   TextReader in(text);
   reply.num_handles = in.hex(2);
@@ -191,12 +198,13 @@ ParseResult parse_tx(std::span<const std::uint8_t> text, std::uint16_t options, 
   for (std::size_t i = 0; i < reply.num_handles && in.ok(); ++i) read_handle(in, options, reply.handles[i]);
   if ((options & option::stray_passive_markers) != 0) skip_markers(in);
   reply.system_status = static_cast<std::uint16_t>(in.hex(4));
-  if (!in.at_end() || !take_plausible(reply)) return ParseResult::bad_value;
+  if (!in.at_end() || !take_plausible(reply, implausible)) return ParseResult::bad_value;
   out = reply;
   return ParseResult::ok;
 }
 
-ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, PoseReply& out) noexcept {
+ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, PoseReply& out,
+                     ImplausiblePose implausible) noexcept {
   PoseReply reply;
   ByteReader in(body);
   std::uint8_t count = 0;
@@ -211,7 +219,7 @@ ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, 
   if (!in.ok()) return ParseResult::too_short;
   std::uint8_t rest = 0;
   if (in.get(rest).ok()) return ParseResult::too_long;
-  if (!take_plausible(reply)) return ParseResult::bad_value;
+  if (!take_plausible(reply, implausible)) return ParseResult::bad_value;
   out = reply;
   return ParseResult::ok;
 }

@@ -24,6 +24,7 @@ inline constexpr std::uint16_t stray_passive_markers = 0x1000;
 
 /// The status of a handle, as BX has it on the wire.
 enum class HandleStatus : std::uint8_t {
+  implausible = 0x00,  // never on the wire: valid by its status, but its pose is none
   valid = 0x01,
   missing = 0x02,   // not seen: hidden, or out of sight
   disabled = 0x04,  // disabled, or nothing in the port
@@ -48,7 +49,7 @@ struct HandlePose {
   std::uint32_t frame = 0;      // counts up with the tracker's measurements
 };
 
-inline constexpr std::size_t max_handles = 16;
+inline constexpr std::size_t max_handles = 0xFE;
 
 /// A TX or BX reply.
 struct PoseReply {
@@ -59,12 +60,18 @@ struct PoseReply {
   std::span<const HandlePose> all() const noexcept { return {handles.data(), num_handles}; }
 };
 
+/// Handling of a handle whose pose is none: NaN, no turn, or too far away.
+enum class ImplausiblePose : std::uint8_t {
+  refuse_reply,  // `bad_value`
+  mark_handle,   // HandleStatus::implausible; the other handles stand
+};
+
 /// Text, after a TX command with these options.
-[[nodiscard]] ParseResult parse_tx(std::span<const std::uint8_t> text, std::uint16_t options,
-                                   PoseReply& out) noexcept;
+[[nodiscard]] ParseResult parse_tx(std::span<const std::uint8_t> text, std::uint16_t options, PoseReply& out,
+                                   ImplausiblePose implausible = ImplausiblePose::refuse_reply) noexcept;
 /// Body, after a BX command with these options.
-[[nodiscard]] ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options,
-                                   PoseReply& out) noexcept;
+[[nodiscard]] ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, PoseReply& out,
+                                   ImplausiblePose implausible = ImplausiblePose::refuse_reply) noexcept;
 
 /// The gravest of the bits of the system status that ask for something to be done; null without any.
 const char* system_status_text(std::uint16_t status) noexcept;

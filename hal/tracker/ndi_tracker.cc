@@ -79,6 +79,7 @@ void NdiTracker::restart(Nanoseconds now) noexcept {
   tool_ = address_ = 0;
   longest_answer_ = 0;
   passes_ = 0;
+  unread_.clear();
   go(by_default_rate_ ? Step::slow_down : Step::follow_rate);
   not_before_ = now;
   if (report_.state != TrackerState::failed)
@@ -97,11 +98,19 @@ void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
   if (now < boot_deadline_) {
     report_.state = TrackerState::initialising;
     restart(now);
+    enter(TrackerState::initialising, "%s: %s; trying again", name_of(at), why);
     return;
   }
   enter(TrackerState::failed, "%s: %s; tried again every 5 s", name_of(at), why);
   restart(now);
   not_before_ = now + retry_period;
+}
+
+/// Returns what the bytes look like that came instead of a reply, or `otherwise` where none did.
+const char* NdiTracker::not_understood(const char* otherwise) noexcept {
+  if (unread_.empty()) return otherwise;
+  unread_.describe(TrackerProtocol::ndi, params_.baud, unread_text_);
+  return unread_text_.data();
 }
 
 void NdiTracker::go(Step step) noexcept {
@@ -193,7 +202,8 @@ void NdiTracker::on_silence(Nanoseconds now) noexcept {
   ++report_.counters.timeouts;
   if (step_ == Step::poll && now - t_first_asked_ < poll_silence) return;
   const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;
-  if (tries_ >= allowed) give_up_or_restart("no reply: is the tracker switched on, and this its port?", now);
+  if (tries_ >= allowed)
+    give_up_or_restart(not_understood("no reply: is the tracker switched on, and this its port?"), now);
 }
 
 /// A poll that was sent again may be answered twice: its second answer is waited for, or it would be taken for that to
@@ -213,21 +223,25 @@ void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
   not_before_ = now + quiet;
   quiet_until_ = now + most_quiet;
   if (step_ == Step::send_break) return go(Step::set_rate);
+  if (report_.state == TrackerState::initialising)
+    enter(TrackerState::initialising, "%s: %s", name_of(step_), not_understood("replies are not readable"));
   if (step_ == Step::poll) {
     tries_ = 0;  // it does answer
   } else if (tries_ >= max_tries) {
-    give_up_or_restart("replies are not readable: check cable and baud", now);
+    give_up_or_restart(not_understood("replies are not readable: check cable and baud"), now);
   }
 }
 
 void NdiTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
   using Event = ndi::ReplyReceiver::Event;
+  unread_.add(bytes);
   for (const std::uint8_t byte : bytes) {
     if (awaiting_ && !reply_began_) t_reply_ = now;
     reply_began_ = true;
     if (awaiting_ && step_ == Step::poll) deadline_ = std::max(deadline_, now + poll_margin);  // it is coming
     if (!awaiting_ && now < quiet_until_) not_before_ = std::max(not_before_, now + quiet);
     const Event event = receiver_.push(byte);
+    if (event == Event::text || event == Event::binary) unread_.clear();
     if (event == Event::more || !awaiting_) continue;
     if (event == Event::bad_crc || event == Event::too_long) {
       ++report_.counters.bad_crc;

@@ -8,6 +8,7 @@
 #include "hal/tracker/ndi.h"
 #include "hal/tracker/ndi_reply.h"
 #include "hal/tracker/tracker.h"
+#include "hal/tracker/unread_bytes.h"
 
 namespace godobject {
 
@@ -72,12 +73,15 @@ class NdiTracker final : public Tracker {
   void next_handle() noexcept;
   void next_definition() noexcept;
   std::optional<std::size_t> tool_of(std::uint8_t handle) const noexcept;
+  const char* not_understood(const char* otherwise) noexcept;
   bool was_tracking() const noexcept { return report_.state == TrackerState::tracking; }
 
   ToolDefinitions definitions_;
   std::array<std::optional<std::uint8_t>, max_tracked_tools> handles_{};  // of the tools
   std::array<bool, max_tracked_tools> enabled_{};
   ndi::ReplyReceiver receiver_;
+  UnreadBytes unread_;
+  std::array<char, 140> unread_text_{};
   ndi::Command command_;
   Step step_ = Step::slow_down;
   bool awaiting_ = false;            // a reply

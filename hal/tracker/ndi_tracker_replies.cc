@@ -160,8 +160,8 @@ void NdiTracker::on_poses(ndi::ReplyReceiver::Event event, std::span<const std::
   const bool binary = event == ndi::ReplyReceiver::Event::binary;
   ndi::PoseReply reply;
   if (step_ != Step::poll || binary == use_text_ ||
-      (binary ? ndi::parse_bx(content, poll_options, reply) : ndi::parse_tx(content, poll_options, reply)) !=
-          ParseResult::ok) {
+      (binary ? ndi::parse_bx : ndi::parse_tx)(content, poll_options, reply,
+                                               ndi::ImplausiblePose::mark_handle) != ParseResult::ok) {
     ++report_.counters.malformed;
     return on_lost_reply(now);
   }
@@ -193,6 +193,7 @@ void NdiTracker::take(const ndi::HandlePose& pose, Nanoseconds t) noexcept {
       return measured(*tool, pose.X_TH, pose.frame, pose.error_m,
                       outside ? ToolState::out_of_volume : ToolState::valid, t);
     }
+    case ndi::HandleStatus::implausible: ++report_.counters.malformed; return;
     case ndi::HandleStatus::missing: return not_measured(*tool, ToolState::missing, t);
     case ndi::HandleStatus::disabled: return not_measured(*tool, ToolState::disabled, t);
   }

@@ -33,6 +33,7 @@ struct TrackerParams {
   std::string port;                 // "/dev/serial/by-id/..."
   std::uint32_t baud = 115200;      // bit/s on the line
   Pose X_WT{};                      // the tracker's frame in the world
+  Vec3 hemisphere = Vec3::UnitX();  // Polhemus: from the source to where its sensors are, in its frame
   double stale_after_s = 0.1;       // a pose older than this is not valid any more
   double boot_timeout_s = 10;       // from opening the line to the first reply while tracking
   double min_cutoff_hz = 0;         // One-Euro filter; 0: none

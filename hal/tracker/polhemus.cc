@@ -59,7 +59,11 @@ ParseResult parse_fastrak(std::span<const std::uint8_t> bytes, Record& out, std:
                 .station = static_cast<std::uint8_t>(bytes[1] - '0'),
                 .error = static_cast<char>(bytes[2])};
   ByteReader in(bytes.subspan(3));
-  if (!get_pose(in, record.X_TH) || bytes[fastrak_size - 1] != ' ') return ParseResult::bad_value;
+  const bool ends = bytes[fastrak_size - 1] == ' ';
+  if (!get_pose(in, record.X_TH) || !ends) {
+    size = ends ? fastrak_size : 0;
+    return ParseResult::bad_value;
+  }
   out = record;
   size = fastrak_size;
   return ParseResult::ok;
@@ -76,7 +80,11 @@ ParseResult parse_liberty(std::span<const std::uint8_t> bytes, Record& out, std:
   if (bytes.size() < all) return ParseResult::too_short;
   Record record{.model = Model::liberty, .station = bytes[2], .error = static_cast<char>(bytes[4])};
   ByteReader in(bytes.subspan(liberty_header));
-  if (!get_pose(in, record.X_TH) || bytes[all - 1] != ' ') return ParseResult::bad_value;
+  const bool ends = bytes[all - 1] == ' ';
+  if (!get_pose(in, record.X_TH) || !ends) {
+    size = ends ? all : 0;
+    return ParseResult::bad_value;
+  }
   in.get(record.t_ms);
   out = record;
   size = all;
@@ -119,6 +127,10 @@ RecordReceiver::Event RecordReceiver::push(std::uint8_t byte) noexcept {
       in_step_ = true;
       return Event::record;
     }
+    if (result == ParseResult::bad_value && size > 0 && in_step_) {  // those after it are in step
+      drop(size);
+      return Event::malformed;
+    }
     lost = true;
     drop(1);
   }
@@ -154,6 +166,33 @@ std::optional<Command> init_command(Model model, std::size_t index, std::size_t 
   // cppcheck-suppress wrongPrintfScanfArgNum  ; the formats without a place for it leave it out
   const int size = std::snprintf(command.data.data(), command.data.size(), format, index - 1);
   command.size = static_cast<std::size_t>(size);
+  return command;
+}
+
+std::optional<Command> frame_command(Model model, std::size_t index, std::size_t num_stations,
+                                     const Vec3& hemisphere) noexcept {
+  constexpr std::size_t num_kinds = 5;
+  const bool fastrak = model == Model::fastrak;
+  // A Fastrak takes its stations one by one.
+  const std::size_t num_commands =
+      fastrak ? num_kinds * std::min(num_stations, max_fastrak_stations) : num_kinds;
+  if (index >= num_commands) return std::nullopt;
+  std::array<char, 3> station{'*', '\0'};
+  if (fastrak) station[0] = static_cast<char>('1' + index / num_kinds);
+  Command command;
+  const auto print = [&](const char* format, auto... values) {
+    const int size = std::snprintf(command.data.data(), command.data.size(), format, values...);
+    command.size = static_cast<std::size_t>(size);
+  };
+  switch (index % num_kinds) {
+    case 0: print(fastrak ? "R%s\r" : "\x12%s\r", station.data()); break;  // alignment; Liberty: ^R
+    case 1: print(fastrak ? "b%s\r" : "\x02%s\r", station.data()); break;  // boresight; Liberty: ^B
+    case 2: print("N%s,0,0,0\r", station.data()); break;                   // tip offset
+    case 3:
+      fastrak ? print("r%s,0,0,0\r", station.data()) : print("%s", "G0,0,0\r");
+      break;  // frame of the source
+    default: print("H%s,%.3f,%.3f,%.3f\r", station.data(), hemisphere.x(), hemisphere.y(), hemisphere.z());
+  }
   return command;
 }
 

@@ -36,7 +36,8 @@ inline constexpr std::size_t max_stations = 16;
 [[nodiscard]] std::span<const std::uint8_t> make_record(const Record& record,
                                                         std::span<std::uint8_t> out) noexcept;
 
-/// From the first byte of a record on. `too_short`: it may be one, more bytes are needed. `size` is set on `ok`.
+/// From the first byte of a record on. `too_short`: it may be one, more bytes are needed. `size` is set on
+/// `ok`, and on `bad_value`, where 0 means that no record ends where this one should.
 [[nodiscard]] ParseResult parse_record(std::span<const std::uint8_t> bytes, Record& out,
                                        std::size_t& size) noexcept;
 
@@ -46,7 +47,7 @@ class RecordReceiver {
   enum class Event : std::uint8_t {
     more,
     record,     // record() is new
-    malformed,  // what came is no record: out of step, reported once until the next record
+    malformed,  // a record without a pose; or no record: out of step, reported once until the next record
   };
   Event push(std::uint8_t byte) noexcept;
   const Record& record() const noexcept { return record_; }
@@ -63,7 +64,7 @@ class RecordReceiver {
 
 /// A command of the initialisation; none past the last. Neither model answers them.
 struct Command {
-  std::array<char, 20> data{};
+  std::array<char, 48> data{};
   std::size_t size = 0;
 
   std::span<const std::uint8_t> bytes() const noexcept {
@@ -72,5 +73,11 @@ struct Command {
 };
 /// Silence, inches, for stations 1 to num_stations position and quaternion, binary, and continuous records.
 std::optional<Command> init_command(Model model, std::size_t index, std::size_t num_stations) noexcept;
+/// Commands that set everything by which a tracker changes its poses; none past the last. Alignment,
+/// boresight, tip offset and the frame of the source as they leave the factory, since the scene has frames of
+/// its own; and the hemisphere.
+/// hemisphere: direction from the source, in its frame, to the half of space in which the sensors are.
+std::optional<Command> frame_command(Model model, std::size_t index, std::size_t num_stations,
+                                     const Vec3& hemisphere) noexcept;
 
 }  // namespace godobject::polhemus

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 
 namespace godobject {
 namespace {
@@ -51,7 +52,8 @@ void PolhemusTracker::opened(Nanoseconds now) noexcept {
 /// The other model's way.
 void PolhemusTracker::begin(Nanoseconds now) noexcept {
   model_ = model_ == polhemus::Model::liberty ? polhemus::Model::fastrak : polhemus::Model::liberty;
-  index_ = 0;
+  index_ = frame_index_ = 0;
+  unread_.clear();
   not_before_ = now;
   receiver_.reset();
   time_ms_.reset();
@@ -64,31 +66,41 @@ void PolhemusTracker::begin(Nanoseconds now) noexcept {
 
 LineRequest PolhemusTracker::next(Nanoseconds now) noexcept {
   expire(now);
-  command_ = polhemus::init_command(model_, index_, num_stations_);
+  // Frames are set between the first commands, silence and units, and those for records.
+  command_ = index_ == 2 ? polhemus::frame_command(model_, frame_index_, num_stations_, params_.hemisphere)
+                         : std::nullopt;
+  const bool sets_frame = command_.has_value();
+  if (!command_) command_ = polhemus::init_command(model_, index_, num_stations_);
   if (command_) {
     if (now < not_before_) return {};
-    ++index_;
+    ++(sets_frame ? frame_index_ : index_);
     not_before_ = now + command_period;
     deadline_ = now + record_patience;
     return {.kind = LineRequest::Kind::send, .bytes = command_->bytes()};
   }
   if (now < deadline_) return {};
   ++report_.counters.timeouts;
+  std::array<char, 140> why{};
+  if (unread_.empty())
+    std::snprintf(why.data(), why.size(),
+                  "is the tracker switched on, this its port, and its switches at %u bit/s?",
+                  unsigned{params_.baud});
+  else unread_.describe(TrackerProtocol::polhemus, params_.baud, why);
   if (report_.state == TrackerState::tracking) {
     ++report_.counters.restarts;
     boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
     report_.state = TrackerState::initialising;
   } else if (now >= boot_deadline_) {
-    enter(TrackerState::failed,
-          "no records: is the tracker switched on, this its port, and its switches at %u bit/s?",
-          params_.baud);
+    report_.state = TrackerState::failed;
   }
   begin(now);
+  enter(report_.state, "no records: %s", why.data());
   return {};
 }
 
 void PolhemusTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
-  // What comes while it is set up is of an earlier run, in a format of its own.
+  unread_.add(bytes);
+  // Records that come while it is set up are of an earlier run, in a format of its own.
   if (polhemus::init_command(model_, index_, num_stations_)) return;
   for (const std::uint8_t byte : bytes) {
     switch (receiver_.push(byte)) {
@@ -100,6 +112,7 @@ void PolhemusTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds n
 }
 
 void PolhemusTracker::take(const polhemus::Record& record, Nanoseconds now) noexcept {
+  unread_.clear();
   deadline_ = now + record_patience;
   const double wire_s = 10.0 * static_cast<double>(polhemus::fastrak_size) / params_.baud;
   Nanoseconds t = now - to_ns(wire_s);
@@ -110,24 +123,47 @@ void PolhemusTracker::take(const polhemus::Record& record, Nanoseconds now) noex
   }
   for (std::size_t i = 0; i < params_.tools.size(); ++i) {
     if (stations_[i] != record.station) continue;
-    if (!is_plausible(last_[i], record.X_TH.p, t)) {
+    const bool was_mirrored = last_[i].mirrored;
+    const Verdict verdict = judge(last_[i], record.X_TH.p, t);
+    if (verdict == Verdict::refused) {
       ++report_.counters.malformed;
       return;
     }
+    if (verdict == Verdict::mirrored) {
+      not_measured(i, ToolState::missing, t);
+      enter(TrackerState::tracking,
+            "station %u has left the hemisphere (%.2g, %.2g, %.2g) of its source: bring it back, or set "
+            "`hemisphere`",
+            unsigned{record.station}, params_.hemisphere.x(), params_.hemisphere.y(), params_.hemisphere.z());
+      return;
+    }
     measured(i, record.X_TH, ++count_[i], 0, ToolState::valid, t);
-    if (report_.state == TrackerState::tracking) return;
-    enter(TrackerState::tracking, "%s, station %u%s",
-          record.model == polhemus::Model::fastrak ? "Fastrak" : "Liberty", unsigned{record.station},
-          record.error == ' ' ? "" : " reports a weak or disturbed signal");
+    if (was_mirrored || report_.state != TrackerState::tracking) report_tracking(record);
   }
 }
 
-bool PolhemusTracker::is_plausible(Plausibility& last, const Vec3& p, Nanoseconds t) const noexcept {
+void PolhemusTracker::report_tracking(const polhemus::Record& record) noexcept {
+  enter(TrackerState::tracking, "%s, station %u%s",
+        record.model == polhemus::Model::fastrak ? "Fastrak" : "Liberty", unsigned{record.station},
+        record.error == ' ' ? "" : " reports a weak or disturbed signal");
+}
+
+/// The field of the source is the same at p and at -p: a sensor that leaves its hemisphere is reported at -p.
+/// It is lost until it is back, however long that takes; any other jump is real if it lasts.
+PolhemusTracker::Verdict PolhemusTracker::judge(Plausibility& last, const Vec3& p, Nanoseconds t) noexcept {
   const double dt = 1e-9 * static_cast<double>(std::max<Nanoseconds>(t - last.t_ns, 0));
-  const bool near = !last.started || (p - last.p).norm() <= max_jump + max_speed * dt;
-  if (!near && ++last.refused < max_refused) return false;
+  const double way = max_jump + max_speed * dt;
+  const double to_it = (p - last.p).norm(), to_mirror_image = (p + last.p).norm();
+  const bool is_near = !last.started || to_it <= way;
+  const bool is_mirrored = last.started && to_it > max_jump && to_mirror_image < to_it &&
+                           to_mirror_image <= (is_near ? max_jump : way);
+  if (is_mirrored) {
+    last = {.p = -p, .t_ns = t, .refused = 0, .started = true, .mirrored = true};
+    return Verdict::mirrored;
+  }
+  if (!is_near && ++last.refused < max_refused) return Verdict::refused;
   last = {.p = p, .t_ns = t, .refused = 0, .started = true};
-  return true;
+  return Verdict::plausible;
 }
 
 }  // namespace godobject

@@ -9,6 +9,7 @@
 #include "hal/base/clock_map.h"
 #include "hal/tracker/polhemus.h"
 #include "hal/tracker/tracker.h"
+#include "hal/tracker/unread_bytes.h"
 
 namespace godobject {
 
@@ -26,20 +27,25 @@ class PolhemusTracker final : public Tracker {
  private:
   /// Bounds what noise can do to a position: a hand is not faster, except when it is again and again.
   struct Plausibility {
-    Vec3 p = Vec3::Zero();
+    Vec3 p = Vec3::Zero();  // of the sensor; where its records are mirrored, the mirror image of theirs
     Nanoseconds t_ns = 0;
     int refused = 0;
     bool started = false;
+    bool mirrored = false;  // it has left its hemisphere: records have p as -p
   };
+  enum class Verdict : std::uint8_t { plausible, mirrored, refused };
 
   void begin(Nanoseconds now) noexcept;
   void take(const polhemus::Record& record, Nanoseconds now) noexcept;
-  bool is_plausible(Plausibility& last, const Vec3& p, Nanoseconds t) const noexcept;
+  static Verdict judge(Plausibility& last, const Vec3& p, Nanoseconds t) noexcept;
+  void report_tracking(const polhemus::Record& record) noexcept;
 
   polhemus::RecordReceiver receiver_;
+  UnreadBytes unread_;
   polhemus::Model model_ = polhemus::Model::liberty;
   std::optional<polhemus::Command> command_;
-  std::size_t index_ = 0;  // of the command
+  std::size_t index_ = 0;        // of the command of the initialisation
+  std::size_t frame_index_ = 0;  // of the command that sets frames
   std::size_t num_stations_ = 1;
   std::array<std::uint8_t, max_tracked_tools> stations_{};
   std::array<Plausibility, max_tracked_tools> last_{};

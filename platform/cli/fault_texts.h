@@ -62,10 +62,11 @@ enum class RunFault : std::size_t {
   records_lost,
   deadlines_missed,
   force_oscillates,
+  held,
 };
 
 /// In the order of RunFault.
-inline constexpr std::array<FaultText, 9> run_fault_texts{{
+inline constexpr std::array<FaultText, 10> run_fault_texts{{
     {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
      "check power, cables and bit rates; see boot_timeout"},
     {"not_set_up", "a node could not be commissioned; no cycle was run",
@@ -84,6 +85,10 @@ inline constexpr std::array<FaultText, 9> run_fault_texts{{
     {"force_oscillates",
      "of a scene without a rig: the force shown to the hand swung between its bounds for 0.5 s",
      "lower the feedback's damping and stiffness, or raise the limit that it meets"},
+    {"held",
+     "on a device: deadlines were missed, so the pose was held and the force faded for more than 5 % of the "
+     "run",
+     "end what else runs on this machine, and look at the real-time set-up; see docs/running.md"},
 }};
 
 constexpr const FaultText& text_of(RunFault fault) noexcept {

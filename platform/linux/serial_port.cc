@@ -12,14 +12,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
 #include <utility>
 
+#include "platform/rt/clock.h"
 #include "platform/rt/last_resort.h"
 
 namespace godobject {
@@ -156,7 +159,10 @@ void SerialPort::lost(int error) noexcept {
 
 std::size_t SerialPort::read(std::span<std::uint8_t> out) noexcept {
   if (state_ != SerialState::open || out.empty()) return 0;
+  const MonotonicClock clock;
+  const Nanoseconds begin = clock.now();
   const ssize_t n = ::read(fd_, out.data(), out.size());
+  slow_calls_.add(clock.now() - begin);
   if (n > 0) return static_cast<std::size_t>(n);
   if (n == 0) {
     lost(EIO);
@@ -170,7 +176,10 @@ std::size_t SerialPort::write(std::span<const std::uint8_t> bytes) noexcept {
   if (state_ != SerialState::open || bytes.empty()) return 0;
   const BusWrite write;
   if (!write.allowed()) return 0;
+  const MonotonicClock clock;
+  const Nanoseconds begin = clock.now();
   const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+  slow_calls_.add(clock.now() - begin);
   if (n >= 0) return static_cast<std::size_t>(n);
   if (errno != EAGAIN && errno != EINTR) lost(errno);
   return 0;
@@ -206,6 +215,19 @@ std::string SerialPort::trouble() const {
     case SerialState::failed: break;
   }
   return path_ + ": " + (why_.empty() ? text_of(error_) + remedy_of(error_) : why_);
+}
+
+std::string SerialPort::slowness() const {
+  if (slow_calls_.count == 0) return "";
+  std::array<char, 24> longest{};
+  std::snprintf(longest.data(), longest.size(), "%.1f ms", 1e-6 * static_cast<double>(slow_calls_.longest));
+  const bool is_late = low_latency_ == LowLatency::refused;
+  return path_ + ": " + std::to_string(slow_calls_.count) +
+         " reads or writes of this terminal were kept by the kernel, " + longest.data() +
+         " at most: its worker for terminals waits for other programs" +
+         (is_late ? "; let the port have low latency (see its udev rule)" : "") +
+         "; end what loads this machine, use a kernel with PREEMPT_RT, or a CAN adapter with a driver "
+         "(socketcan:)";
 }
 
 std::string SerialPort::latency_report() const {

@@ -1,6 +1,7 @@
 // A serial line of this machine: a UART, a USB adapter or a pseudo-terminal, raw and without waiting.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -26,6 +27,21 @@ enum class LowLatency : std::uint8_t {
   in_effect,   // ASYNC_LOW_LATENCY was read back; the latency timer, where there is one, is at most 1 ms
   not_a_uart,  // a pseudo-terminal, or a driver without the setting
   refused,     // latency_report() has the reason and the udev rule
+};
+
+/// Reads and writes that did not return at once, although the port never waits for bytes: the kernel kept
+/// them, because its worker that hands bytes on (kworker, flush_to_ldisc) held the terminal and was not
+/// running.
+struct SlowCalls {
+  static constexpr Nanoseconds at_least = 1'000'000;
+  std::uint64_t count = 0;
+  Nanoseconds longest = 0;
+
+  void add(Nanoseconds took) noexcept {
+    if (took < at_least) return;
+    ++count;
+    longest = std::max(longest, took);
+  }
 };
 
 struct SerialSettings {
@@ -68,6 +84,10 @@ class SerialPort {
   int descriptor() const noexcept { return fd_; }
   SerialState state() const noexcept { return state_; }
   LowLatency low_latency() const noexcept { return low_latency_; }
+  /// Since the port was made.
+  const SlowCalls& slow_calls() const noexcept { return slow_calls_; }
+  /// One line: how long reads and writes were kept, and what to do; empty: none was. Allocates.
+  std::string slowness() const;
   const std::string& path() const noexcept { return path_; }
   /// What is wrong and what to do; empty while nothing is. Allocates.
   std::string trouble() const;
@@ -86,6 +106,7 @@ class SerialPort {
   int latency_error_ = 0;                  // errno of the request
   std::optional<int> latency_timer_ms_{};  // of the USB adapter, as read back
   int error_ = 0;                          // errno that ended the connection
+  SlowCalls slow_calls_{};
   std::string path_{};
   std::string why_{};
 };

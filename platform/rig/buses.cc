@@ -45,13 +45,13 @@ std::optional<std::size_t> bus_of(const NamedAddress& given, const Given& by,
   return std::nullopt;
 }
 
-/// `pty` alone stands for one of each bus.
+/// `pty` alone stands for one of each bus, as does a log.
 std::vector<std::string> with_names(std::span<const std::string> given, const std::vector<BusParams>& buses) {
   std::vector<std::string> named;
   for (const std::string& text : given) {
     std::string ignored;
     const std::optional<BusAddress> address = parse_bus_address(text, ignored);
-    if (address && address->backend->makes_terminal)
+    if (address && (address->backend->makes_terminal || (address->backend->is_file && given.size() == 1)))
       for (const BusParams& bus : buses) named.push_back(bus.name + "=" + text);
     else named.push_back(text);
   }
@@ -99,6 +99,11 @@ RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig
       errors.push_back(
           by.complaint("bus '" + buses[i].name + "' of the scene has no address: give" + by.how_to()));
   }
+  if (errors.empty() && !where.are_logs() &&
+      std::ranges::any_of(where.addresses, [](const BusAddress& bus) { return bus.backend->is_file; }))
+    errors.push_back(
+        by.complaint("a log and a bus that keeps time of its own do not go together: give replay:FILE for "
+                     "every bus, or for none"));
   return where;
 }
 

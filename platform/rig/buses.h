@@ -4,6 +4,7 @@
 // for when the program dies; load_advice.h says what a bus bears, profiles.h what nodes are set up by; run.h is all of it around a step of one's own.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,9 +19,17 @@ namespace godobject {
 struct RigAddresses {
   std::vector<BusAddress> addresses;  // one per bus of the scene, in its order
   std::vector<std::string> texts;     // the same as given
+
+  /// True if the frames of every bus are in a log.
+  bool are_logs() const {
+    return !addresses.empty() &&
+           std::ranges::all_of(addresses, [](const BusAddress& bus) { return bus.backend->is_file; });
+  }
 };
 
-/// An address where the scene has one bus, NAME=ADDRESS for each where it has several; `pty` alone stands for one of each.
+/// An address where the scene has one bus, NAME=ADDRESS for each where it has several; `pty` alone stands for
+/// one of each, `replay:FILE` alone for a log that has all. Logs do not go with other buses: those keep time
+/// of their own.
 /// option: of the command line that gives them, "--bus"; empty: arguments.
 RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig& scene,
                            const std::string& option, std::vector<std::string>& errors);

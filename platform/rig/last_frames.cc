@@ -12,7 +12,7 @@ std::vector<LastWords> last_words(const RigParams& params, LinuxLink& link) {
   rig.stop();
   std::vector<LastWords> words;
   for (std::size_t i = 0; i < notes.size(); ++i) {
-    words.push_back({.descriptor = link.bus(i).descriptor(), .writes = {}});
+    words.push_back({.descriptor = link.bus(i).descriptor(), .writes = {}, .rest = link.bus(i).line_rest()});
     for (const CanFrame& frame : notes[i].frames())
       words.back().writes.push_back(link.bus(i).as_written(frame));
   }

@@ -104,6 +104,9 @@ RigRun::RigRun(const std::string& scene_file, std::span<const std::string> addre
     for (const BusLoad& load : bus_load(rig, usual_load(rig)))
       if (is_overloaded(load)) errors_.push_back(scene_file + ": " + load_advice(load));
   where_ = rig_addresses(addresses, scene_, "", errors_);
+  if (where_.are_logs())
+    errors_.push_back(scene_file + ": a log is no device: run it with godobject run " + scene_file +
+                      " --bus replay:FILE");
   if (!errors_.empty()) return;
   auto link = make_link(where_, rig, scene_.step, false);
   link_ = link.get();

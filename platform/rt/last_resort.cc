@@ -68,8 +68,10 @@ bool speak() noexcept {
   for (int ms = 0; ms < settling_ms && !BusWrite::none_is_going_on(); ++ms) sleep_ms(1);
   const std::vector<LastWords>* const buses = registered.load();
   if (buses)
-    for (const LastWords& bus : *buses)
+    for (const LastWords& bus : *buses) {
+      if (bus.rest != nullptr) write_all(bus.descriptor, bus.rest->text());
       for (const std::string& frame : bus.writes) write_all(bus.descriptor, frame);
+    }
   done = true;
   return buses != nullptr;
 }

@@ -2,18 +2,40 @@
 // handler of the deadly signal. Process-wide, for one rig at a time.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace godobject {
+
+/// The rest of a line that a short write has cut off: on a bus of lines the last frames come after it. Stored
+/// by the thread that writes, within a BusWrite; read by the last resort.
+class LineRest {
+ public:
+  void store(std::string_view rest) noexcept {
+    size_ = 0;
+    const std::size_t size = std::min(rest.size(), text_.size());
+    std::copy_n(rest.begin(), size, text_.begin());
+    size_ = size;
+  }
+  std::string_view text() const noexcept { return {text_.data(), size_.load()}; }
+
+ private:
+  std::array<char, 64> text_{};
+  std::atomic<std::size_t> size_{0};
+  static_assert(std::atomic<std::size_t>::is_always_lock_free, "read in a signal handler");
+};
 
 /// The last frames on one bus: where to write, and what, in this order. One write each: a frame is one message on a CAN
 /// socket.
 struct LastWords {
   int descriptor = -1;  // non-blocking; -1: the bus is closed, nothing is written
   std::vector<std::string> writes;
+  const LineRest* rest = nullptr;  // written first; null: the bus has no lines
 };
 
 /// While it lives, its words are written when the process dies by a signal that announces a defect (SIGABRT,

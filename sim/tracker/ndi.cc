@@ -117,7 +117,7 @@ SimNdi::SimNdi(const TrackerParams& params, double rate_hz, std::uint64_t seed)
 }
 
 void SimNdi::forget_tools() noexcept {
-  initialised_ = tracking_ = false;
+  initialised_ = tracking_ = foreign_initialised_ = false;
   for (Port& port : ports_) {
     port.initialised = port.enabled = false;
     port.written = 0;
@@ -189,6 +189,11 @@ void SimNdi::answer_handle_command(std::string_view command, std::string_view pa
                                    Nanoseconds now) noexcept {
   constexpr std::array known{"PVWR", "PINIT", "PENA", "PDIS", "PHF", "PHINF"};
   if (std::ranges::find(known, command) == known.end()) return send_error(error::invalid_command, now);
+  const auto handle = ndi_handle(parameters.substr(0, 2));
+  if (handle && *handle >= first_foreign_ && *handle < first_foreign_ + num_foreign_) {
+    foreign_initialised_ = foreign_initialised_ || command == "PINIT";
+    return send_text("OKAY", now);
+  }
   Port* const port = port_of(parameters.substr(0, 2));
   if (port == nullptr) return send_error(error::no_handle, now);
   if (command == "PHINF") return answer_phinf(*port, now);
@@ -210,7 +215,7 @@ void SimNdi::answer_handle_command(std::string_view command, std::string_view pa
 
 /// 00 all, 01 to be freed, 02 not initialised, 03 initialised and not enabled, 04 enabled.
 void SimNdi::answer_phsr(std::string_view parameters, Nanoseconds now) noexcept {
-  std::array<std::uint8_t, 128> reply{};
+  std::array<std::uint8_t, 2048> reply{};
   Text text(reply);
   std::array<std::size_t, max_tracked_tools> listed{};
   std::size_t count = 0;
@@ -222,7 +227,12 @@ void SimNdi::answer_phsr(std::string_view parameters, Nanoseconds now) noexcept 
                         (parameters == "04" && port.enabled);
     if (wanted) listed[count++] = i;
   }
-  text.add("%02zX", count);
+  const bool foreign_wanted = parameters == "00" || parameters == (foreign_initialised_ ? "03" : "02");
+  const std::size_t num_foreign = foreign_wanted ? num_foreign_ : 0;
+  text.add("%02zX", num_foreign + count);
+  for (std::size_t i = 0; i < num_foreign; ++i)
+    text.add("%02X%03X", unsigned{first_foreign_} + static_cast<unsigned>(i),
+             foreign_initialised_ ? 0x011u : 0x001u);
   for (std::size_t i = 0; i < count; ++i)
     text.add("%02X%03X", unsigned{*ports_[listed[i]].handle}, port_bits(listed[i]) & 0xFFFu);
   send(finish(text), now);
@@ -274,10 +284,16 @@ ndi::HandlePose SimNdi::pose_of(std::size_t tool) const noexcept {
 void SimNdi::answer_poses(bool binary, std::string_view parameters, Nanoseconds now) noexcept {
   if (parameters != "0001" && parameters != "0801") return send_error(0x23, now);
   ndi::PoseReply reply;
+  for (std::size_t i = 0; i < num_foreign_; ++i)
+    reply.handles[reply.num_handles++] = {.handle = static_cast<std::uint8_t>(first_foreign_ + i),
+                                          .status = ndi::HandleStatus::valid,
+                                          .X_TH = X_foreign_,
+                                          .port_bits = ndi::port_status::enabled,
+                                          .frame = measurement().frame};
   for (std::size_t i = 0; i < num_tools_; ++i) {
     if (ports_[i].handle && ports_[i].enabled) reply.handles[reply.num_handles++] = pose_of(i);
   }
-  std::array<std::uint8_t, 1024> bytes{};
+  std::array<std::uint8_t, max_message> bytes{};
   send(binary ? make_bx_reply(reply, bytes) : make_tx_reply(reply, bytes), now);
 }
 

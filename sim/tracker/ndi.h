@@ -20,6 +20,13 @@ class SimNdi final : public SimTracker {
   void serial_break(Nanoseconds now) noexcept override;
   /// Older firmware: BX is an invalid command.
   void set_text_only(bool text_only) noexcept { text_only_ = text_only; }
+  /// Adds tools that no scene has, from handle `first` on, seen in every reply with this pose, which need be
+  /// none.
+  void set_foreign_tools(std::uint8_t first, std::size_t count, const Pose& X) noexcept {
+    first_foreign_ = first;
+    num_foreign_ = count;
+    X_foreign_ = X;
+  }
   /// Bytes of the definition that was written for a tool.
   std::size_t definition_size(std::size_t tool) const noexcept { return ports_[tool].written; }
 
@@ -46,6 +53,10 @@ class SimNdi final : public SimTracker {
 
   std::array<Port, max_tracked_tools> ports_{};
   std::size_t num_tools_ = 0;
+  std::uint8_t first_foreign_ = 0;
+  std::size_t num_foreign_ = 0;
+  bool foreign_initialised_ = false;
+  Pose X_foreign_{};
   std::array<char, 256> line_{};
   std::size_t line_size_ = 0;
   bool initialised_ = false, tracking_ = false, text_only_ = false;

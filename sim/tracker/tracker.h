@@ -11,6 +11,7 @@
 #include <span>
 
 #include "hal/base/fixed_queue.h"
+#include "hal/tracker/ndi.h"
 #include "hal/tracker/tracker.h"
 #include "sim/bus/random.h"
 
@@ -29,7 +30,7 @@ struct SimTrackerFaults {
 
 class SimTracker {
  public:
-  static constexpr std::size_t max_message = 2048;
+  static constexpr std::size_t max_message = ndi::ReplyReceiver::capacity;
 
   /// rate_hz: measurements per second, > 0.
   SimTracker(double rate_hz, std::uint64_t seed) noexcept;

@@ -1,6 +1,9 @@
 // A serial port on a pseudo-terminal: raw bytes, full buffers, hang-up, and what open() says where it fails.
 #include <gmock/gmock.h>
 
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <numeric>
@@ -54,6 +57,25 @@ TEST(SerialPort, NothingToReadIsNotAnError) {
   EXPECT_EQ(port.read(buffer), 0u);
   EXPECT_FALSE(port.wait_readable(0));
   EXPECT_EQ(port.state(), SerialState::open);
+}
+
+/// A kernel that keeps a call: here a socket that waits for bytes, which a terminal never does.
+TEST(SerialPort, CallsThatTheKernelKeepsAreCountedAndExplained) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
+  const timeval patience{.tv_sec = 0, .tv_usec = 6000};
+  ASSERT_EQ(setsockopt(ends[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
+  SerialPort port;
+  port.adopt(ends[0], "terminal");
+  EXPECT_THAT(port.slowness(), IsEmpty());
+  std::array<std::uint8_t, 8> buffer{};
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(port.read(buffer), 0u);
+  EXPECT_EQ(port.state(), SerialState::open);
+  EXPECT_EQ(port.slow_calls().count, 3u);
+  EXPECT_GE(port.slow_calls().longest, 6'000'000 - 100'000);
+  EXPECT_THAT(port.slowness(), testing::StartsWith("terminal: 3 reads or writes"));
+  for (const char* remedy : {"PREEMPT_RT", "socketcan:"}) EXPECT_THAT(port.slowness(), HasSubstr(remedy));
+  ::close(ends[1]);
 }
 
 TEST(SerialPort, DiscardedInputIsNotRead) {

@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <poll.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <map>
 #include <mutex>
+#include <random>
 #include <thread>
 
 #include "platform/linux/bus/pty.h"
@@ -122,7 +124,7 @@ TEST(SlcanBus, OpensClosesAndCountsAcknowledgedFrames) {
   EXPECT_EQ(bus.counters().sent, 1u);
   bus.close();
   EXPECT_EQ(bus.state(), BusState::closed);
-  EXPECT_THAT(adapter.asked(), testing::StartsWith("\rC\rS6\rO\rF\rt123100\r"));
+  EXPECT_THAT(adapter.asked(), testing::StartsWith("V\rC\rS6\rO\rF\rt123100\r"));
 }
 
 TEST(SlcanBus, ReceivesFramesAmongGarbage) {
@@ -173,6 +175,166 @@ TEST(SlcanBus, RefusesWhatSlcanCannotDoBeforeItTouchesThePort) {
   SlcanBus no_port("/dev/null", {});
   EXPECT_FALSE(no_port.open());
   EXPECT_THAT(no_port.trouble(), HasSubstr("not a terminal"));
+}
+
+/// Stock CANables answer to V alone, in words of their own.
+TEST(SlcanBus, AnAdapterThatAcknowledgesNothingIsKnownByItsVersion) {
+  for (const std::string version :
+       {"V1013\r", "b158aa7 github.com/somebody/canable-fw.git\r", "v0.4\r\n", "FF12\n"}) {
+    ScriptedAdapter adapter({{'V', version}});
+    SlcanBus bus(adapter.path(), {.bit_rate = 500e3});
+    ASSERT_TRUE(bus.open()) << version << bus.trouble();
+    EXPECT_THAT(bus.trouble(), IsEmpty()) << version;
+    EXPECT_EQ(bus.counters().error_frames, 0u);
+    ASSERT_EQ(bus.try_send({.id = 0x123, .size = 1}), SendResult::queued);
+    adapter.say("t1812ABCD\r");
+    ReceivedFrame frame;
+    ASSERT_TRUE(receive(bus, frame));
+    EXPECT_EQ(frame.frame.id, 0x181u);
+    for (int ms = 0; ms < 1000 && !adapter.asked().ends_with("t123100\r"); ++ms)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_THAT(adapter.asked(), HasSubstr("S6\r"));
+    EXPECT_THAT(adapter.asked(), HasSubstr("O\r"));
+    EXPECT_THAT(adapter.asked(), HasSubstr("t123100\r"));
+  }
+}
+
+TEST(SlcanBus, AnAdapterThatAcknowledgesWithLineFeedIsOne) {
+  for (const std::string end : {"\n", "\r\n", "\n\r"}) {
+    ScriptedAdapter adapter(
+        {{'V', "V1013\r"}, {'C', end}, {'S', end}, {'O', end}, {'F', "F00" + end}, {'t', "z" + end}});
+    SlcanBus bus(adapter.path(), {});
+    ASSERT_TRUE(bus.open()) << bus.trouble();
+    for (int i = 0; i < 3; ++i) ASSERT_EQ(bus.try_send({.id = 0x123}), SendResult::queued);
+    pump(bus, [&] { return bus.counters().sent == 3; });
+    EXPECT_EQ(bus.counters().sent, 3u);
+    EXPECT_THAT(bus.trouble(), IsEmpty());
+  }
+}
+
+TEST(SlcanBus, ARefusalOfAnAdapterThatEndsLinesWithLineFeedIsOne) {
+  ScriptedAdapter adapter({{'V', "V1013\r"}, {'C', "\n"}, {'S', "\n"}, {'O', "\a"}});
+  SlcanBus bus(adapter.path(), {});
+  EXPECT_FALSE(bus.open());
+  EXPECT_THAT(bus.trouble(), HasSubstr("refuses to open its channel"));
+}
+
+/// Some adapters carry out their previous command again upon an empty line.
+TEST(SlcanBus, NoEmptyLineIsEverWritten) {
+  for (const bool acknowledges : {false, true}) {
+    ScriptedAdapter adapter(acknowledges ? good_adapter : std::map<char, std::string>{{'V', "V1013\r"}});
+    std::string last_frames;
+    {
+      SlcanBus bus(adapter.path(), {});
+      ASSERT_TRUE(bus.open()) << bus.trouble();
+      ASSERT_EQ(bus.try_send({.id = 0x20B, .size = 4}), SendResult::queued);
+      last_frames = std::string(bus.line_rest()->text()) + bus.as_written({.id = 0x20B, .size = 4}) +
+                    bus.as_written({.id = 0, .size = 2});
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(last_frames, "t20B400000000\rt00020000\r");
+    EXPECT_THAT(adapter.asked(), testing::Not(testing::StartsWith("\r")));
+    EXPECT_THAT(adapter.asked(), testing::Not(HasSubstr("\r\r")));
+  }
+}
+
+/// A terminal that echoes, and a device that talks by itself, are no adapters.
+TEST(SlcanBus, WhatAnswersVWithoutMeaningItIsNoAdapter) {
+  ScriptedAdapter echo({{'V', "V\r"}, {'C', "C\r"}, {'S', "S8\r"}, {'O', "O\r"}, {'F', "F\r"}});
+  SlcanBus bus(echo.path(), {});
+  EXPECT_FALSE(bus.open());
+  EXPECT_THAT(bus.trouble(), HasSubstr("nothing answers there"));
+  PseudoTerminal receiver;
+  std::atomic<bool> stop{false};
+  std::thread talking([&] {
+    for (int second = 0; !stop; ++second) {
+      (void)receiver.send("$GPRMC,0815" + std::to_string(second) +
+                          ",A,4807.038,N,01131.000,E,022.4,084.4*6A\r\n");
+      std::this_thread::sleep_for(std::chrono::milliseconds(70));
+    }
+  });
+  SlcanBus other(receiver.slave(), {});
+  EXPECT_FALSE(other.open());
+  EXPECT_THAT(other.trouble(), HasSubstr("nothing answers there"));
+  stop = true;
+  talking.join();
+}
+
+/// UCCB takes the first command of a USB packet and drops the others.
+TEST(SlcanLine, EveryLineIsAWriteOfItsOwn) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, ends.data()), 0);
+  SlcanLine line;
+  line.port().adopt(ends[0], "socket");
+  std::vector<std::string> put, seen;
+  const auto drain = [&] {
+    std::array<char, 4096> buffer{};
+    for (ssize_t n = 0; (n = read(ends[1], buffer.data(), buffer.size())) > 0;)
+      seen.emplace_back(buffer.data(), static_cast<std::size_t>(n));
+  };
+  for (std::uint32_t i = 0; put.size() < 3000; ++i) {
+    const std::string text = SlcanLine::text_of(numbered_frame(i & 0x7FF, static_cast<std::uint8_t>(i)));
+    if (line.put(text)) put.push_back(text);
+    else drain();
+  }
+  for (std::size_t before = 0; seen.size() < put.size() && (before == 0 || seen.size() > before);) {
+    before = seen.size();
+    line.flush();
+    drain();
+  }
+  EXPECT_EQ(seen, put);
+  close(ends[1]);
+}
+
+/// The last frames come after the rest of the line that a full terminal has cut off.
+TEST(SlcanLine, TheRestOfACutLineIsKept) {
+  int num_cut = 0;
+  for (std::uint8_t size = 0; size <= 8; ++size) {
+    PseudoTerminal terminal;
+    SlcanLine line;
+    ASSERT_TRUE(line.port().open(terminal.slave(), {}));
+    CanFrame frame = numbered_frame(0x181, 7);
+    frame.size = size;
+    std::fill(frame.data.begin() + size, frame.data.end(), std::uint8_t{0});
+    const std::string text = SlcanLine::text_of(frame);
+    while (line.put(text)) continue;
+    const std::string rest(line.rest().text());
+    const std::string seen = terminal.receive(1 << 20, 50);
+    EXPECT_EQ((seen + rest).size() % text.size(), 0u) << seen.size() << " and " << rest;
+    EXPECT_TRUE((seen + rest).ends_with(text));
+    num_cut += rest.empty() ? 0 : 1;
+  }
+  EXPECT_GT(num_cut, 0);
+}
+
+TEST(SlcanBus, GarbageIsCountedAsErrorFrames) {
+  std::mt19937 random(1);
+  for (const int kind : {0, 1, 2}) {  // any bytes, none that ends a line, refusals that cut lines off
+    ScriptedAdapter adapter(good_adapter);
+    SlcanBus bus(adapter.path(), {});
+    ASSERT_TRUE(bus.open()) << bus.trouble();
+    std::string garbage(3000, '\0');
+    for (char& c : garbage)
+      c = static_cast<char>(kind == 0 ? random() : kind == 1 ? 0x80 : random() % 2 ? 'x' : '\a');
+    adapter.say(garbage);
+    pump(bus, [] { return false; });
+    EXPECT_GE(bus.counters().error_frames, kind == 1 ? 1u : 10u) << kind;
+    EXPECT_EQ(bus.counters().last_error, BusError::form);
+    const std::uint64_t before = bus.counters().error_frames;
+    bus.close();
+    EXPECT_EQ(bus.counters().error_frames, before) << "kept over close()";
+  }
+}
+
+TEST(SlcanBus, FramesOfCanFdAreNamed) {
+  ScriptedAdapter adapter(good_adapter);
+  SlcanBus bus(adapter.path(), {});
+  ASSERT_TRUE(bus.open()) << bus.trouble();
+  adapter.say("d1813ABCDEF\rB00000181F" + std::string(128, '0') + "\rb18190011223344556677889900AA\r" +
+              "D0000018101234\r");
+  pump(bus, [&] { return bus.trouble().find("4 CAN FD") != std::string::npos; });
+  EXPECT_THAT(bus.trouble(), HasSubstr("4 CAN FD frames came"));
+  EXPECT_EQ(bus.counters().error_frames, 0u);
 }
 
 TEST(SlcanBus, FlagsOfTheAdapterBecomeStates) {

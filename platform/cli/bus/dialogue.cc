@@ -51,7 +51,7 @@ void BusDialogue::run(const std::function<bool()>& busy, const std::function<voi
 }
 
 LastWords BusDialogue::last_words(std::span<const CanFrame> frames) const {
-  LastWords words{.descriptor = bus_->descriptor(), .writes = {}};
+  LastWords words{.descriptor = bus_->descriptor(), .writes = {}, .rest = bus_->line_rest()};
   for (const CanFrame& frame : frames) words.writes.push_back(bus_->as_written(frame));
   return words;
 }

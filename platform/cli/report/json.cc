@@ -57,7 +57,8 @@ Json to_json(const BusReport& bus) {
           {"measured_percent", or_null(bus.measured_percent)},
           {"nominal_percent", bus.computed.nominal_percent},
           {"worst_percent", bus.computed.worst_percent},
-          {"counters", to_json(bus.counters)}};
+          {"counters", to_json(bus.counters)},
+          {"slowness", bus.slowness.empty() ? Json(nullptr) : Json(bus.slowness)}};
 }
 
 Json to_json(const SpaceMouseLine& mouse) {

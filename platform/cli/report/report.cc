@@ -57,6 +57,24 @@ void add_recoveries(const std::vector<Recovery>& recoveries, std::vector<FaultRe
   }
 }
 
+/// Adds the fault of a run on a device whose loop kept too few of its deadlines, with what the buses know of
+/// that.
+void add_held(const RunReport& report, std::vector<FaultReport>& faults) {
+  const RunStatistics& statistics = report.result.statistics;
+  const auto held = static_cast<double>(statistics.hold_cycles),
+             cycles = static_cast<double>(statistics.cycles);
+  if (held <= RunStatistics::max_held * cycles) return;
+  std::array<char, 96> share{};
+  std::snprintf(share.data(), share.size(), "%.0f of %.0f cycles (%.1f %%): ", held, cycles,
+                100 * held / cycles);
+  FaultReport fault{.name = std::string(text_of(RunFault::held).name),
+                    .text = share.data() + line_of(text_of(RunFault::held)),
+                    .cycles = statistics.hold_cycles};
+  for (const BusReport& bus : report.buses)
+    if (!bus.slowness.empty()) fault.text += "; bus " + bus.computed.bus + ": " + bus.slowness;
+  faults.push_back(std::move(fault));
+}
+
 void add_not_ready(const RunReport& report, std::vector<FaultReport>& faults) {
   for (const std::string& node : report.result.not_set_up)
     faults.push_back({.name = std::string(text_of(RunFault::not_set_up).name), .text = node});
@@ -117,9 +135,10 @@ std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig)
   const std::vector<BusLoad> computed = bus_load(rig, usual_load(rig));
   for (std::size_t i = 0; i < computed.size(); ++i)
     reports.push_back({.computed = computed[i],
-                       .address = run.link ? run.buses.real.texts[i] : "",
-                       .measured_percent = run.link ? std::nullopt : std::optional(measured[i]),
-                       .counters = run.session->host_buses()[i]->counters()});
+                       .address = run.link || run.log ? run.buses.real.texts[i] : "",
+                       .measured_percent = truth ? std::optional(measured[i]) : std::nullopt,
+                       .counters = run.session->host_buses()[i]->counters(),
+                       .slowness = run.link ? run.link->bus(i).slowness() : ""});
   return reports;
 }
 
@@ -154,6 +173,7 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
   if (session.missed_deadlines() && !session.rig()) add_run_fault(RunFault::deadlines_missed, report.faults);
   if (result.statistics.force_oscillates && !session.rig())
     add_run_fault(RunFault::force_oscillates, report.faults);
+  if (session.bus() == BusChoice::real && !run.log) add_held(report, report.faults);
   add_core_faults(result.statistics, report.faults);
   add_file_faults(report, losses, report.faults);
   return report;

@@ -27,6 +27,7 @@ struct BusReport {
   std::string address;                     // empty: simulated
   std::optional<double> measured_percent;  // mean since the bus was started; of simulated ones
   BusCounters counters;
+  std::string slowness;  // see LinuxBus::slowness()
 };
 
 /// A tracker at the end of a run.

@@ -127,6 +127,9 @@ struct RunStatistics {
   NetStatistics nets;
   EnergyReport gain;  // where the share gained of the energy at work was largest
 
+  /// A run on a device that is held for a larger share of its cycles is a fault: too little of it was felt.
+  static constexpr double max_held = 0.05;
+
   void add(const CycleRecord& record) noexcept {
     ++cycles;
     for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].add(record.bodies[i]);

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdio>
 
+#include "platform/cli/report/statistics.h"
+
 namespace godobject {
 
 StatusLine::StatusLine(BackgroundFile& console, bool quiet) noexcept
@@ -17,6 +19,8 @@ StatusLine::StatusLine(BackgroundFile& console, bool quiet) noexcept
 
 void StatusLine::update(const CycleRecord& record, Nanoseconds wake_ns) {
   worst_wake_us_ = std::max(worst_wake_us_, 1e-3 * static_cast<double>(wake_ns));
+  ++cycles_;
+  if (record.on_hold) ++held_;
   if (record.on_hold != on_hold_) say(record);
   constexpr double rounding = 1e-9;
   if (quiet_ || record.t < due_s_ - rounding) return;
@@ -27,12 +31,16 @@ void StatusLine::update(const CycleRecord& record, Nanoseconds wake_ns) {
 
 void StatusLine::show(const CycleRecord& record) {
   const bool fault = any(record.fault) || any(record.rig_faults);
+  const double held_percent = 100 * static_cast<double>(held_) / static_cast<double>(cycles_);
+  std::array<char, 24> state{};
+  if (held_percent > 100 * RunStatistics::max_held)
+    std::snprintf(state.data(), state.size(), "%sHELD %.0f %%", fault ? "FAULT, " : "", held_percent);
+  else std::snprintf(state.data(), state.size(), "%s", fault ? "FAULT" : "ok");
   std::array<char, 200> line{};
   std::snprintf(line.data(), line.size(),
                 "%st %7.2f s   wake-up <= %6.0f us   following %7.3f mm %7.4f rad   energy %8.2e J   %s%s",
                 terminal_ ? "\r" : "", record.t, worst_wake_us_, 1e3 * record.following.m,
-                record.following.rad, record.energy.total, fault ? "FAULT" : "ok",
-                terminal_ ? "\033[K" : "\n");
+                record.following.rad, record.energy.total, state.data(), terminal_ ? "\033[K" : "\n");
   static_cast<void>(console_.write(line.data()));
 }
 

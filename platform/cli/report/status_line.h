@@ -29,6 +29,7 @@ class StatusLine {
   double due_s_ = 0;          // in the run's time
   bool on_hold_ = false;      // said
   double worst_wake_us_ = 0;  // since the line was last shown
+  std::uint64_t cycles_ = 0, held_ = 0;
 };
 
 /// How far a run on a simulated clock has got: on a terminal alone, and only of a run that takes longer than a second.

@@ -77,6 +77,7 @@ void print_bus(std::FILE* out, const BusReport& bus) {
                " overflowed, %" PRIu64 " error frames, %" PRIu64 " bus-off, TEC %d, REC %d\n",
                "frames", name, c.sent, c.received, c.send_refused, c.receive_overflow, c.error_frames,
                c.bus_off_events, int{c.transmit_error_counter}, int{c.receive_error_counter});
+  if (!bus.slowness.empty()) std::fprintf(out, "  %-26s %s: %s\n", "WARNING", name, bus.slowness.c_str());
 }
 
 void print_tracker(std::FILE* out, const TrackerReportLine& tracker) {

@@ -6,6 +6,7 @@
 
 #include "platform/cli/report/events.h"
 #include "platform/cli/report/statistics.h"
+#include "platform/rig/log_link.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/deadline_watch.h"
 #include "platform/rt/ring.h"
@@ -20,8 +21,9 @@ enum class Rearm : std::uint8_t { never, automatic };
 struct RunPlan {
   std::uint64_t num_cycles = 0;  // steps
   Rearm rearm = Rearm::never;
-  bool quiet = false;      // no status line
-  ViewTap* tap = nullptr;  // of who looks on; it outlives the run
+  bool quiet = false;            // no status line
+  const LogLink* log = nullptr;  // of the session's buses; the run ends with it
+  ViewTap* tap = nullptr;        // of who looks on; it outlives the run
 };
 
 /// Counts the steps and ends the session after the last, when it is told to, and, where the device is armed
@@ -32,6 +34,7 @@ class RunCycle {
       : session_(session),
         left_(plan.num_cycles),
         rearm_(plan.rearm),
+        log_(plan.log),
         stop_(stop),
         deadlines_(session.scene().step),
         tap_(plan.tap) {
@@ -64,13 +67,13 @@ class RunCycle {
     session_.hold(deadlines_.holds());
     if (deadlines_.lost()) session_.deadlines_missed();
   }
-  bool ended() const noexcept { return session_.phase() == RunPhase::ended; }
+  bool ended() const noexcept { return session_.phase() == RunPhase::ended || log_ended(); }
   /// Once this is set the motors are stopped at once, without running down. Not while it runs.
   void quick_stop_on(const std::atomic<bool>& insisted) noexcept { insisted_ = &insisted; }
   /// What happens is marked there. Not while it runs.
   void tell(EventWatch& events) noexcept { events_ = &events; }
 
-  std::uint64_t left() const noexcept { return left_; }
+  std::uint64_t left() const noexcept { return log_ended() ? 0 : left_; }
   const RunStatistics& statistics() const noexcept { return statistics_; }
   /// In bus time, since the session was started last: of the first step without a rig fault, and with one.
   std::optional<Nanoseconds> t_first_step_ns() const noexcept { return t_first_step_ns_; }
@@ -82,9 +85,12 @@ class RunCycle {
   }
 
  private:
+  bool log_ended() const noexcept { return log_ != nullptr && log_->ended(); }
+
   Session& session_;
   std::uint64_t left_;
   Rearm rearm_;
+  const LogLink* log_;
   const std::atomic<bool>& stop_;
   DeadlineWatch deadlines_;
   ViewTap* tap_;

@@ -12,6 +12,7 @@
 
 #include "platform/cli/run/spacemouse.h"
 #include "platform/cli/run/start_check.h"
+#include "platform/linux/bus/replay.h"
 #include "platform/linux/tracker_thread.h"
 #include "platform/rig/load_advice.h"
 #include "platform/rig/profiles.h"
@@ -147,6 +148,12 @@ void check_real_buses(const RunOptions& options, PreparedRun& run) {
       run.errors.push_back("--rearm: with --bus direct there is no device to arm");
     return;
   }
+  if (run.buses.real.are_logs()) {
+    if (!options.trackers.empty())
+      run.errors.push_back(
+          "--tracker: the time of a log is not that of a real tracker: leave it out with replay:");
+    return;
+  }
   if (options.fast)
     run.errors.push_back(
         "--fast: it runs on a simulated clock, and the nodes on a real bus, as real trackers, keep time of "
@@ -184,6 +191,20 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
   return links;
 }
 
+/// The session on logs, at the times that they have.
+Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, PreparedRun& run) {
+  auto link = std::make_unique<LogLink>(*scene.device->rig, to_ns(scene.step));
+  std::vector<LogSource> sources;
+  for (const BusAddress& bus : run.buses.real.addresses) {
+    const LogAddress log = parse_log_address(bus.where);
+    sources.push_back({.path = log.path, .interface = log.interface});
+  }
+  if (const std::string why_not = link->read(sources); !why_not.empty())
+    return {.session = nullptr, .errors = {"--bus: " + why_not}};
+  run.log = run.plan.log = link.get();
+  return Session::make(scene, std::move(motion), std::move(link));
+}
+
 /// The session on the planned buses and trackers; the threads of those have then begun.
 Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
                            PreparedRun& run) {
@@ -197,6 +218,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
             .errors = {"this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus an address, or "
                        "--bus direct"}};
   }
+  if (run.buses.real.are_logs()) return make_session_on_logs(scene, std::move(motion), run);
   DeviceParts device{.buses = nullptr,
                      .trackers = {},
                      .clock = []() noexcept { return MonotonicClock{}.now(); },

@@ -14,6 +14,7 @@
 #include "platform/cli/run/cycle.h"
 #include "platform/cli/run/trackers.h"
 #include "platform/linux/spacemouse_thread.h"
+#include "platform/rig/log_link.h"
 #include "platform/session/passivity.h"
 #include "platform/session/simulated_devices.h"
 #include "platform/view/pointer.h"
@@ -51,6 +52,7 @@ struct PreparedRun {
   RunPlan plan;
   BusPlan buses;
   LinuxLink* link = nullptr;          // the session's, where its buses are real; they are closed
+  const LogLink* log = nullptr;       // the session's, where its buses are logs
   RigProfiles profiles;               // of the scene's nodes
   std::vector<BusLoad> bus_loads;     // what the scene's buses carry at worst; empty with --bus direct
   Passivity passivity;                // of the driven axes; empty with --bus direct

@@ -73,7 +73,8 @@ ExitCode run(RunOptions options) {
   }
   Session& session = *prepared.session;
   std::optional<RigOnBuses> real;
-  if (session.bus() == BusChoice::real || prepared.spacemouse || (options.view && !options.fast))
+  if ((session.bus() == BusChoice::real && !prepared.log) || prepared.spacemouse ||
+      (options.view && !options.fast))
     options.realtime = true;
   if (prepared.link) {
     real.emplace(
@@ -102,6 +103,9 @@ ExitCode run(RunOptions options) {
     std::fputs("--realtime: this machine lets the program start no thread\n", stderr);
     return ExitCode::not_available;
   }
+  if (prepared.log && result->statistics.cycles < prepared.plan.num_cycles && prepared.log->ended() &&
+      !options.quiet)
+    print_lines(stderr, "note: ", {"the log ended after step " + std::to_string(result->statistics.cycles)});
   const StopSignals closing(
       Suspension::stops);  // the motors are off: files and summary are completed all the same
   RunReport report = make_report(options, prepared, *result, files.close());

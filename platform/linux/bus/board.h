@@ -30,6 +30,7 @@ class BoardBus final : public LinuxBus {
   /// Readable when the board has sent something, and when the nodes have.
   int descriptor() const noexcept override { return waiting_fd_; }
   std::string trouble() const override;
+  std::string slowness() const override { return port_.slowness(); }
   std::string name() const override { return address_.path; }
 
  private:

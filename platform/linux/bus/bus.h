@@ -12,6 +12,7 @@
 
 #include "hal/can/bus.h"
 #include "hal/can/filter.h"
+#include "platform/rt/last_resort.h"
 
 namespace godobject {
 
@@ -34,6 +35,11 @@ class LinuxBus : public CanBus {
   /// The bytes that hand a frame to descriptor() in one write, for when nothing else of the program works any more
   /// (platform/rt/last_resort.h). Empty: it carries no such frame. Allocates.
   virtual std::string as_written(const CanFrame&) const { return {}; }
+  /// Reads and writes that the kernel kept, and what to do, as one line; empty: none. Allocates.
+  virtual std::string slowness() const { return {}; }
+  /// The rest of a line that a write to descriptor() has cut off; null: this bus has no lines. Lives as long
+  /// as the bus.
+  virtual const LineRest* line_rest() const noexcept { return nullptr; }
 };
 
 struct BusSettings {

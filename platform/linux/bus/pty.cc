@@ -125,7 +125,12 @@ BusState PtyBus::state() const noexcept {
   return channel_ == Channel::closed ? BusState::down : BusState::error_active;
 }
 
-std::string PtyBus::as_written(const CanFrame& frame) const { return SlcanLine::after_anything(frame); }
+std::string PtyBus::as_written(const CanFrame& frame) const {
+  const std::string line = SlcanLine::text_of(frame);
+  return line.empty()
+             ? line
+             : "\r" + line;  // ends whatever stands before it; a host takes it for an acknowledgement
+}
 
 std::string PtyBus::trouble() const {
   if (!why_.empty()) return why_;

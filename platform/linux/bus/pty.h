@@ -31,6 +31,7 @@ class PtyBus final : public LinuxBus {
   /// Path of the terminal to be opened at the other end; empty while closed.
   std::string name() const override;
   std::string as_written(const CanFrame& frame) const override;
+  std::string slowness() const override { return line_.port().slowness(); }
 
  private:
   enum class Channel : std::uint8_t { closed, open, listening };

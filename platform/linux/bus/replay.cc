@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -29,7 +30,7 @@ std::string_view line_at(std::string_view text, std::size_t position) noexcept {
 
 const char* text_of(CandumpResult result) {
   switch (result) {
-    case CandumpResult::bad_time: return "the time is not (seconds.microseconds) with six decimals";
+    case CandumpResult::bad_time: return "the time is not (seconds.fraction) with six or nine decimals";
     case CandumpResult::bad_interface: return "the interface is missing or longer than 15 characters";
     case CandumpResult::bad_identifier: return "the identifier is not three or eight hexadecimal digits";
     case CandumpResult::bad_data: return "the data are not hexadecimal bytes of a size that CAN has";
@@ -76,13 +77,16 @@ std::string joined(const std::set<std::string, std::less<>>& names) {
 
 }  // namespace
 
-ReplayBus::ReplayBus(std::string where, const BusSettings& settings)
-    : path_(std::move(where)), filters_(settings.filters.begin(), settings.filters.end()) {
-  const std::size_t comma = path_.rfind(',');
-  if (comma == std::string::npos || std::filesystem::exists(path_)) return;  // a name may have a comma in it
-  interface_ = path_.substr(comma + 1);
-  path_.resize(comma);
+LogAddress parse_log_address(const std::string& where) {
+  const std::size_t comma = where.rfind(',');
+  if (comma == std::string::npos || std::filesystem::exists(where)) return {.path = where, .interface = ""};
+  return {.path = where.substr(0, comma), .interface = where.substr(comma + 1)};
 }
+
+ReplayBus::ReplayBus(const std::string& where, const BusSettings& settings)
+    : path_(parse_log_address(where).path),
+      interface_(parse_log_address(where).interface),
+      filters_(settings.filters.begin(), settings.filters.end()) {}
 
 bool ReplayBus::fail(std::string why) {
   why_ = std::move(why);
@@ -112,18 +116,29 @@ bool ReplayBus::open() noexcept {
 /// Every line can be parsed, and what is to be replayed is of one interface.
 bool ReplayBus::check_log() {
   std::set<std::string, std::less<>> interfaces;
+  std::map<std::uint32_t, std::uint8_t> sizes;  // of the last frame with an identifier
   std::size_t line_number = 1;
   bool has_frames = false;
   for (std::size_t at = 0; at < log_.size(); ++line_number) {
     const std::string_view line = line_at(log_, at);
-    at += line.size() + 1;
+    const std::size_t begin = std::exchange(at, at + line.size() + 1);
     ReceivedFrame frame;
     std::string_view name;
     const CandumpResult result = parse_candump(line, frame, name);
+    // A last line without an end was cut off with the program that wrote it, perhaps between two bytes of its
+    // data.
+    const auto size = sizes.find(frame.frame.id);
+    if (at > log_.size() && line.starts_with('(') &&
+        (is_wrong(result) || (size != sizes.end() && size->second != frame.frame.size))) {
+      log_.resize(begin);
+      is_cut_ = true;
+      break;
+    }
     if (is_wrong(result))
       return fail("line " + std::to_string(line_number) + ": " + text_of(result) +
                   "; a log is written by candump -l or godobject run --record");
     if (result != CandumpResult::ok) continue;
+    sizes[frame.frame.id] = frame.frame.size;
     if (interfaces.empty()) begin_ns_ = frame.t_ns;
     if (!interfaces.contains(name)) interfaces.emplace(name);
     has_frames = has_frames || interface_.empty() || name == interface_;
@@ -141,7 +156,7 @@ void ReplayBus::close() noexcept {
   timer_fd_ = -1;
   log_.clear();
   position_ = 0;
-  has_next_ = false;
+  has_next_ = is_cut_ = false;
   next_ = {};
   state_ = BusState::closed;
   why_.clear();
@@ -204,7 +219,9 @@ std::string ReplayBus::trouble() const {
   if (!why_.empty()) return path_ + ": " + why_;
   switch (state_) {
     case BusState::closed: return path_ + ": closed";
-    case BusState::down: return path_ + ": end of the log";
+    case BusState::down:
+      return path_ +
+             (is_cut_ ? ": end of the log, whose last line is cut off and left out" : ": end of the log");
     default: return "";
   }
 }

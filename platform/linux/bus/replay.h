@@ -9,6 +9,13 @@
 
 namespace godobject {
 
+/// "FILE" or "FILE,INTERFACE", as in the addresses of buses. A file's name may have a comma in it.
+struct LogAddress {
+  std::string path;
+  std::string interface;  // empty: none is given
+};
+LogAddress parse_log_address(const std::string& where);
+
 /// The log's first frame, of whichever interface, arrives when open() is called. What is sent is taken,
 /// counted as sent, and goes nowhere. After the last frame the bus is `down` and trouble() says "end of the
 /// log".
@@ -16,7 +23,7 @@ class ReplayBus final : public LinuxBus {
  public:
   /// where: path of a log, and after a comma the interface of it, which may be left out where the log has
   /// only one.
-  ReplayBus(std::string where, const BusSettings& settings);
+  ReplayBus(const std::string& where, const BusSettings& settings);
   ~ReplayBus() override { close(); }
 
   /// Reads and checks the whole log. False: trouble() names the line that is wrong.
@@ -44,6 +51,7 @@ class ReplayBus final : public LinuxBus {
   std::size_t position_ = 0;  // in log_, of the next line to be parsed
   ReceivedFrame next_{};      // on CLOCK_MONOTONIC
   bool has_next_ = false;
+  bool is_cut_ = false;       // its last line
   Nanoseconds begin_ns_ = 0;  // time of the log's first frame
   Nanoseconds shift_ = 0;     // from the log's time to CLOCK_MONOTONIC
   int timer_fd_ = -1;

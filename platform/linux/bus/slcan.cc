@@ -39,13 +39,17 @@ bool SlcanBus::open() noexcept {
   if (baud_ == 0) return fail("the baud rate after the comma is not a number above 0");
   if (!line_.port().open(path_, {.baud = baud_})) return false;
   line_.clear();
-  // Whatever line was left half, by us or by others, ends here; whether the channel was open does not matter.
-  if (line_.put("\r") && line_.put(slcan::close_command)) wait_for_quiet();
+  // A line that an earlier host left half ends here: not with a bare CR, upon which some adapters repeat
+  // their last command. V is no digit, so it makes no frame of a half one.
+  for (const std::string_view first : {slcan::version_command, slcan::close_command})
+    if (line_.put(first)) wait_for_quiet();
+  version_.clear();
   if (!command(rate, "the bit rate") || !command(slcan::open_command, "to open its channel")) return false;
-  asks_flags_ = ask(slcan::flags_command) == Answer::flags;
+  asks_flags_ = ask(slcan::flags_command, patience()) == Answer::flags;
   flags_due_ = MonotonicClock().now() + flags_period;
   state_ = BusState::error_active;
-  num_unanswered_ = num_garbled_ = 0;
+  num_unanswered_ = num_garbled_ = num_fd_ = 0;
+  dropped_at_open_ = line_.reader().num_overlong() + line_.reader().num_cut();
   reports_state_ = false;
   return true;
 }
@@ -53,6 +57,8 @@ bool SlcanBus::open() noexcept {
 void SlcanBus::close() noexcept {
   if (state_ != BusState::closed && !line_.put(slcan::close_command)) line_.flush();
   line_.port().close();
+  earlier_garbled_ += num_garbled();
+  num_garbled_ = dropped_at_open_ = 0;
   line_.clear();
   state_ = BusState::closed;
   why_.clear();
@@ -64,11 +70,15 @@ void SlcanBus::wait_for_quiet() {
   std::string_view ignored;
   while (line_.port().wait_readable(quiet_time) && MonotonicClock().now() < deadline)
     while (line_.next(ignored)) continue;
+  line_.discard_input();
 }
 
+/// An adapter that has been seen to acknowledge nothing is not waited for.
+Nanoseconds SlcanBus::patience() const noexcept { return version_.empty() ? answer_timeout : quiet_time; }
+
 /// What comes besides the answer, frames above all, is dropped: the bus is not open yet.
-SlcanBus::Answer SlcanBus::ask(std::string_view command) {
-  const Nanoseconds deadline = MonotonicClock().now() + answer_timeout;
+SlcanBus::Answer SlcanBus::ask(std::string_view command, Nanoseconds patience) {
+  const Nanoseconds deadline = MonotonicClock().now() + patience;
   if (!line_.put(command)) return Answer::none;
   while (line_.port().wait_readable(deadline - MonotonicClock().now())) {
     std::string_view line;
@@ -84,14 +94,50 @@ SlcanBus::Answer SlcanBus::ask(std::string_view command) {
   return Answer::none;
 }
 
+/// Returns the first text that comes upon V, or its beginning where it is longer than a line; empty: none
+/// came. An echo is no answer. wanted: the text to wait for; empty: any.
+std::string SlcanBus::ask_version(const std::string& wanted) {
+  const Nanoseconds deadline = MonotonicClock().now() + answer_timeout;
+  const std::uint64_t num_overlong = line_.reader().num_overlong();
+  const auto fits = [&](std::string_view text) {
+    return wanted.empty() ? text != slcan::version_command.substr(0, 1) : text == wanted;
+  };
+  if (!line_.put(slcan::version_command)) return {};
+  while (line_.port().wait_readable(deadline - MonotonicClock().now())) {
+    std::string_view line;
+    while (line_.next(line)) {
+      slcan::Reply reply;
+      const ParseResult result = slcan::parse_reply(line, reply);
+      const bool is_text = result != ParseResult::ok || reply.kind == slcan::ReplyKind::identity;
+      if (is_text && fits(line)) return std::string(line);
+      if (result == ParseResult::ok && reply.kind == slcan::ReplyKind::refused) return {};
+    }
+    if (line_.reader().num_overlong() > num_overlong && fits(line_.reader().overlong_begin()))
+      return std::string(line_.reader().overlong_begin());
+    if (line_.port().state() != SerialState::open || MonotonicClock().now() >= deadline) break;
+  }
+  return {};
+}
+
+/// True if V is answered twice in the same words: the adapter is there, and acknowledges nothing.
+bool SlcanBus::answers_version() {
+  const std::string first = ask_version(version_);
+  if (first.empty() || (version_.empty() && ask_version(first) != first)) return false;
+  version_ = first;
+  return true;
+}
+
 bool SlcanBus::command(std::string_view command, const std::string& what) {
-  switch (ask(command)) {
+  switch (ask(command, patience())) {
     case Answer::ok: return true;
     case Answer::refused: return fail("the adapter refuses " + what);
     case Answer::flags:
     case Answer::none: break;
   }
   if (line_.port().state() != SerialState::open) return fail(line_.port().trouble());
+  if (answers_version()) return true;
+  if (!version_.empty())
+    return fail("the adapter, which acknowledges nothing, answers to V no more after " + what);
   return fail("nothing answers there: is it an SLCAN adapter, and at " + std::to_string(baud_) +
               " baud? Another baud rate is given as PATH,BAUD");
 }
@@ -152,6 +198,7 @@ bool SlcanBus::handle(std::string_view line, ReceivedFrame& out) noexcept {
       reports_state_ = reports_state_ || reply.report.state.has_value();
       apply(reply.report, state_, counters_);
       return false;
+    case slcan::ReplyKind::fd_frame: ++num_fd_; return false;
     case slcan::ReplyKind::identity: return false;
   }
   return false;
@@ -161,6 +208,18 @@ void SlcanBus::acknowledge(bool taken) noexcept {
   if (num_unanswered_ == 0) return;
   --num_unanswered_;
   ++(taken ? counters_.sent : counters_.send_dropped);
+}
+
+std::uint64_t SlcanBus::num_garbled() const noexcept {
+  const std::uint64_t dropped = line_.reader().num_overlong() + line_.reader().num_cut();
+  return num_garbled_ + dropped - std::min(dropped, dropped_at_open_);
+}
+
+BusCounters SlcanBus::counters() const noexcept {
+  BusCounters counters = counters_;
+  counters.error_frames += earlier_garbled_ + num_garbled();
+  if (num_garbled() > 0) counters.last_error = BusError::form;
+  return counters;
 }
 
 void SlcanBus::handle_flags(std::uint8_t flags) noexcept {
@@ -191,7 +250,7 @@ BusState SlcanBus::state() const noexcept {
   return BusState::down;
 }
 
-std::string SlcanBus::as_written(const CanFrame& frame) const { return SlcanLine::after_anything(frame); }
+std::string SlcanBus::as_written(const CanFrame& frame) const { return SlcanLine::text_of(frame); }
 
 std::string SlcanBus::trouble() const {
   if (!why_.empty()) return path_ + ": " + why_;
@@ -201,9 +260,12 @@ std::string SlcanBus::trouble() const {
            ": bus-off: check wiring, termination and bit rate, then reopen it: SLCAN knows no restart";
   if (state_ != BusState::error_active)
     return path_ + ": " + std::string(name_of(state_)) + ": check wiring, termination and bit rate";
-  if (num_garbled_ + line_.num_overlong() > 0)
-    return path_ + ": " + std::to_string(num_garbled_ + line_.num_overlong()) +
+  if (num_garbled() > 0)
+    return path_ + ": " + std::to_string(num_garbled()) +
            " lines were garbled: check the serial cable and its baud rate";
+  if (const std::uint64_t num_fd = num_fd_ + line_.reader().num_fd(); num_fd > 0)
+    return path_ + ": " + std::to_string(num_fd) +
+           " CAN FD frames came, which are not read over SLCAN: use SocketCAN, or a bus without CAN FD nodes";
   if (counters_.send_dropped > 0)
     return path_ + ": the adapter refused " + std::to_string(counters_.send_dropped) +
            " frames: send less, or see whether another node acknowledges them";

@@ -11,7 +11,8 @@
 namespace godobject {
 
 /// `sent` counts the frames the adapter has acknowledged as taken; an adapter that acknowledges none leaves
-/// it at 0. send_dropped: those it refused although they had been queued here.
+/// it at 0. send_dropped: those it refused although they had been queued here. error_frames: lines that were
+/// garbled, and the bus errors of the adapter's flags.
 class SlcanBus final : public LinuxBus {
  public:
   /// where: path of a serial port, and after a comma its baud rate where that is not 115200. USB adapters of
@@ -25,12 +26,14 @@ class SlcanBus final : public LinuxBus {
   SendResult try_send(const CanFrame& frame) noexcept override;
   bool try_receive(ReceivedFrame& out) noexcept override;
   BusState state() const noexcept override;
-  BusCounters counters() const noexcept override { return counters_; }
+  BusCounters counters() const noexcept override;
 
   int descriptor() const noexcept override { return line_.port().descriptor(); }
   std::string trouble() const override;
   std::string name() const override { return path_; }
   std::string as_written(const CanFrame& frame) const override;
+  std::string slowness() const override { return line_.port().slowness(); }
+  const LineRest* line_rest() const noexcept override { return &line_.rest(); }
   const SerialPort& port() const noexcept { return line_.port(); }
 
   static constexpr Nanoseconds answer_timeout = 500'000'000;
@@ -40,11 +43,15 @@ class SlcanBus final : public LinuxBus {
   bool fail(std::string why);
   void wait_for_quiet();
   enum class Answer : std::uint8_t { none, ok, refused, flags };
-  Answer ask(std::string_view command);
+  Answer ask(std::string_view command, Nanoseconds patience);
+  Nanoseconds patience() const noexcept;
+  std::string ask_version(const std::string& wanted);
+  bool answers_version();
   bool command(std::string_view command, const std::string& what);
   bool handle(std::string_view line, ReceivedFrame& out) noexcept;
   void handle_flags(std::uint8_t flags) noexcept;
   void acknowledge(bool taken) noexcept;
+  std::uint64_t num_garbled() const noexcept;
 
   std::string path_;
   std::uint32_t baud_ = 0;  // 0: what was given is not a number
@@ -53,10 +60,14 @@ class SlcanBus final : public LinuxBus {
   SlcanLine line_{};
   BusState state_ = BusState::closed;
   BusCounters counters_{};
-  std::uint64_t num_unanswered_ = 0;  // frames sent and neither taken nor refused yet
-  std::uint64_t num_garbled_ = 0;     // lines that say nothing
-  bool asks_flags_ = false;           // the adapter knows F
-  bool reports_state_ = false;        // it speaks the dialect of Linux's driver, which says more than F
+  std::uint64_t num_unanswered_ = 0;   // frames sent and neither taken nor refused yet
+  std::uint64_t num_garbled_ = 0;      // lines that are none of the protocol
+  std::uint64_t earlier_garbled_ = 0;  // before it was opened again
+  std::uint64_t dropped_at_open_ = 0;  // of the reader's lines: answers of an adapter that is being opened
+  std::uint64_t num_fd_ = 0;           // CAN FD frames
+  std::string version_{};       // answer to V of an adapter that acknowledges nothing; empty: it acknowledges
+  bool asks_flags_ = false;     // the adapter knows F
+  bool reports_state_ = false;  // it speaks the dialect of Linux's driver, which says more than F
   Nanoseconds flags_due_ = 0;
   std::string why_{};
 };

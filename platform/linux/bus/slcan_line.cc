@@ -16,17 +16,29 @@ bool SlcanLine::put(std::string_view text) noexcept {
 }
 
 void SlcanLine::flush() noexcept {
-  if (out_size_ == 0) return;
-  const std::size_t written = port_.write(std::span(out_).first(out_size_));
+  std::size_t written = 0;
+  while (written < out_size_) {
+    const auto queued = std::span(out_).first(out_size_).subspan(written);
+    const auto end = std::ranges::find(queued, static_cast<std::uint8_t>('\r'));
+    const auto line = queued.first(
+        std::min<std::size_t>(static_cast<std::size_t>(end - queued.begin()) + 1, queued.size()));
+    const BusWrite one_piece;  // with rest_: the last frames come after both
+    const std::size_t size = port_.write(line);
+    if (size == 0) break;
+    rest_.store({reinterpret_cast<const char*>(line.data()) + size, line.size() - size});
+    written += size;
+    if (size < line.size()) break;
+  }
+  if (written == 0) return;
   std::copy(out_.begin() + static_cast<std::ptrdiff_t>(written),
             out_.begin() + static_cast<std::ptrdiff_t>(out_size_), out_.begin());
   out_size_ -= written;
 }
 
-std::string SlcanLine::after_anything(const CanFrame& frame) {
+std::string SlcanLine::text_of(const CanFrame& frame) {
   std::array<char, slcan::max_line> text{};
   const std::size_t size = slcan::format_frame(frame, text);
-  return size == 0 ? std::string() : "\r" + std::string(text.data(), size);
+  return {text.data(), size};
 }
 
 bool SlcanLine::next(std::string_view& line) noexcept {
@@ -46,9 +58,15 @@ bool SlcanLine::next(std::string_view& line) noexcept {
   return false;
 }
 
-void SlcanLine::clear() noexcept {
-  out_size_ = in_begin_ = in_end_ = 0;
+void SlcanLine::discard_input() noexcept {
+  in_begin_ = in_end_ = 0;
   reader_ = {};
+}
+
+void SlcanLine::clear() noexcept {
+  out_size_ = 0;
+  rest_.store({});
+  discard_input();
 }
 
 }  // namespace godobject

@@ -38,6 +38,11 @@ void visit_tracker(V& v, const std::vector<std::string>& bodies, std::set<std::s
           t.port);
   v.value(Key{"baud", "bit/s", "on the line; NDI: what it is raised to from 9600", {1200, 4e6}}, t.baud);
   visit_pose(v, "position", "orientation_wxyz", "the tracker's frame in the world", t.X_WT);
+  v.unit_vector(
+      Key{"hemisphere", "",
+          "Polhemus: direction from the source to the half of space in which its sensors are, in the "
+          "tracker's frame"},
+      t.hemisphere);
   v.value(Key{"stale_after", "s", "a pose older than this is not valid any more", positive}, t.stale_after_s);
   v.value(Key{"boot_timeout", "s", "from opening the line to tracking", positive}, t.boot_timeout_s);
   v.value(Key{"min_cutoff", "Hz", "One-Euro filter: cut-off at rest; 0: no filter", not_negative},

@@ -106,8 +106,8 @@ TEST(Candump, NamesWhatIsWrong) {
   EXPECT_EQ(result_of(""), CandumpResult::ignored);
   EXPECT_EQ(result_of("# DROPCOUNT: 3"), CandumpResult::ignored);
   for (const char* line :
-       {"(1.00001) can0 123#", "(1.000000001) can0 123#", "(1) can0 123#", "(.000001) can0 123#",
-        "(-1.000001) can0 123#", "(1.-00001) can0 123#", "(1.000001 can0 123#", "(",
+       {"(1.00001) can0 123#", "(1.0000001) can0 123#", "(1.0000000001) can0 123#", "(1) can0 123#",
+        "(.000001) can0 123#", "(-1.000001) can0 123#", "(1.-00001) can0 123#", "(1.000001 can0 123#", "(",
         "(99999999999999999999.000000) can0 123#", "(9999999999999.000000) can0 123#"}) {
     EXPECT_EQ(result_of(line), CandumpResult::bad_time) << line;
   }
@@ -125,6 +125,36 @@ TEST(Candump, NamesWhatIsWrong) {
     EXPECT_EQ(result_of(line), CandumpResult::bad_data) << line;
   }
   EXPECT_EQ(result_of("(1.000000) can0 20000080#0000000000000000"), CandumpResult::error_frame);
+}
+
+// candump of can-utils 2023 and later, with several interfaces, option -8 (DLC above 8) and hardware time
+// stamps.
+TEST(Candump, ReadsWhatNewerCandumpsWrite) {
+  const auto parsed = [](std::string_view line) {
+    ReceivedFrame received;
+    std::string_view interface;
+    EXPECT_EQ(parse_candump(line, received, interface), CandumpResult::ok) << line;
+    return std::pair(received, std::string(interface));
+  };
+  EXPECT_EQ(parsed("(1631416514.717133)  can0 0D2#00").second, "can0");
+  EXPECT_EQ(parsed("(1631416514.717133)         can0 0D2#00 R").second, "can0");
+  EXPECT_EQ(parsed("(1631416514.717133456) can0 0D2#00").first.t_ns, 1'631'416'514'717'133'456);
+  EXPECT_EQ(parsed("(1.000000001) can0 123#").first.t_ns, 1'000'000'001);
+  for (const std::string dlc : {"9", "A", "B", "C", "D", "E", "F"}) {
+    const CanFrame data = parsed("(1.000000) can0 123#0102030405060708_" + dlc).first.frame;
+    EXPECT_EQ(data.size, 8);
+    EXPECT_EQ(data.data[7], 8);
+    const CanFrame remote = parsed("(1.000000) vcan12 00000123#R8_" + dlc + " T").first.frame;
+    EXPECT_TRUE(remote.remote && remote.extended);
+    EXPECT_EQ(remote.size, 8);
+  }
+  for (const char* line :
+       {"(1.000000) can0 123#0102030405060708_8", "(1.000000) can0 123#0102030405060708_G",
+        "(1.000000) can0 123#0102030405060708_", "(1.000000) can0 123#01020304050607_9",
+        "(1.000000) can0 123#0102030405060708_9A", "(1.000000) can0 123#R_9", "(1.000000) can0 123#R7_9",
+        "(1.000000) can0 123##00102030405060708_9", "(1.000000) can0 123#_9"})
+    EXPECT_EQ(result_of(line), CandumpResult::bad_data) << line;
+  EXPECT_EQ(result_of("(1.000000)     "), CandumpResult::bad_interface);
 }
 
 // 90 s of a real car's bus, as candump wrote it.

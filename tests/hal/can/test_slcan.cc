@@ -181,6 +181,53 @@ TEST(Slcan, ReaderCutsLines) {
   EXPECT_EQ(lines_of(reader, "\r"), std::vector<std::string>{"F00"});
 }
 
+TEST(Slcan, ALineEndsWithReturnLineFeedOrBoth) {
+  for (const std::string end : {"\r", "\n", "\r\n", "\n\r"}) {
+    LineReader reader;
+    const std::vector<std::string> expected{"", "z", "", "", "t0800"};
+    EXPECT_EQ(lines_of(reader, end + "z" + end + end + end + "t0800" + end), expected);
+    EXPECT_EQ(lines_of(reader, "F00" + end), std::vector<std::string>{"F00"});
+  }
+}
+
+TEST(Slcan, LinesThatABelCutsOffAreCounted) {
+  LineReader reader;
+  EXPECT_EQ(lines_of(reader, "t12\a\at0800\r\az\a"),
+            (std::vector<std::string>{"\a", "\a", "t0800", "\a", "\a"}));
+  EXPECT_EQ(reader.num_cut(), 2u);
+}
+
+TEST(Slcan, FramesOfCanFdAreKnownAndNotDecoded) {
+  static constexpr std::array sizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
+  std::mt19937 random(3);
+  for (const char command : {'d', 'D', 'b', 'B'}) {
+    for (std::size_t dlc = 0; dlc < sizes.size(); ++dlc) {
+      for (const bool stamped : {false, true}) {
+        std::string line(1, command);
+        line += command == 'd' || command == 'b' ? "7FF" : "1FFFFFFF";
+        line += "0123456789ABCDEF"[dlc];
+        for (int i = 0; i < 2 * sizes[dlc] + (stamped ? 4 : 0); ++i)
+          line += "0123456789abcdef"[random() % 16];
+        LineReader reader;
+        const std::vector<std::string> lines = lines_of(reader, line + "\rz\r");
+        EXPECT_EQ(lines.back(), "z");
+        EXPECT_EQ(reader.num_overlong(), 0u) << line;
+        if (lines.size() == 1) {
+          EXPECT_EQ(reader.num_fd(), 1u) << line;
+          continue;
+        }
+        Reply reply;
+        ASSERT_EQ(parse_reply(lines[0], reply), ParseResult::ok) << line;
+        EXPECT_EQ(reply.kind, ReplyKind::fd_frame);
+        EXPECT_NE(parse_reply(line.substr(0, line.size() - 1), reply), ParseResult::ok);
+        EXPECT_NE(parse_reply(line + "0", reply), ParseResult::ok);
+        line[2] = 'x';
+        EXPECT_NE(parse_reply(line, reply), ParseResult::ok);
+      }
+    }
+  }
+}
+
 TEST(Slcan, ReaderRecoversFromGarbageAtTheNextLineEnd) {
   LineReader reader;
   const std::string garbage(1000, 'x');

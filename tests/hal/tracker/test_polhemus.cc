@@ -57,6 +57,44 @@ TEST(Polhemus, InitCommands) {
   EXPECT_EQ(liberty, "PU0\rO1,2,7,8,0\rO2,2,7,8,0\rF1\rC\r");
 }
 
+TEST(Polhemus, FrameCommands) {
+  const auto all = [](Model model, std::size_t stations) {
+    std::string text;
+    for (std::size_t i = 0; const auto command = frame_command(model, i, stations, Vec3(0.6, 0, -0.8)); ++i)
+      text.append(command->data.data(), command->size);
+    return text;
+  };
+  EXPECT_EQ(all(Model::fastrak, 2),
+            "R1\rb1\rN1,0,0,0\rr1,0,0,0\rH1,0.600,0.000,-0.800\rR2\rb2\rN2,0,0,0\rr2,0,0,0\rH2,0.600,0.000,-"
+            "0.800\r");
+  EXPECT_EQ(all(Model::liberty, 16), "\x12*\r\x02*\rN*,0,0,0\rG0,0,0\rH*,0.600,0.000,-0.800\r");
+}
+
+/// A station that is not in the scene, without a pose, again and again: the others lose none of their
+/// records.
+TEST(Polhemus, ARecordWithoutAPoseCostsNoOther) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Model model : {Model::fastrak, Model::liberty}) {
+    for (const Quat& q : {Quat(nan, nan, nan, nan), Quat(0, 0, 0, 0), Quat(1, 0, nan, 0)}) {
+      RecordReceiver receiver;
+      int records = 0, malformed = 0;
+      for (int i = 0; i < 20; ++i) {
+        Record foreign = record_at(i, model);
+        foreign.station = 3;
+        foreign.X_TH.q = q;
+        for (const Record& record : {record_at(i, model), foreign})
+          for (const std::uint8_t byte : wire_of(record)) {
+            const Event event = receiver.push(byte);
+            records += event == Event::record ? 1 : 0;
+            malformed += event == Event::malformed ? 1 : 0;
+          }
+      }
+      EXPECT_EQ(records, 20);
+      EXPECT_EQ(malformed, 20);
+    }
+  }
+}
+
 TEST(Polhemus, RecordingsComeBackThroughTheWire) {
   const auto files = test::files_with(test::shared_file("data/polhemus_fastrak_hand"), ".traj");
   if (files.empty()) GTEST_SKIP() << "no recorded Polhemus poses";
@@ -185,6 +223,29 @@ TEST(PolhemusTracker, ARealJumpIsAcceptedAfterAWhile) {
   for (int i = 0; i < 4; ++i) tracker->receive(wire_of(far), now += 10 * ms);
   EXPECT_NEAR(tracker->report().tools[0].X_TH.p.x(), 1.3, 1e-6);
   EXPECT_EQ(tracker->report().counters.malformed - before, 2u);
+}
+
+TEST(PolhemusTracker, AMirrorImageIsLossHoweverLongItLasts) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int n = 0; n < 50; ++n) {
+    Nanoseconds now = 0;
+    const auto tracker = tracking_tracker(now);
+    Record record = record_at(0);
+    const Vec3 noise(uniform(random), uniform(random), uniform(random));
+    record.X_TH.p = -record.X_TH.p + 0.005 * noise;
+    const auto& tool = tracker->report().tools[0];
+    const int period_ms = 4 + n % 3 * 20;
+    for (int i = 0; i < 40; ++i) {
+      record.X_TH.p += 0.001 * noise;
+      tracker->receive(wire_of(record), now += period_ms * ms);
+      ASSERT_NE(tool.state, ToolState::valid) << n << " " << i;
+    }
+    EXPECT_LT((tool.X_TH.p - record_at(0).X_TH.p).norm(), 1e-6) << "the last one that was seen";
+    record.X_TH.p = -record.X_TH.p;
+    tracker->receive(wire_of(record), now += period_ms * ms);
+    EXPECT_EQ(tool.state, ToolState::valid);
+  }
 }
 
 TEST(Polhemus, AnyBytesAreSurvived) {

@@ -129,6 +129,26 @@ TEST_F(Replay, ALogThatIsWrongIsRefusedWithItsLine) {
   EXPECT_THAT(folder.trouble(), HasSubstr("is a directory"));
 }
 
+/// A program that was killed while it wrote.
+TEST_F(Replay, ALastLineThatIsCutIsLeftOut) {
+  const std::string whole = "(1.000000) can0 080#\n(1.000000) can0 181#0102030405060708\n";
+  const std::string last = "(1.000100) can0 181#1112131415161718";
+  for (std::size_t size = 0; size <= last.size() + 1; ++size) {
+    ReplayBus bus(write("a.log", whole + (last + "\n").substr(0, size)), {});
+    ASSERT_TRUE(bus.open()) << bus.trouble();
+    ReceivedFrame frame;
+    std::size_t num_frames = 0;
+    for (; receive(bus, frame); ++num_frames)
+      EXPECT_TRUE(frame.frame.id == 0x080 || frame.frame.size == 8) << size;
+    EXPECT_EQ(num_frames, size < last.size() ? 2u : 3u) << size;
+    EXPECT_EQ(bus.trouble().find("cut off") != std::string::npos, size > 0 && size < last.size())
+        << bus.trouble();
+  }
+  ReplayBus bus(write("a.log", "(1.000000) can0 0"), {});
+  EXPECT_FALSE(bus.open());
+  EXPECT_THAT(bus.trouble(), HasSubstr("holds no frame"));
+}
+
 TEST_F(Replay, ErrorFramesOfTheLogAreCounted) {
   ReplayBus bus(write("a.log", "(1.000000) can0 080#\n(1.000000) can0 20000004#0004000000000000\n"), {});
   ASSERT_TRUE(bus.open());

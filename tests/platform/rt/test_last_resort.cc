@@ -57,6 +57,23 @@ TEST(LastResort, TerminateWritesTheLastFrames) {
   EXPECT_EQ(wire.text(), "first second");
 }
 
+/// A frame in the middle of a line would be lost with it.
+TEST(LastResort, TheRestOfACutLineComesFirst) {
+  const Wire wire;
+  LineRest rest;
+  rest.store("4400000000\r");
+  EXPECT_EXIT(
+      {
+        guard_process();
+        LastWords words = wire.words();
+        words.rest = &rest;
+        const LastResort last({words});
+        std::terminate();
+      },
+      KilledBySignal(SIGABRT), "the drives were told");
+  EXPECT_EQ(wire.text(), "4400000000\rfirst second");
+}
+
 TEST(LastResort, AnExceptionThatEscapesWritesTheLastFrames) {
   const Wire wire;
   const auto escape = [] { std::thread([] { throw std::runtime_error("torn"); }).join(); };

@@ -253,6 +253,63 @@ TEST(SimNdi, LateRepliesAreTakenAsLate) {
   EXPECT_LT(rig.now - rig.tool(0).t_ns, 45'000'000);
 }
 
+/// Tools that somebody else has plugged in, loaded or worn out cost nothing: however many, and whatever their
+/// poses are.
+TEST(SimNdi, ForeignToolsCostNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const bool text_only : {false, true}) {
+    for (const std::size_t count : {1u, 15u, 16u, 17u, 40u, 180u}) {
+      for (const Quat& q : {Quat(nan, nan, nan, nan), Quat(0, 0, 0, 0), Quat(1, 0, 0, 0)}) {
+        Polaris rig;
+        rig.sim().set_text_only(text_only);
+        rig.sim().set_foreign_tools(0x40, count, {.p = Vec3(1, 2, 3), .q = q});
+        ASSERT_TRUE(rig.track()) << count << " " << rig.tracker->report().text.data();
+        rig.run(0.5);
+        for (const std::size_t i : {0u, 1u}) {
+          EXPECT_EQ(rig.tool(i).state, ToolState::valid) << count;
+          EXPECT_LT((rig.tool(i).X_TH.p - here.p).norm(), 1e-5);
+          EXPECT_GE(rig.tool(i).number, 28u);
+        }
+        EXPECT_EQ(rig.tracker->report().counters.bad_crc, 0u);
+        EXPECT_EQ(rig.tracker->report().counters.malformed, 0u);
+      }
+    }
+  }
+}
+
+/// One tool of the scene without a pose does not cost the other.
+TEST(SimNdi, AToolWithoutAPoseCostsNoOther) {
+  Polaris rig({"0A", "0B"});
+  ASSERT_TRUE(rig.track());
+  rig.run(0.1);
+  rig.far->set_pose(1, {.p = here.p, .q = Quat(0, 0, 0, 0)});
+  rig.run(0.5);
+  EXPECT_EQ(rig.tool(0).state, ToolState::valid);
+  EXPECT_EQ(rig.tool(1).state, ToolState::stale);
+  EXPECT_GT(rig.tracker->report().counters.malformed, 10u);
+}
+
+TEST(SimNdi, RepliesThatAreNoneOfItsProtocolAreNamed) {
+  struct Case {
+    std::string bytes, word;
+  };
+  for (const Case& c : {Case{"login: \r\n", "login:"}, Case{"+0.12 +3.4 +5.6\r\n", "text, without NDI's CRC"},
+                        Case{"\xF0\x80\x01\xFE\r", "F0 80 01 FE"}}) {
+    Polaris rig;
+    rig.far->faults.silent = true;
+    const Nanoseconds end = rig.now + 60'000'000'000;
+    while (rig.tracker->report().state != TrackerState::failed && rig.now < end) {
+      rig.step();
+      if (rig.now / 1'000'000 % 50 == 0)
+        rig.tracker->receive({reinterpret_cast<const std::uint8_t*>(c.bytes.data()), c.bytes.size()},
+                             rig.now);
+    }
+    ASSERT_EQ(rig.tracker->report().state, TrackerState::failed);
+    EXPECT_NE(std::string(rig.tracker->report().text.data()).find(c.word), std::string::npos)
+        << rig.tracker->report().text.data();
+  }
+}
+
 TEST(SimNdi, SetUpIsRefusedWithReasons) {
   TrackerParams params = test::tracker_params(TrackerProtocol::ndi, {"0A", "probe.rom"});
   EXPECT_EQ(make_tracker(params, {}).errors.size(), 1u) << "no definition";

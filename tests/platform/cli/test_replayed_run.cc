@@ -1,0 +1,124 @@
+// A rig that runs on the record of a run: the same cycles, the same poses, no fault.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include "tests/support/program.h"
+
+namespace godobject::test::test_replayed_run {
+namespace {
+
+using testing::HasSubstr;
+
+struct Trace {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> rows;
+};
+
+/// Numbers of a trace; what is no number is 0.
+Trace read_trace(const std::string& path) {
+  Trace trace;
+  std::istringstream text(read_file(path));
+  for (std::string line; std::getline(text, line);) {
+    std::istringstream cells(line);
+    const bool header = trace.names.empty();
+    if (!header) trace.rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');)
+      if (header) trace.names.push_back(cell);
+      else trace.rows.back().push_back(std::strtod(cell.c_str(), nullptr));
+  }
+  return trace;
+}
+
+/// The greatest difference of a column whose name ends so, over the rows that both have.
+double difference(const Trace& a, const Trace& b, const std::string& ending) {
+  double most = 0;
+  for (std::size_t c = 0; c < a.names.size(); ++c)
+    for (std::size_t i = 0; a.names[c].ends_with(ending) && i < std::min(a.rows.size(), b.rows.size()); ++i)
+      most = std::max(most, std::abs(a.rows[i][c] - b.rows[i][c]));
+  return most;
+}
+
+class ReplayedRun : public ProgramTest {
+ protected:
+  ProgramResult record(const std::string& scene, const std::string& options) {
+    return run_program("run " + scene + " --fast --duration 0.6 --record " + path("run.log") + " --trace " +
+                       path("first.csv") + " " + options);
+  }
+  ProgramResult replay(const std::string& scene, const std::string& bus, const std::string& options = "") {
+    return run_program("run " + scene + " --duration 0.6 --bus " + bus + " --trace " + path("second.csv") +
+                       " " + options);
+  }
+  void expect_the_same(double most_m) {
+    const Trace first = read_trace(path("first.csv")), second = read_trace(path("second.csv"));
+    EXPECT_EQ(first.names, second.names);
+    EXPECT_EQ(first.rows.size(), second.rows.size());
+    for (const std::string column : {".target.x", ".target.y", ".target.z", ".x", ".y", ".z"})
+      EXPECT_LT(difference(first, second, column), most_m) << column;
+    EXPECT_EQ(difference(first, second, "rig_fault"), 0);
+  }
+};
+
+TEST_F(ReplayedRun, EveryRigRunsOnItsRecord) {
+  for (const std::string name :
+       {"rigid", "grasper", "grasp", "scissors-imposed", "desk", "relative", "non-haptic"}) {
+    const std::string scene = "sim/scenes/" + name + ".toml";
+    ASSERT_EQ(record(scene, "").exit_code, 0) << name;
+    const ProgramResult result = replay(scene, "replay:" + path("run.log"));
+    EXPECT_EQ(result.exit_code, 0) << name << "\n" << result.output;
+    EXPECT_THAT(result.output, HasSubstr("600 cycles")) << name;
+    expect_the_same(1e-4);
+  }
+}
+
+TEST_F(ReplayedRun, TheRecordOfAReplayIsReplayedToo) {
+  const std::string scene = "sim/scenes/rigid.toml";
+  ASSERT_EQ(record(scene, "").exit_code, 0);
+  const ProgramResult result =
+      replay(scene, "can0=replay:" + path("run.log") + " --bus can1=replay:" + path("run.log") + ",can1",
+             "--record " + path("again.log"));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  const ProgramResult again = replay(scene, "replay:" + path("again.log"), "--realtime");
+  EXPECT_THAT(again.output, HasSubstr("600 cycles")) << again.output;
+  expect_the_same(1e-4);
+}
+
+/// A program that was killed leaves a record that ends anywhere.
+TEST_F(ReplayedRun, ACutRecordIsReplayedUpToTheCut) {
+  const std::string scene = "sim/scenes/grasper.toml";
+  ASSERT_EQ(record(scene, "").exit_code, 0);
+  const std::string log = read_file(path("run.log"));
+  for (const double share : {0.4, 0.6, 0.8}) {
+    std::size_t size = static_cast<std::size_t>(share * static_cast<double>(log.size()));
+    if (log[size - 1] == '\n') size -= 3;
+    const ProgramResult result = replay(scene, "replay:" + write("cut.log", log.substr(0, size)));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("the log ended after step"));
+    const Trace first = read_trace(path("first.csv")), second = read_trace(path("second.csv"));
+    EXPECT_GT(second.rows.size(), 100u);
+    EXPECT_LT(second.rows.size(), first.rows.size());
+    EXPECT_LT(difference(first, second, ".x"), 1e-4);
+  }
+}
+
+TEST_F(ReplayedRun, WhatCannotBeReplayedIsSaid) {
+  const std::string scene = "sim/scenes/rigid.toml";
+  const std::string log = write("other.log", "(1.000000) vcan7 080#\n(1.001000) vcan7 181#0000\n");
+  ProgramResult result = replay(scene, "replay:" + log);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("holds no frame of the scene's buses"));
+  result = replay(scene, "can0=replay:" + log + ",can3 --bus can1=replay:" + log);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("holds nothing of can3"));
+  result = replay(scene, "can0=replay:" + log + " --bus can1=pty");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("do not go together"));
+  result = replay(scene, "replay:" + path("missing.log"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("cannot be read"));
+}
+
+}  // namespace
+}  // namespace godobject::test::test_replayed_run
