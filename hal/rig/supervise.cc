@@ -104,7 +104,11 @@ void Rig::boot(Nanoseconds now) noexcept {
     state_ = RigState::enabling;
     settled_cycles_ = 0;
     for (EncoderOnBus& encoder : encoders_) encoder.t_good_ns = now;
-    for (DriveOnBus& drive : drives_) drive.t_good_ns = now;
+    for (DriveOnBus& drive : drives_) {
+      drive.t_good_ns = now;
+      drive.was_well = false;
+      drive.t_failed_ns.reset();
+    }
     return;
   }
   if (!boot_is_over(now)) return;
@@ -113,15 +117,38 @@ void Rig::boot(Nanoseconds now) noexcept {
 }
 
 void Rig::wait_for_drives(Nanoseconds now) noexcept {
+  bool failed = false;
+  for (DriveOnBus& drive : drives_) failed = fell_into_fault(drive, now) || failed;
   if (std::ranges::all_of(drives_, [](const DriveOnBus& d) { return is_enabled(d.drive); })) {
     ++settled_cycles_;
     if (drives_.empty() || settled_cycles_ > settle_cycles) state_ = RigState::ready;
     return;
   }
   settled_cycles_ = 0;
-  if (!boot_is_over(now)) return;
+  if (failed || !boot_is_over(now)) return;
   for (const DriveOnBus& drive : drives_)
     if (!is_enabled(drive.drive)) raise(RigFault::boot_timeout, nodes_[drive.node]);
+}
+
+// A fault that stood before is reset on the way. One that comes up on it would come up again, so the drive is given power
+// no second time. The fault is raised when its code is here: TPDO2 may bring it later than TPDO1 the state.
+bool Rig::fell_into_fault(DriveOnBus& drive, Nanoseconds now) noexcept {
+  const std::uint32_t error_code = drive.drive.error_code();
+  if (drive.drive.state() != MotorState::fault) {
+    if (!drive.t_failed_ns) {
+      drive.was_well = true;
+      drive.error_code_before = error_code;
+      return false;
+    }
+  } else if (!drive.was_well) {
+    return false;
+  } else if (!drive.t_failed_ns) {
+    drive.t_failed_ns = now;
+  }
+  const bool code_is_here = error_code != 0 && error_code != drive.error_code_before;
+  if (code_is_here || now - *drive.t_failed_ns > to_ns(params_.lost_after_s))
+    raise_drive_error(nodes_[drive.node], error_code);
+  return true;
 }
 
 bool Rig::boot_is_over(Nanoseconds now) const noexcept {

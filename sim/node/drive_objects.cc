@@ -13,7 +13,7 @@ void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, Sim
   constexpr auto rw = ObjectAccess::read_write;
   constexpr auto ro = ObjectAccess::read_only;
   const bool ours = defaults == SimDefaults::rig;
-  const std::int8_t mode = ours ? cia402::mode_cyclic_synchronous_torque : std::int8_t{0};
+  const std::int8_t mode = ours ? params.cia402.torque_mode : std::int8_t{0};
 
   objects.add_mappable(controlword_object, ObjectType::u16);
   objects.add_mappable(target_torque_object, ObjectType::i16);

@@ -4,7 +4,7 @@
 #include "hal/canopen/cia406.h"
 #include "hal/canopen/sdo/sdo.h"
 #include "hal/drive/cia402.h"
-#include "platform/cli/bus/canopen_texts.h"
+#include "hal/drive/cia402_text.h"
 
 namespace godobject {
 namespace {
