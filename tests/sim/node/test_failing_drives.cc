@@ -213,6 +213,97 @@ TEST(FailingDrives, ALimitThatClearsBit12IsNoLossOfTheDrive) {
   }
 }
 
+/// Answers SYNC with frames of the test's making; a heartbeat every 50 ms.
+class ScriptedNode final : public SimNode {
+ public:
+  ScriptedNode(CanBus& bus, std::vector<CanFrame> answers, std::vector<CanFrame> heartbeats)
+      : bus_(bus), answers_(std::move(answers)), heartbeats_(std::move(heartbeats)) {}
+  void poll(Nanoseconds now) noexcept override {
+    for (ReceivedFrame received; bus_.try_receive(received);) {
+      const bool asked = received.frame.id == canopen::sync_cob_id || received.frame.remote;
+      for (const CanFrame& frame : answers_)
+        if (asked) static_cast<void>(bus_.try_send(frame));
+    }
+    for (; t_next_ <= now; t_next_ += 50 * ms)
+      for (const CanFrame& frame : heartbeats_) static_cast<void>(bus_.try_send(frame));
+  }
+  Nanoseconds next_timer() const noexcept override { return t_next_; }
+  std::uint8_t node_id() const noexcept override { return id; }
+  void power_cycle(Nanoseconds) noexcept override {}
+  void trip(std::uint16_t) noexcept override {}
+  void set_clock_error(double, Nanoseconds) noexcept override {}
+
+ private:
+  CanBus& bus_;
+  std::vector<CanFrame> answers_, heartbeats_;
+  Nanoseconds t_next_ = 0;
+};
+
+std::string text_of_boot(DriveProtocol protocol, const std::vector<CanFrame>& answers,
+                         const std::vector<CanFrame>& heartbeats) {
+  OneDrive device(drive_of(protocol), [&](CanBus& bus, const DriveParams&) {
+    return std::make_unique<ScriptedNode>(bus, answers, heartbeats);
+  });
+  device.boot();
+  EXPECT_EQ(device.rig->faults(), RigFault::boot_timeout);
+  return device.rig->fault_text();
+}
+
+TEST(BootTimeout, IsToldByWhatWasHeardOfTheNode) {
+  const CanFrame operational = canopen::make_heartbeat(id, canopen::NmtState::operational);
+  const CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
+  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {}), HasSubstr("nothing was heard of it"));
+  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {operational}),
+              HasSubstr("it is operational, no TPDO1 with its status has come"));
+  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {},
+                           {canopen::make_heartbeat(id, canopen::NmtState::pre_operational)}),
+              HasSubstr("it is pre-operational"));
+  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {status}, {}), HasSubstr("no heartbeat was heard"));
+  const std::string stuck =
+      text_of_boot(DriveProtocol::cia402,
+                   {status, cia402::make_event(id, {.mode = 10, .error_code = 0x3220})}, {operational});
+  EXPECT_THAT(stuck, HasSubstr("switch on disabled (6041h = 0250h), 603Fh = 3220h, DC link under-voltage"));
+  const std::string deaf = text_of_boot(
+      DriveProtocol::cia402,
+      {cia402::make_status(id, {.statusword = 0x0237}), cia402::make_event(id, {.mode = 8})}, {operational});
+  EXPECT_THAT(deaf,
+              HasSubstr("operation enabled (6041h = 0237h), its mode 6061h is 8, not 10, bit 12 is not set"));
+}
+
+TEST(BootTimeout, IsToldByTheLengthOfFramesThatWereNotUnderstood) {
+  const CanFrame operational = canopen::make_heartbeat(id, canopen::NmtState::operational);
+  for (const std::uint8_t size : {0, 1, 4, 5, 7}) {
+    CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
+    status.size = size;
+    const std::string text = text_of_boot(DriveProtocol::cia402, {status}, {operational});
+    EXPECT_THAT(text, HasSubstr("of its frames were not understood, the last 187 of " + std::to_string(size) +
+                                " bytes, which is too short"));
+  }
+}
+
+TEST(BootTimeout, IsToldByWhatAnOdriveReports) {
+  const auto heartbeat = [](const odrive::Heartbeat& h) { return odrive::make_heartbeat(id, h); };
+  const CanFrame estimates = odrive::make_encoder_estimates(id, {});
+  const auto text = [&](const odrive::Heartbeat& h) {
+    return text_of_boot(DriveProtocol::odrive, {estimates}, {heartbeat(h)});
+  };
+  EXPECT_THAT(text({.error = 0x200, .axis_state = 1}), HasSubstr("error 00000200h DC bus under-voltage"));
+  EXPECT_THAT(text({.axis_state = 1, .flags = {14, 1, 0}}), HasSubstr("procedure result 14 not calibrated"));
+  EXPECT_THAT(text({.axis_state = 1, .flags = {1, 0, 0x80}}), HasSubstr("idle, error of the motor"));
+  EXPECT_THAT(text({.axis_state = 1, .flags = {0, 1, 0x81}}),
+              HasSubstr("idle, error of the encoder, error of the controller"));
+  EXPECT_THAT(text({.error = 0x800, .axis_state = 1, .flags = {0, 0, 0x80}}),
+              HasSubstr("error 00000800h watchdog"));
+}
+
+TEST(BootTimeout, ErrorsThatOdrivesOfFirmware05OnlyFlagAreCleared) {
+  OneDrive device(drive_of(DriveProtocol::odrive), [](CanBus& bus, const DriveParams& drive) {
+    return std::make_unique<SimOdrive>(bus, drive, SimOdriveQuirks{.firmware_0_5 = true, .motor_error = 1});
+  });
+  device.boot();
+  EXPECT_TRUE(device.rig->ready()) << device.rig->fault_text();
+}
+
 TEST(FailingDrives, ModeAndBitsAreOfTheDrivesParameters) {
   constexpr std::uint16_t bit_12 = 1u << 12, bit_14 = 1u << 14;
   const auto boots = [](const Cia402Params& bits, const SimDriveQuirks& quirks) {
