@@ -82,11 +82,13 @@ void SdoSequence::finish_transfer(Nanoseconds now) noexcept {
 
 void SdoSequence::on_read(Nanoseconds now) noexcept {
   const SdoStep& step = steps_[current_];
-  if (client_.data().size() != canopen::size_of(step.type)) {
+  const std::size_t size = canopen::size_of(step.type);
+  const std::span<const std::uint8_t> data = client_.data(size);
+  if (data.size() != size) {
     failure_ = SdoFailure::wrong_size;
     return;
   }
-  const std::int64_t raw = canopen::decode_number(client_.data(), canopen::is_signed(step.type));
+  const std::int64_t raw = canopen::decode_number(data, canopen::is_signed(step.type));
   read_value_ = raw & ~static_cast<std::int64_t>(step.ignored_bits);
   const bool fits = read_value_ >= step.low && read_value_ <= step.high;
   switch (step.action) {

@@ -1,5 +1,7 @@
 #include "platform/cli/bus/message_decoder.h"
 
+#include <algorithm>
+
 #include "hal/base/format.h"
 #include "hal/canopen/cia406.h"
 #include "hal/canopen/sdo/sdo.h"
@@ -74,7 +76,9 @@ std::string data_of(const sdo::Message& message) {
 
 std::string decode_sdo(const CanFrame& frame, bool is_request) {
   sdo::Message message{};
-  if (sdo::parse_frame(frame, frame.id, message) != ParseResult::ok) return "not 8 bytes";
+  if (!canopen::is_canopen(frame) || frame.size == 0 || frame.size > message.size())
+    return "not 1 to 8 bytes";
+  std::copy_n(frame.data.begin(), frame.size, message.begin());
   const std::uint8_t command = sdo::command_of(message);
   if (command == static_cast<std::uint8_t>(sdo::Request::abort)) {
     const sdo::AbortCode code = sdo::abort_code_of(message);
