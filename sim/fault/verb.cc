@@ -45,8 +45,9 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 0.1,
      .min = 0,
      .max = 1,
-     .remark = "few: bus load and error counters. Most of them: the sender goes bus-off. Of a tracker: "
-               "`bad_crc`, and asked again"},
+     .remark = "few: bus load and error counters. Most of them: the sender goes bus-off, and restarts at the "
+               "end of "
+               "the duration. Of a tracker: `bad_crc`, and asked again"},
     {.verb = FaultVerb::stuck,
      .name = "stuck",
      .place = FaultPlace::node,

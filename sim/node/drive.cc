@@ -36,7 +36,7 @@ SimDrive::SimDrive(CanBus& bus, const SimDriveParams& params)
       params_(params) {
   identify(device_type_402, "simulated CiA 402 drive", sim_drive_identity);
   add_drive_objects(objects(), params.drive, params.defaults,
-                    supported_modes | mode_bit(params.drive.cia402.torque_mode));
+                    supported_modes | mode_bit(params.drive.cia402.torque_mode), params.torque_rated_unit_Nm);
   for (SimPdoDefault& pdo : drive_pdos(params.defaults, params.drive.status_every_nth_sync,
                                        to_ms(params.rpdo_timeout_ns), to_ms(params.event_period_ns)))
     add_pdo(std::move(pdo));
@@ -294,10 +294,10 @@ std::uint16_t SimDrive::statusword() const noexcept {
   const bool enabled = state_ == DriveState::operation_enabled;
   const bool limited = enabled && std::abs(target_per_mille) > max_per_mille();
   unsigned word = cia402::encode_state(state_) | cia402::status_voltage_enabled | cia402::status_remote;
-  if (limited) word |= cia402::status_internal_limit;
+  if (limited) word |= params_.drive.cia402.limit_mask;
   if (mode() == cia402::OperationMode::homing) word |= cia402::encode_homing(homing_);
   else if (enabled && !(limited && params_.quirks.limit_clears_follow_bit))
-    word |= cia402::status_follows_command;
+    word |= params_.drive.cia402.follows_mask;
   word = (word & ~unsigned{params_.quirks.status_clear}) | params_.quirks.status_set;
   return static_cast<std::uint16_t>(word);
 }

@@ -28,6 +28,7 @@ struct SimDriveParams {
   Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2, 1801h:05; in whole ms, 0: never sent
   Nanoseconds heartbeat_period_ns = 0;       // 0: never sent
   SimDefaults defaults = SimDefaults::rig;
+  double torque_rated_unit_Nm = godobject::torque_rated_unit_Nm;  // of 6076h
 };
 
 /// SYNC does what CiA 301 asks of synchronous PDOs: sample and send the status (every n-th SYNC), and put the

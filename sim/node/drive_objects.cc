@@ -9,7 +9,7 @@ namespace godobject {
 using canopen::ObjectType;
 
 void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, SimDefaults defaults,
-                       std::uint32_t supported_modes) {
+                       std::uint32_t supported_modes, double unit_Nm) {
   constexpr auto rw = ObjectAccess::read_write;
   constexpr auto ro = ObjectAccess::read_only;
   const bool ours = defaults == SimDefaults::rig;
@@ -32,7 +32,7 @@ void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, Sim
   objects.add({0x6099, 1}, ObjectType::u32, rw);
   objects.add({0x6099, 2}, ObjectType::u32, rw);
 
-  const std::int64_t torque_rated = std::llround(params.torque_rated_Nm / torque_rated_unit_Nm);
+  const std::int64_t torque_rated = std::llround(params.torque_rated_Nm / unit_Nm);
   objects.add({0x6076, 0}, ObjectType::u32, ro, torque_rated);
   objects.add(supported_modes_object, ObjectType::u32, ro, supported_modes);
 

@@ -317,7 +317,7 @@ TEST(FailingDrives, ModeAndBitsAreOfTheDrivesParameters) {
   EXPECT_FALSE(boots({}, {.status_clear = bit_12}));
   EXPECT_TRUE(boots({.follows_mask = 0}, {.status_clear = bit_12}));
   EXPECT_TRUE(boots({.follows_mask = bit_14}, {.status_clear = bit_12, .status_set = bit_14}));
-  EXPECT_FALSE(boots({.follows_mask = bit_14}, {}));
+  EXPECT_FALSE(boots({.follows_mask = bit_14}, {.status_clear = bit_14, .status_set = bit_12}));
 }
 
 }  // namespace
