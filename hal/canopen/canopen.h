@@ -175,8 +175,8 @@ constexpr CanFrame make_emergency(const Emergency& emergency) noexcept {
   return frame;
 }
 
-/// From any node 1..127. Some devices leave out bytes at the end, which are 0 then; one without a whole code has that of
-/// a generic error.
+/// From any node 1..127. Some devices leave out bytes at the end, which are 0 then; one without a whole code
+/// has that of a generic error.
 [[nodiscard]] constexpr ParseResult parse_emergency(const CanFrame& frame, Emergency& out) noexcept {
   if (!is_canopen(frame) || frame.id <= emcy_cob_id(0) || frame.id > emcy_cob_id(max_node_id)) {
     return ParseResult::other_message;

@@ -47,7 +47,8 @@ SdoStep as(SdoAction action, SdoStep written) {
   return written;
 }
 
-/// Compares what shall be there, the count of a mapping before its entries, and makes `change` only if it is not.
+/// Compares what shall be there, the count of a mapping before its entries, and makes `change` only if it is
+/// not.
 void append_unless_same(std::vector<SdoStep> wanted, const std::vector<SdoStep>& change,
                         std::vector<SdoStep>& steps) {
   std::ranges::stable_partition(wanted, [](const SdoStep& step) { return step.address.sub == 0; });

@@ -72,8 +72,8 @@ constexpr std::uint16_t encode_state(DriveState state) noexcept {
   return 0x00;
 }
 
-/// A drive acts on the edge of bit 7, when it looks at the controlword: some do every 2nd SYNC or 8 ms, and one that
-/// is busy later. Each level of the bit is kept until the state changes, and so long otherwise.
+/// A drive acts on the edge of bit 7, when it looks at the controlword: some do every 2nd SYNC or 8 ms, and
+/// one that is busy later. Each level of the bit is kept until the state changes, and so long otherwise.
 inline constexpr Nanoseconds fault_reset_hold_ns = 50'000'000;
 
 /// In Fault: bit 7 where it was 0, and 0 where it was set. To be called when fault_reset_hold_ns is over.

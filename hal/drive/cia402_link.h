@@ -9,12 +9,13 @@ namespace godobject {
 /// SYNC asks for the status; the RPDO1 of every cycle carries controlword and torque and takes effect at the
 /// next SYNC. Node supervision (NMT, heartbeat, EMCY) is the rig's.
 ///
-/// Enabled is a drive in Operation Enabled whose statusword shows that it follows the command (bit 12) and whose
-/// TPDO2, if it has sent one, does not name another mode than the torque mode. Mode and bits: DriveParams::cia402.
-/// Once it has followed, a drive that limits the torque (bit 11) may clear bit 12 meanwhile: it stays enabled.
+/// Enabled is a drive in Operation Enabled whose statusword shows that it follows the command (bit 12) and
+/// whose TPDO2, if it has sent one, does not name another mode than the torque mode. Mode and bits:
+/// DriveParams::cia402. Once it has followed, a drive that limits the torque (bit 11) may clear bit 12
+/// meanwhile: it stays enabled.
 ///
-/// Fault is reset by an edge of bit 7. Drives may look at the controlword seldom: each level is kept until the state
-/// changes, and for fault_reset_hold_ns otherwise.
+/// Fault is reset by an edge of bit 7. Drives may look at the controlword seldom: each level is kept until
+/// the state changes, and for fault_reset_hold_ns otherwise.
 class Cia402Link final : public DriveLink {
  public:
   Cia402Link(const DriveParams& params, double /*cycle_s*/) noexcept : params_(params) {}

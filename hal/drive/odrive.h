@@ -1,10 +1,10 @@
 // ODrive motor drives: CAN Simple, firmware 0.6.
 //
 // id = node << 5 | command, 11 bits, classic frames, numbers little-endian, reals IEEE 32 bits. Firmware 0.5
-// has the messages used here at the same places, but for the bits of the heartbeat's error, its bytes after the axis
-// state (there flags of motor, encoder and controller, whose errors the axis error leaves out) and Clear_Errors (there
-// without data); its position messages in counts, its 03h, 04h, 1Ch and 1Dh are others. A CAN Simple bus carries no CANopen: 080h, SYNC there, is
-// node 4's Get_Version here.
+// has the messages used here at the same places, but for the bits of the heartbeat's error, its bytes after
+// the axis state (there flags of motor, encoder and controller, whose errors the axis error leaves out) and
+// Clear_Errors (there without data); its position messages in counts, its 03h, 04h, 1Ch and 1Dh are others. A
+// CAN Simple bus carries no CANopen: 080h, SYNC there, is node 4's Get_Version here.
 #pragma once
 
 #include "hal/canopen/canopen.h"
@@ -49,8 +49,8 @@ constexpr std::uint32_t own_state(const Heartbeat& heartbeat) noexcept {
          std::uint32_t{heartbeat.flags[1]} << 16 | std::uint32_t{heartbeat.flags[2]} << 24;
 }
 
-/// True of firmware 0.5 from 0.5.4 on: its last byte has the controller's flags, of which bit 7, trajectory done, is set
-/// wherever no trajectory runs. Firmware 0.6 sends 0 there.
+/// True of firmware 0.5 from 0.5.4 on: its last byte has the controller's flags, of which bit 7, trajectory
+/// done, is set wherever no trajectory runs. Firmware 0.6 sends 0 there.
 constexpr bool is_firmware_0_5(const Heartbeat& heartbeat) noexcept { return heartbeat.flags[2] != 0; }
 
 /// True where firmware 0.5 flags an error of motor, encoder or controller.

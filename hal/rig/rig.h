@@ -5,8 +5,8 @@
 // NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
 //
 // The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what
-// brings its buses, bus_load.h what they carry; receive.cc, supervise.cc and rig_text.cc are parts of Rig; swing_watch.h
-// watches commands for oscillation.
+// brings its buses, bus_load.h what they carry; receive.cc, supervise.cc and rig_text.cc are parts of Rig;
+// swing_watch.h watches commands for oscillation.
 #pragma once
 
 #include <array>

@@ -130,8 +130,9 @@ void Rig::wait_for_drives(Nanoseconds now) noexcept {
     if (!is_enabled(drive.drive)) raise(RigFault::boot_timeout, nodes_[drive.node]);
 }
 
-// A fault that stood before is reset on the way. One that comes up on it would come up again, so the drive is given power
-// no second time. The fault is raised when its code is here: TPDO2 may bring it later than TPDO1 the state.
+// A fault that stood before is reset on the way. One that comes up on it would come up again, so the drive is
+// given power no second time. The fault is raised when its code is here: TPDO2 may bring it later than TPDO1
+// the state.
 bool Rig::fell_into_fault(DriveOnBus& drive, Nanoseconds now) noexcept {
   const std::uint32_t error_code = drive.drive.error_code();
   if (drive.drive.state() != MotorState::fault) {

@@ -9,8 +9,9 @@
 
 namespace godobject {
 
-/// The profiles of the scene's rig, which it has, looked for beside its file; its drives get their modes and bits from
-/// them. Where the scene shows force, a drive that would keep its torque when this program dies is an error.
+/// The profiles of the scene's rig, which it has, looked for beside its file; its drives get their modes and
+/// bits from them. Where the scene shows force, a drive that would keep its torque when this program dies is
+/// an error.
 RigProfiles checked_profiles(SceneConfig& scene, const std::string& scene_file,
                              std::vector<std::string>& errors);
 

@@ -31,7 +31,7 @@ MadeDrive both(std::unique_ptr<Drive> drive) {
   return {.node = std::move(drive), .motor = motor};
 }
 
-/// Of 6076h, N m.
+/// Unit of 6076h, N m.
 double unit_of(const std::optional<NodeProfile>& device) {
   return device && device->torque_rated_unit_Nm ? device->torque_rated_unit_Nm->value : torque_rated_unit_Nm;
 }

@@ -99,7 +99,8 @@ std::optional<DriveState> wait_for(DriveDialogue& drive, Nanoseconds patience, c
   }
 }
 
-/// Gives edges of bit 7, each level as long as a drive that looks seldom needs, until it leaves Fault. None: no answer.
+/// Gives edges of bit 7, each level as long as a drive that looks seldom needs, until it leaves Fault. None:
+/// no answer.
 std::optional<DriveState> send_reset_edges(DriveDialogue& drive, Nanoseconds patience_ns) {
   const auto reset = [](DriveState now) { return now != DriveState::fault; };
   const Nanoseconds t_end_ns = MonotonicClock().now() + patience_ns;

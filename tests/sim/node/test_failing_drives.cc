@@ -1,4 +1,5 @@
-// Rigs whose drives fail when they are given power, look at their commands seldom, or report limits in other bits.
+// Rigs whose drives fail when they are given power, look at their commands seldom, or report limits in other
+// bits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
