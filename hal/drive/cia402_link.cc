@@ -1,5 +1,8 @@
 #include "hal/drive/cia402_link.h"
 
+#include <algorithm>
+#include <cstdlib>
+
 #include "hal/base/format.h"
 #include "hal/drive/cia402_text.h"
 
@@ -24,16 +27,23 @@ DriveMessage Cia402Link::decode(const CanFrame& frame, DriveTelemetry& out) noex
   statusword_ = status.statusword;
   state_ = cia402::decode_state(statusword_);
   const Cia402Params& bits = params_.cia402;
-  const bool limits = (statusword_ & bits.limit_mask) != 0;
+  const bool limits = (statusword_ & bits.limit_mask) != 0 || is_held_back(status.actual_torque_per_mille);
   const bool bit_set = bits.follows_mask == 0 || (statusword_ & bits.follows_mask) != 0;
   follows_ = state_ == DriveState::operation_enabled && (bit_set || (follows_ && limits));
   out.position_counts = static_cast<std::uint32_t>(status.position_counts);
   out.torque_Nm = cia402::torque_from_per_mille(status.actual_torque_per_mille, params_.torque_rated_Nm);
   out.state = motor_state();
-  out.internal_limit = limits;
+  out.internal_limit = (statusword_ & bits.limit_mask) != 0 || (follows_ && !bit_set);
   out.own_state = cia402::own_state(statusword_, shown_mode_);
   out.has_own_state = true;
   return {.result = result, .position = true};
+}
+
+/// True of a torque in the direction of a target and short of it. Some drives limit without a bit for it.
+bool Cia402Link::is_held_back(std::int16_t actual_per_mille) const noexcept {
+  return std::ranges::any_of(targets_per_mille_, [actual_per_mille](int target) {
+    return target * actual_per_mille > 0 && std::abs(actual_per_mille) < std::abs(target);
+  });
 }
 
 MotorState Cia402Link::motor_state() const noexcept {
@@ -72,6 +82,10 @@ DriveFrame Cia402Link::command(const DriveOrder& order, Nanoseconds now) const n
 void Cia402Link::sent(const DriveFrame& command, Nanoseconds now) noexcept {
   if (((controlword_ ^ command.step) & cia402::fault_reset_bit) != 0) t_reset_edge_ns_ = now;
   controlword_ = command.step;
+  cia402::Command sent;
+  if (!command.frame || cia402::parse_command(*command.frame, params_.node_id, sent) != ParseResult::ok)
+    return;
+  targets_per_mille_ = {targets_per_mille_[1], sent.target_torque_per_mille};
 }
 
 std::vector<CyclicMessage> Cia402Link::messages(double cycle_s, double event_period_s) const {

@@ -11,8 +11,8 @@ namespace godobject {
 ///
 /// Enabled is a drive in Operation Enabled whose statusword shows that it follows the command (bit 12) and
 /// whose TPDO2, if it has sent one, does not name another mode than the torque mode. Mode and bits:
-/// DriveParams::cia402. Once it has followed, a drive that limits the torque (bit 11) may clear bit 12
-/// meanwhile: it stays enabled.
+/// DriveParams::cia402. Once it has followed, a drive that limits the torque (bit 11, or less torque than its
+/// target) may clear bit 12 meanwhile: it stays enabled.
 ///
 /// Fault is reset by an edge of bit 7. Drives may look at the controlword seldom: each level is kept until
 /// the state changes, and for fault_reset_hold_ns otherwise.
@@ -29,6 +29,7 @@ class Cia402Link final : public DriveLink {
  private:
   std::uint16_t controlword(DriveGoal goal, Nanoseconds now) const noexcept;
   MotorState motor_state() const noexcept;
+  bool is_held_back(std::int16_t actual_per_mille) const noexcept;
 
   DriveParams params_;
   cia402::DriveState state_ = cia402::DriveState::unknown;
@@ -36,6 +37,7 @@ class Cia402Link final : public DriveLink {
   bool follows_ = false;                     // or limits, after it has followed
   std::optional<std::int8_t> shown_mode_{};  // 6061h of TPDO2
   std::uint16_t controlword_ = cia402::disable_voltage;
+  std::array<int, 2> targets_per_mille_{};        // the last two sent: a status may be of either
   std::optional<Nanoseconds> t_reset_edge_ns_{};  // bit 7 of the controlword changed last
 };
 

@@ -48,6 +48,7 @@ struct SimDriveParams {
 class SimDrive final : public SimCanopenNode, public SimMotor {
  public:
   SimDrive(CanBus& bus, const SimDriveParams& params);
+  void set_quirks(const SimDriveQuirks& quirks) noexcept { params_.quirks = quirks; }
 
   void set_joint(double q, double q_dot) noexcept override {
     q_ = q;

@@ -193,9 +193,12 @@ TEST(FailingDrives, FaultIsResetWhereTheDriveLooksAtItsControlwordSeldom) {
 }
 
 TEST(FailingDrives, ALimitThatClearsBit12IsNoLossOfTheDrive) {
-  for (const std::int16_t limit : {50, 120, 300}) {
-    OneDrive device(drive_of(DriveProtocol::cia402),
-                    cia402_with({.max_torque_per_mille = limit, .limit_clears_follow_bit = true}));
+  constexpr std::uint16_t bit_11 = 1u << 11;
+  for (const auto& [limit, without_bit] :
+       {std::pair<std::int16_t, std::uint16_t>{50, 0}, {120, 0}, {300, 0}, {50, bit_11}, {200, bit_11}}) {
+    OneDrive device(drive_of(DriveProtocol::cia402), cia402_with({.max_torque_per_mille = limit,
+                                                                  .limit_clears_follow_bit = true,
+                                                                  .status_clear = without_bit}));
     device.boot();
     ASSERT_TRUE(device.rig->arm()) << device.rig->fault_text();
     device.F.f = Vec3(0, 0.4, 0);  // 0.04 N m at the joint: 400 per mille
@@ -207,6 +210,11 @@ TEST(FailingDrives, ALimitThatClearsBit12IsNoLossOfTheDrive) {
     EXPECT_EQ(device.rig->faults(), RigFault::none) << device.rig->fault_text();
     EXPECT_TRUE(limited);
     EXPECT_NEAR(device.rig->drive_feedback(0, device.now).torque_Nm, 1e-3 * limit * 0.1, 1e-4);
+    for (int k = 0; k < 60; ++k) {  // from one end to the other at once, and by ramps
+      device.F.f.y() = k < 20 ? (k % 4 < 2 ? -0.4 : 0.4) : 0.4 * std::sin(0.3 * k);
+      device.cycle();
+      ASSERT_EQ(device.rig->faults(), RigFault::none) << k << device.rig->fault_text();
+    }
     device.F = {};
     for (int k = 0; k < 10; ++k) device.cycle();
     EXPECT_EQ(device.report.drive_limited, 0u);
@@ -303,6 +311,20 @@ TEST(BootTimeout, ErrorsThatOdrivesOfFirmware05OnlyFlagAreCleared) {
   });
   device.boot();
   EXPECT_TRUE(device.rig->ready()) << device.rig->fault_text();
+}
+
+TEST(FailingDrives, LossOfBit12WithoutALimitIsLossOfTheDrive) {
+  for (const double force : {0.0, 0.2}) {
+    OneDrive device(drive_of(DriveProtocol::cia402), cia402_with({}));
+    device.boot();
+    ASSERT_TRUE(device.rig->arm());
+    device.F.f = Vec3(0, force, 0);
+    for (int k = 0; k < 20; ++k) device.cycle();
+    ASSERT_EQ(device.rig->faults(), RigFault::none);
+    dynamic_cast<SimDrive&>(*device.node).set_quirks({.status_clear = 1u << 12});
+    for (int k = 0; k < 3; ++k) device.cycle();
+    EXPECT_EQ(device.rig->faults(), RigFault::drive_not_enabled) << force;
+  }
 }
 
 TEST(FailingDrives, ModeAndBitsAreOfTheDrivesParameters) {
