@@ -36,6 +36,7 @@ DriveMessage Cia402Link::decode(const CanFrame& frame, DriveTelemetry& out) noex
   out.internal_limit = (statusword_ & bits.limit_mask) != 0 || (follows_ && !bit_set);
   out.own_state = cia402::own_state(statusword_, shown_mode_);
   out.has_own_state = true;
+  out.powered = state_ == DriveState::operation_enabled;
   return {.result = result, .position = true};
 }
 

@@ -44,6 +44,7 @@ struct DriveTelemetry {
   std::uint32_t error_code = 0;  // in the drive's own numbers; 0: none
   std::uint32_t own_state = 0;   // in the protocol's own numbers, for BusProtocol::state_text
   bool has_own_state = false;    // it has come
+  bool powered = false;          // its power stage is on, whether it follows or not
 };
 
 /// What one frame was for a drive.

@@ -270,6 +270,7 @@ DriveMessage MoteusLink::decode(const CanFrame& frame, DriveTelemetry& out) noex
   out.error_code = failed ? static_cast<std::uint32_t>(reply.fault) : 0;
   out.own_state = static_cast<std::uint32_t>(mode_);
   out.has_own_state = true;
+  out.powered = mode_ == moteus::mode_position;
   return {.result = result, .position = true, .alive = true};
 }
 

@@ -46,6 +46,7 @@ DriveMessage OdriveLink::decode(const CanFrame& frame, DriveTelemetry& out) noex
   out.error_code = heartbeat_.error;
   out.own_state = odrive::own_state(heartbeat_);
   out.has_own_state = true;
+  out.powered = heartbeat_.axis_state == odrive::axis_closed_loop;
   out.state = enabled() ? MotorState::enabled : has_error() ? MotorState::fault : MotorState::off;
   return {.result = result, .alive = true};
 }

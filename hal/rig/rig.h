@@ -175,8 +175,9 @@ class Rig {
     Nanoseconds t_good_ns = 0;     // when its status was last young enough
     // While enabling:
     bool was_well = false;                     // it has been seen out of fault
+    bool was_powered = false;                  // its power stage was on
     std::uint32_t error_code_before = 0;       // as it was then
-    std::optional<Nanoseconds> t_failed_ns{};  // it is in fault again, since then
+    std::optional<Nanoseconds> t_failed_ns{};  // it is in fault again, or without power, since then
   };
   struct ButtonOnBus {
     ButtonParams params;
@@ -223,7 +224,7 @@ class Rig {
   void check_slip(DriveOnBus& drive, Nanoseconds now) noexcept;
   void check_drives() noexcept;
   void check_drive_error(const DriveOnBus& drive) noexcept;
-  bool fell_into_fault(DriveOnBus& drive, Nanoseconds now) noexcept;
+  bool failed_on_the_way(DriveOnBus& drive, Nanoseconds now) noexcept;
   void boot(Nanoseconds now) noexcept;
   void wait_for_drives(Nanoseconds now) noexcept;
   bool boot_is_over(Nanoseconds now) const noexcept;

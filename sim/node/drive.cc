@@ -197,8 +197,9 @@ void SimDrive::on_tick(Nanoseconds now) noexcept {
   }
   if (now >= t_error_ns_) {
     t_error_ns_ = never;
-    state_ = DriveState::fault;
-    error_code_ = params_.quirks.error_when_enabled;
+    const bool to_fault = !params_.quirks.loses_power_only;
+    state_ = to_fault ? DriveState::fault : DriveState::switch_on_disabled;
+    if (to_fault) error_code_ = params_.quirks.error_when_enabled;
   }
   if (manoeuvre_begins_) t_manoeuvre_ends_ns_ = now + manoeuvre_duration_ns;
   manoeuvre_begins_ = false;

@@ -13,6 +13,7 @@ struct SimDriveQuirks {
   std::uint16_t error_when_enabled =
       0;  // 603Fh of a fault that comes up in Operation Enabled, without EMCY; 0: none
   Nanoseconds error_after_ns = 4'000'000;          // it comes up so long after
+  bool loses_power_only = false;                   // then it is in Switch On Disabled instead of Fault
   int controlword_every_nth_sync = 1;              // it looks at the controlword so seldom
   Nanoseconds controlword_period_ns = 0;           // the same by a timer of its own; 0: with SYNC
   std::int16_t max_torque_per_mille = 0;           // 6072h; 0: as torque_max_Nm

@@ -131,6 +131,18 @@ TEST(FailingDrives, Cia402ThatFailsWithoutEmergencyIsGivenPowerOnce) {
     }
 }
 
+TEST(FailingDrives, Cia402ThatLosesPowerWithoutAFaultIsGivenPowerOnce) {
+  for (const Nanoseconds after : {1 * ms, 4 * ms, 8 * ms}) {
+    OneDrive device(
+        drive_of(DriveProtocol::cia402),
+        cia402_with({.error_when_enabled = 1, .error_after_ns = after, .loses_power_only = true}));
+    EXPECT_LT(device.boot(), 300);
+    ASSERT_EQ(device.rig->faults(), RigFault::drive_not_enabled) << device.rig->fault_text();
+    EXPECT_EQ(times_enabled(device.frames), 1);
+    EXPECT_THAT(device.rig->fault_text(), HasSubstr("switch on disabled (6041h = 0250h)"));
+  }
+}
+
 TEST(FailingDrives, AFaultThatStoodBeforeIsCleared) {
   OneDrive device(drive_of(DriveProtocol::cia402), cia402_with({}));
   device.node->trip(0x8611);
