@@ -234,14 +234,14 @@ CanFrame shortened(CanFrame frame, std::uint8_t size) {
 }
 
 TEST(Sdo, AnswersOfFewerThanEightBytesAreRight) {
-  for (const std::uint8_t size : {6, 7, 8}) {
+  for (const std::uint8_t size : std::initializer_list<std::uint8_t>{6, 7, 8}) {
     Dialogue d;
     ASSERT_TRUE(d.client.read({0x6041, 0}));
     d.request();
     EXPECT_TRUE(d.client.on_frame(shortened(response({0x4B, 0x41, 0x60, 0x00, 0x37, 0x02}), size)));
     EXPECT_EQ(hex(d.client.data(2)), "37 02");
   }
-  for (const std::uint8_t size : {4, 5, 8}) {
+  for (const std::uint8_t size : std::initializer_list<std::uint8_t>{4, 5, 8}) {
     Dialogue d;
     ASSERT_TRUE(d.client.write({0x6060, 0}, std::array<std::uint8_t, 1>{10}));
     d.request();

@@ -39,8 +39,9 @@ TEST(FaultInjector, NodesThatCorruptFramesHaveMadeBusOffComeBackWhenItEnds) {
       device.cycles(400);
       EXPECT_TRUE(device.link.rig().faults().active().empty());
       for (const std::size_t bus : {0u, 1u})
-        for (const std::uint8_t id : {1, 2})
-          EXPECT_NE(device.link.rig().node_port(bus, id)->state(), BusState::bus_off) << where << ' ' << share;
+        for (const std::uint8_t id : std::initializer_list<std::uint8_t>{1, 2})
+          EXPECT_NE(device.link.rig().node_port(bus, id)->state(), BusState::bus_off)
+              << where << ' ' << share;
       device.rig.clear_faults(device.t_sync_ns);
       EXPECT_TRUE(device.boot()) << where << ' ' << share << ": " << device.rig.fault_text();
     }

@@ -115,7 +115,7 @@ int times_enabled(const std::vector<ReceivedFrame>& frames) {
 
 TEST(FailingDrives, Cia402ThatFailsWithoutEmergencyIsGivenPowerOnce) {
   std::mt19937 random(38);
-  for (const std::uint16_t error : {0x2310, 0x7305, 0x3220, 0xFF01})
+  for (const std::uint16_t error : std::initializer_list<std::uint16_t>{0x2310, 0x7305, 0x3220, 0xFF01})
     for (int k = 0; k < 5; ++k) {
       const auto after = static_cast<Nanoseconds>(1 + random() % 9) * ms;
       OneDrive device(drive_of(DriveProtocol::cia402),
@@ -293,7 +293,7 @@ TEST(BootTimeout, IsToldByWhatWasHeardOfTheNode) {
 
 TEST(BootTimeout, IsToldByTheLengthOfFramesThatWereNotUnderstood) {
   const CanFrame operational = canopen::make_heartbeat(id, canopen::NmtState::operational);
-  for (const std::uint8_t size : {0, 1, 4, 5, 7}) {
+  for (const std::uint8_t size : std::initializer_list<std::uint8_t>{0, 1, 4, 5, 7}) {
     CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
     status.size = size;
     const std::string text = text_of_boot(DriveProtocol::cia402, {status}, {operational});

@@ -81,9 +81,11 @@ class SettingUp {
 
 TEST(SetUp, MapsThatAreRightAreNotWritten) {
   SettingUp setting(SimDefaults::rig);
-  for (const std::uint16_t index : {0x1600, 0x1A00, 0x1A01, 0x1800}) setting.make_read_only(index);
+  for (const std::uint16_t index : std::initializer_list<std::uint16_t>{0x1600, 0x1A00, 0x1A01, 0x1800})
+    setting.make_read_only(index);
   EXPECT_THAT(setting.run(), IsEmpty());
-  for (const std::uint16_t index : {0x1600, 0x1A00, 0x1A01, 0x1400, 0x1800, 0x1801})
+  for (const std::uint16_t index :
+       std::initializer_list<std::uint16_t>{0x1600, 0x1A00, 0x1A01, 0x1400, 0x1800, 0x1801})
     EXPECT_FALSE(setting.was_written(index)) << std::hex << index;
   EXPECT_TRUE(setting.was_written(0x1017));
 }
@@ -93,7 +95,8 @@ TEST(SetUp, OnlyWhatDiffersIsWritten) {
   profile.pdos[1].transmission.value = 3;
   profile.pdos[2].timer_ms->value = 30;
   SettingUp setting(SimDefaults::rig, profile);
-  for (const std::uint16_t index : {0x1A00, 0x1A01}) setting.make_read_only(index);
+  for (const std::uint16_t index : std::initializer_list<std::uint16_t>{0x1A00, 0x1A01})
+    setting.make_read_only(index);
   EXPECT_THAT(setting.run(), IsEmpty());
   EXPECT_FALSE(setting.was_written(0x1A00) || setting.was_written(0x1A01) || setting.was_written(0x1400));
   EXPECT_EQ(setting.drive().objects().value({0x1800, 2}), 3);
