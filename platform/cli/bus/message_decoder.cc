@@ -76,8 +76,9 @@ std::string data_of(const sdo::Message& message) {
 
 std::string decode_sdo(const CanFrame& frame, bool is_request) {
   sdo::Message message{};
-  if (!canopen::is_canopen(frame) || frame.size == 0 || frame.size > message.size())
-    return "not 1 to 8 bytes";
+  const std::size_t shortest = is_request ? message.size() : 1;  // some servers leave bytes out
+  const bool is_one = canopen::is_canopen(frame) && frame.size >= shortest && frame.size <= message.size();
+  if (!is_one) return "not 8 bytes";
   std::copy_n(frame.data.begin(), frame.size, message.begin());
   const std::uint8_t command = sdo::command_of(message);
   if (command == static_cast<std::uint8_t>(sdo::Request::abort)) {
