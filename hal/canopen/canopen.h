@@ -39,6 +39,7 @@ enum class NmtState : std::uint8_t { boot_up = 0, stopped = 4, operational = 5, 
 
 // Emergency error codes the project sends or treats by name.
 inline constexpr std::uint16_t emcy_no_error = 0x0000;
+inline constexpr std::uint16_t emcy_generic_error = 0x1000;
 inline constexpr std::uint16_t emcy_pdo_too_short = 0x8210;
 inline constexpr std::uint16_t emcy_pdo_too_long = 0x8220;
 inline constexpr std::uint16_t emcy_rpdo_timeout = 0x8250;
@@ -174,16 +175,20 @@ constexpr CanFrame make_emergency(const Emergency& emergency) noexcept {
   return frame;
 }
 
-/// From any node 1..127.
+/// From any node 1..127. Some devices leave out bytes at the end, which are 0 then; one without a whole code
+/// has that of a generic error.
 [[nodiscard]] constexpr ParseResult parse_emergency(const CanFrame& frame, Emergency& out) noexcept {
   if (!is_canopen(frame) || frame.id <= emcy_cob_id(0) || frame.id > emcy_cob_id(max_node_id)) {
     return ParseResult::other_message;
   }
-  const ParseResult result = check_size(frame.size, 8);
-  if (result != ParseResult::ok) return result;
+  constexpr std::size_t whole = 8, code_end = 2;
+  if (frame.size > whole) return ParseResult::too_long;
+  std::array<std::uint8_t, whole> bytes{};
+  std::copy_n(frame.data.begin(), frame.size, bytes.begin());
   out.node = static_cast<std::uint8_t>(frame.id - emcy_cob_id(0));
-  ByteReader(frame.bytes()).get(out.error_code).get(out.error_register);
-  std::copy_n(frame.data.begin() + 3, out.vendor.size(), out.vendor.begin());
+  ByteReader(bytes).get(out.error_code).get(out.error_register);
+  if (frame.size < code_end) out.error_code = emcy_generic_error;
+  std::copy_n(bytes.begin() + 3, out.vendor.size(), out.vendor.begin());
   return ParseResult::ok;
 }
 

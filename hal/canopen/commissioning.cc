@@ -32,19 +32,19 @@ class NodeCommissioning {
   bool finished() const noexcept { return phase_ == Phase::done || phase_ == Phase::failed; }
 
   void on_frame(const CanFrame& frame) noexcept {
-    if (finished()) return;
+    if (phase_ == Phase::failed) return;
     canopen::Heartbeat heartbeat;
     const bool boot_up = canopen::parse_heartbeat(frame, heartbeat) == ParseResult::ok &&
                          heartbeat.node == node_id_ && heartbeat.state == canopen::NmtState::boot_up;
-    if (boot_up && phase_ == Phase::booting) phase_ = Phase::setting_up;
-    else if (boot_up && phase_ == Phase::setting_up) fail(NodeFailure::rebooted);
-    else static_cast<void>(sequence_.on_frame(frame));
+    if (boot_up && phase_ != Phase::resetting) boot_up_ = true;
+    else if (!boot_up_ && !finished()) static_cast<void>(sequence_.on_frame(frame));
   }
 
   void poll(Nanoseconds now, CanBus& bus) noexcept {
     if (!started_) deadline_ns_ = now + to_ns(profile_.boot_timeout_s);
     started_ = true;
     const bool late = now >= deadline_ns_;
+    if (boot_up_) set_up_from_the_start(late);
     switch (phase_) {
       case Phase::resetting: {
         const CanFrame reset = canopen::make_nmt(canopen::NmtCommand::reset_communication, node_id_);
@@ -80,7 +80,8 @@ class NodeCommissioning {
                " of the reset: is it powered, has it this node-ID, has the bus its bit rate and both "
                "terminations?";
       case NodeFailure::rebooted:
-        return name_ + ": booted a second time while it was set up: its supply, or another master?";
+        return name_ + ": booted again and again while it was set up, " + std::to_string(1 + reboots_) +
+               " times in more than " + seconds + ": its supply, or another master?";
       case NodeFailure::sequence: return name_ + ": " + sequence_.error_text() + place();
       case NodeFailure::none: break;
     }
@@ -90,6 +91,17 @@ class NodeCommissioning {
   }
 
  private:
+  /// A node that booted again has lost what was written.
+  void set_up_from_the_start(bool late) noexcept {
+    boot_up_ = false;
+    const bool again = phase_ != Phase::booting;
+    if (again && late) return fail(NodeFailure::rebooted);
+    if (again) ++reboots_;
+    phase_ = Phase::setting_up;
+    halted_ = false;
+    sequence_.restart();
+  }
+
   CanFrame halt() const noexcept {
     return canopen::make_nmt(canopen::NmtCommand::enter_pre_operational, node_id_);
   }
@@ -114,6 +126,8 @@ class NodeCommissioning {
   Phase phase_ = Phase::resetting;
   NodeFailure failure_ = NodeFailure::none;
   bool started_ = false;
+  bool boot_up_ = false;  // has come since the last poll
+  int reboots_ = 0;
   bool halted_ = false;  // has been told to be pre-operational
   Nanoseconds deadline_ns_ = 0;
 };

@@ -57,7 +57,7 @@ void append_pdos(const NodeProfile& profile, const NodeSetup& setup, std::vector
   append_switch_off_steps(profile.pdos, steps);
   for (const PdoProfile& pdo : profile.pdos) {
     const std::uint8_t transmission = pdo.of_scene ? setup.status_every_nth_sync : pdo.transmission.value;
-    append_map_steps(pdo, setup.node_id, transmission, steps);
+    append_pdo_steps(pdo, setup.node_id, transmission, steps);
   }
 }
 

@@ -64,6 +64,8 @@ struct NodeProfile {
   std::optional<FromLine<double>> torque_rated_unit_Nm{};  // of 6076h, which must agree with the scene
   std::optional<FromLine<bool>> interpolation_time{};      // 60C2h gets the period of the scene
   std::optional<FromLine<std::int8_t>> mode{};             // 6060h, then waits for 6061h
+  // Bits of the statusword, 0 to 15, or -1 for none; as Cia402Params without these.
+  std::optional<FromLine<std::int8_t>> follows_bit{}, limit_bit{};
 };
 
 /// Profiles of the nodes of a rig, in the order of RigParams::encoders and ::drives. None: the node is left

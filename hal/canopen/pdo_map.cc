@@ -1,5 +1,6 @@
 #include "hal/canopen/pdo_map.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace godobject {
@@ -40,9 +41,24 @@ SdoStep write_step(std::uint16_t index, std::uint8_t sub, ObjectType type, std::
   return {.action = SdoAction::write, .address = {index, sub}, .type = type, .low = value, .line = line};
 }
 
-SdoStep read_back(SdoStep written) {
-  written.action = SdoAction::check;
+SdoStep as(SdoAction action, SdoStep written) {
+  written.action = action;
   written.high = written.low;
+  return written;
+}
+
+/// Compares what shall be there, the count of a mapping before its entries, and makes `change` only if it is
+/// not.
+void append_unless_same(std::vector<SdoStep> wanted, const std::vector<SdoStep>& change,
+                        std::vector<SdoStep>& steps) {
+  std::ranges::stable_partition(wanted, [](const SdoStep& step) { return step.address.sub == 0; });
+  for (const SdoStep& step : wanted) steps.push_back(as(SdoAction::compare, step));
+  steps.push_back({.action = SdoAction::skip_if_same, .low = static_cast<std::int64_t>(change.size())});
+  steps.insert(steps.end(), change.begin(), change.end());
+}
+
+SdoStep read_back(SdoStep written) {
+  written = as(SdoAction::check, written);
   written.hint = "the node took what was written and keeps something else: see its manual on PDO mapping";
   return written;
 }
@@ -106,6 +122,28 @@ void append_map_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t tra
   steps.push_back(switch_on);
   for (const SdoStep& step : kept) steps.push_back(read_back(step));
   steps.push_back(read_back(switch_on));
+}
+
+void append_pdo_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t transmission,
+                      std::vector<SdoStep>& steps) {
+  std::vector<SdoStep> all;
+  append_map_steps(pdo, node, transmission, all);
+  const auto is = [](SdoAction action) { return [action](const SdoStep& s) { return s.action == action; }; };
+  const std::uint16_t mapping = mapping_index(pdo.direction, pdo.number);
+  std::vector<SdoStep> map, map_wanted, wanted;
+  for (const SdoStep& step : all) {
+    const bool of_map = step.address.index == mapping;
+    if (of_map && step.action == SdoAction::write) map.push_back(step);
+    if (of_map && step.action == SdoAction::check) map_wanted.push_back(step);
+    if (step.action == SdoAction::check) wanted.push_back(step);
+  }
+  std::vector<SdoStep> change(all.begin(), std::ranges::find_if(all, is(SdoAction::switch_off)) + 1);
+  append_unless_same(map_wanted, map, change);
+  for (const SdoStep& step : all)
+    if (step.action == SdoAction::write && step.address.index != mapping)
+      change.push_back(as(SdoAction::write_if_other, step));
+  change.insert(change.end(), std::ranges::find_if(all, is(SdoAction::switch_on)), all.end());
+  append_unless_same(wanted, change, steps);
 }
 
 void append_switch_off_steps(const std::vector<PdoProfile>& kept, std::vector<SdoStep>& steps) {

@@ -49,6 +49,11 @@ constexpr std::uint32_t default_cob_id(PdoDirection direction, int number, std::
 void append_map_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t transmission,
                       std::vector<SdoStep>& steps);
 
+/// Compares the PDO with what it shall be and takes those steps only if it differs, and of them only those
+/// whose values differ: some devices have maps that are read-only.
+void append_pdo_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t transmission,
+                      std::vector<SdoStep>& steps);
+
 /// Switches the TPDOs 1..4 off that the profile does not map: whatever the factory had them send would load
 /// the bus and answer to SYNC.
 void append_switch_off_steps(const std::vector<PdoProfile>& kept, std::vector<SdoStep>& steps);

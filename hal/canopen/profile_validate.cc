@@ -44,6 +44,7 @@ class Validation {
     if (!is_of_kind(profile, kind, joint)) return;
     check_heartbeats(profile);
     check_deadlines(profile);
+    check_mode(profile);
     if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(rig_.cycle_s))
       error(profile, profile.interpolation_time->line,
             "60C2h cannot carry the scene's step: it takes 1 to 255 times a power of ten, from 1 us");
@@ -91,6 +92,17 @@ class Validation {
               "the node would stop between two commands of the host: give it twice the scene's step or more");
   }
 
+  /// The rig commands 6071h. Negative modes are the maker's own.
+  void check_mode(const NodeProfile& profile) {
+    constexpr std::int8_t profile_torque = 4, cyclic_torque = 10;
+    if (!profile.mode || profile.mode->value < 0) return;
+    if (profile.mode->value == profile_torque || profile.mode->value == cyclic_torque) return;
+    error(profile, profile.mode->line,
+          "mode " + std::to_string(profile.mode->value) +
+              " does not follow the torque that the rig commands in 6071h: give it 10 (CST) or 4 (profile "
+              "torque)");
+  }
+
   static std::string number(double value) {
     std::ostringstream text;
     text << value;
@@ -118,6 +130,20 @@ class Validation {
 };
 
 }  // namespace
+
+void apply_profiles(const RigProfiles& profiles, RigParams& rig) noexcept {
+  const auto mask = [](const FromLine<std::int8_t>& bit) {
+    return bit.value < 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(1u << bit.value);
+  };
+  for (std::size_t i = 0; i < std::min(profiles.drives.size(), rig.drives.size()); ++i) {
+    const std::optional<NodeProfile>& profile = profiles.drives[i];
+    if (!profile) continue;
+    Cia402Params& drive = rig.drives[i].cia402;
+    if (profile->mode) drive.torque_mode = profile->mode->value;
+    if (profile->follows_bit) drive.follows_mask = mask(*profile->follows_bit);
+    if (profile->limit_bit) drive.limit_mask = mask(*profile->limit_bit);
+  }
+}
 
 std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles) {
   Validation validation(rig);

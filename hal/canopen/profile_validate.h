@@ -13,4 +13,7 @@ namespace godobject {
 /// line each with its place in the profile; empty: nowhere.
 std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles);
 
+/// Gives the rig's drives that have a profile what it says of their mode and the bits of their statusword.
+void apply_profiles(const RigProfiles& profiles, RigParams& rig) noexcept;
+
 }  // namespace godobject

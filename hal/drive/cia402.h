@@ -72,8 +72,11 @@ constexpr std::uint16_t encode_state(DriveState state) noexcept {
   return 0x00;
 }
 
-/// In Fault: a rising edge of bit 7. From call to call the bit alternates with 0, since the drive acts on the
-/// edge; call it once a cycle until the state is another one.
+/// A drive acts on the edge of bit 7, when it looks at the controlword: some do every 2nd SYNC or 8 ms, and
+/// one that is busy later. Each level of the bit is kept until the state changes, and so long otherwise.
+inline constexpr Nanoseconds fault_reset_hold_ns = 50'000'000;
+
+/// In Fault: bit 7 where it was 0, and 0 where it was set. To be called when fault_reset_hold_ns is over.
 constexpr std::uint16_t fault_reset_controlword(std::uint16_t last_controlword) noexcept {
   return (last_controlword & fault_reset_bit) == 0 ? fault_reset_bit : disable_voltage;
 }

@@ -43,6 +43,7 @@ class Drive {
   const Encoder& position() const noexcept { return position_; }
   MotorState state() const noexcept { return telemetry_.state; }
   std::uint32_t error_code() const noexcept { return telemetry_.error_code; }
+  const DriveTelemetry& telemetry() const noexcept { return telemetry_; }
 
   /// What to send at the beginning of a cycle, if anything; request_sent() when it has left.
   std::optional<CanFrame> request() const noexcept { return link_->request(order_); }

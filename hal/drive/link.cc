@@ -25,7 +25,9 @@ constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
      {.sender = canopen::sender,
       .commanded = canopen::commanded,
       .filters = canopen::filters,
-      .command_id = canopen::command_id}},
+      .command_id = canopen::command_id,
+      .state_text = cia402::state_text,
+      .error_text = cia402::error_text}},
     {make<OdriveLink>,
      {.canopen = false,
       .max_node_id = odrive::max_node_id,
@@ -35,7 +37,9 @@ constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
       .command_id = odrive::command_id,
       .idle_command = odrive::make_idle_command,
       .watchdog = &odrive::watchdog,
-      .describe = odrive::describe}},
+      .describe = odrive::describe,
+      .state_text = odrive::state_text,
+      .error_text = odrive::error_text}},
     {make<MoteusLink>,
      {.canopen = false,
       .fd = true,
@@ -44,7 +48,9 @@ constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
       .filters = moteus::filters,
       .idle_command = moteus::make_query,
       .watchdog = &moteus::watchdog,
-      .describe = moteus::describe}},
+      .describe = moteus::describe,
+      .state_text = moteus::state_text,
+      .error_text = moteus::error_text}},
 }};
 
 }  // namespace

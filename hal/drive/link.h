@@ -42,6 +42,9 @@ struct DriveTelemetry {
   MotorState state = MotorState::unknown;
   bool internal_limit = false;   // the drive itself limits
   std::uint32_t error_code = 0;  // in the drive's own numbers; 0: none
+  std::uint32_t own_state = 0;   // in the protocol's own numbers, for BusProtocol::state_text
+  bool has_own_state = false;    // it has come
+  bool powered = false;          // its power stage is on, whether it follows or not
 };
 
 /// What one frame was for a drive.
@@ -118,6 +121,10 @@ struct BusProtocol {
   const ProtocolWatchdog* watchdog = nullptr;
   /// Says any frame in words; allocates. Null: the messages are those of CANopen.
   DriveText (*describe)(const CanFrame&) = nullptr;
+  /// DriveTelemetry::own_state of a drive in words; allocates.
+  std::string (*state_text)(const DriveParams&, std::uint32_t own_state) = nullptr;
+  /// DriveTelemetry::error_code, not 0, in words; own_state: as it came with it. Allocates.
+  std::string (*error_text)(std::uint32_t error_code, std::uint32_t own_state) = nullptr;
 };
 
 BusProtocol bus_protocol(DriveProtocol protocol) noexcept;

@@ -268,6 +268,9 @@ DriveMessage MoteusLink::decode(const CanFrame& frame, DriveTelemetry& out) noex
   out.internal_limit =
       !failed && reply.fault >= moteus::first_limit_code && reply.fault <= moteus::last_limit_code;
   out.error_code = failed ? static_cast<std::uint32_t>(reply.fault) : 0;
+  out.own_state = static_cast<std::uint32_t>(mode_);
+  out.has_own_state = true;
+  out.powered = mode_ == moteus::mode_position;
   return {.result = result, .position = true, .alive = true};
 }
 

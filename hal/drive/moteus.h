@@ -117,6 +117,8 @@ std::vector<CanFilter> filters(std::uint8_t node);
 
 /// moteus_text.cc
 DriveText describe(const CanFrame& frame);
+std::string state_text(const DriveParams& params, std::uint32_t own_state);
+std::string error_text(std::uint32_t error_code, std::uint32_t own_state);
 
 /// Asks for what Reply holds: a frame of 8 bytes.
 CanFrame make_query(std::uint8_t node) noexcept;

@@ -45,7 +45,38 @@ DriveText describe_request(const CanFrame& frame, std::uint8_t node) {
   return {.node = node, .name = name, .value = value};
 }
 
+// Register 00Fh in mode 1.
+const char* name_of_fault(std::uint32_t fault) {
+  switch (fault) {
+    case 32: return "calibration";
+    case 33: return "motor driver";
+    case 34: return "over-voltage";
+    case 35: return "encoder";
+    case 36: return "motor not configured: calibrate it with moteus_tool";
+    case 37: return "PWM cycle overrun";
+    case 38: return "too hot";
+    case 39: return "outside its limits: see servopos.position_min and position_max";
+    case 40: return "under-voltage";
+    case 41: return "configuration changed";
+    case 42: return "no valid angle for commutation";
+    case 43: return "no valid position";
+    case 44: return "driver could not be enabled";
+    case 46: return "timing violation";
+    default: return "see its manual";
+  }
+}
+
 }  // namespace
+
+std::string state_text(const DriveParams&, std::uint32_t own_state) {
+  const int mode = static_cast<int>(own_state);
+  const std::string name = text_of_mode(mode), number = "mode " + std::to_string(mode);
+  return name == number ? name : name + " (" + number + ")";
+}
+
+std::string error_text(std::uint32_t error_code, std::uint32_t) {
+  return "fault " + std::to_string(error_code) + ", " + name_of_fault(error_code);
+}
 
 DriveText describe(const CanFrame& frame) {
   if (const std::uint8_t node = sender(frame); node != 0) return describe_reply(frame, node);

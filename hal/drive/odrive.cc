@@ -44,18 +44,20 @@ DriveMessage OdriveLink::decode(const CanFrame& frame, DriveTelemetry& out) noex
   if (result != ParseResult::ok) return {.result = result};
   heard_ = true;
   out.error_code = heartbeat_.error;
-  out.state = enabled() ? MotorState::enabled : heartbeat_.error != 0 ? MotorState::fault : MotorState::off;
+  out.own_state = odrive::own_state(heartbeat_);
+  out.has_own_state = true;
+  out.powered = heartbeat_.axis_state == odrive::axis_closed_loop;
+  out.state = enabled() ? MotorState::enabled : has_error() ? MotorState::fault : MotorState::off;
   return {.result = result, .alive = true};
 }
 
 bool OdriveLink::enabled() const noexcept {
-  return heard_ && heartbeat_.axis_state == odrive::axis_closed_loop && heartbeat_.error == 0 &&
-         torque_mode_sent_;
+  return heard_ && heartbeat_.axis_state == odrive::axis_closed_loop && !has_error() && torque_mode_sent_;
 }
 
 // Errors are cleared first. The mode goes right before the state every time: the drive may have re-booted.
 OdriveLink::Step OdriveLink::next_step(Nanoseconds now) const noexcept {
-  const Step wanted = heartbeat_.error != 0 ? clear_errors : torque_mode;
+  const Step wanted = has_error() ? clear_errors : torque_mode;
   if (wanted == torque_mode && last_step_ == torque_mode) return closed_loop;
   const bool asked = last_step_ == wanted || (wanted == torque_mode && last_step_ == closed_loop);
   return asked && now - t_last_step_ns_ < retry_ns ? waiting : wanted;

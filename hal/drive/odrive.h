@@ -1,10 +1,10 @@
 // ODrive motor drives: CAN Simple, firmware 0.6.
 //
 // id = node << 5 | command, 11 bits, classic frames, numbers little-endian, reals IEEE 32 bits. Firmware 0.5
-// has the messages used here at the same places, but for the bytes of the heartbeat after the axis state
-// (there motor, encoder and controller flags) and Clear_Errors (there without data); its position messages in
-// counts, its 03h, 04h, 1Ch and 1Dh are others. A CAN Simple bus carries no CANopen: 080h, SYNC there, is
-// node 4's Get_Version here.
+// has the messages used here at the same places, but for the bits of the heartbeat's error, its bytes after
+// the axis state (there flags of motor, encoder and controller, whose errors the axis error leaves out) and
+// Clear_Errors (there without data); its position messages in counts, its 03h, 04h, 1Ch and 1Dh are others. A
+// CAN Simple bus carries no CANopen: 080h, SYNC there, is node 4's Get_Version here.
 #pragma once
 
 #include "hal/canopen/canopen.h"
@@ -39,7 +39,25 @@ inline constexpr std::uint32_t error_estop = 0x0200'0000;
 struct Heartbeat {
   std::uint32_t error = 0;
   std::uint8_t axis_state = 0;
+  std::array<std::uint8_t, 3>
+      flags{};  // 0.6: procedure result, trajectory done, 0; 0.5: motor, encoder, controller
 };
+
+/// Bytes 4 to 7 of the heartbeat: DriveTelemetry::own_state.
+constexpr std::uint32_t own_state(const Heartbeat& heartbeat) noexcept {
+  return std::uint32_t{heartbeat.axis_state} | std::uint32_t{heartbeat.flags[0]} << 8 |
+         std::uint32_t{heartbeat.flags[1]} << 16 | std::uint32_t{heartbeat.flags[2]} << 24;
+}
+
+/// True of firmware 0.5 from 0.5.4 on: its last byte has the controller's flags, of which bit 7, trajectory
+/// done, is set wherever no trajectory runs. Firmware 0.6 sends 0 there.
+constexpr bool is_firmware_0_5(const Heartbeat& heartbeat) noexcept { return heartbeat.flags[2] != 0; }
+
+/// True where firmware 0.5 flags an error of motor, encoder or controller.
+constexpr bool has_flagged_error(const Heartbeat& heartbeat) noexcept {
+  const auto& [motor, encoder, controller] = heartbeat.flags;
+  return is_firmware_0_5(heartbeat) && ((motor | encoder | controller) & 1u) != 0;
+}
 
 struct EncoderEstimates {
   float position_rev = 0;
@@ -89,6 +107,8 @@ inline constexpr ProtocolWatchdog watchdog{
 
 /// odrive_text.cc
 DriveText describe(const CanFrame& frame);
+std::string state_text(const DriveParams& params, std::uint32_t own_state);
+std::string error_text(std::uint32_t error_code, std::uint32_t own_state);
 
 /// Asks once for a message that the drive otherwise sends cyclically: a remote frame of its size.
 constexpr CanFrame make_request(std::uint8_t node, Command command) noexcept {
@@ -121,7 +141,7 @@ constexpr CanFrame make_clear_errors(std::uint8_t node) noexcept {
 
 constexpr CanFrame make_heartbeat(std::uint8_t node, const Heartbeat& heartbeat) noexcept {
   CanFrame frame{.id = frame_id(node, Command::heartbeat), .size = 8};
-  ByteWriter(frame.data).put(heartbeat.error).put(heartbeat.axis_state);
+  ByteWriter(frame.data).put(heartbeat.error).put(own_state(heartbeat));
   return frame;
 }
 constexpr CanFrame make_encoder_estimates(std::uint8_t node, const EncoderEstimates& estimates) noexcept {
@@ -141,7 +161,9 @@ constexpr CanFrame make_torques(std::uint8_t node, const Torques& torques) noexc
 [[nodiscard]] constexpr ParseResult parse_heartbeat(const CanFrame& frame, std::uint8_t node,
                                                     Heartbeat& out) noexcept {
   const ParseResult result = check(frame, node, Command::heartbeat, 8);
-  if (result == ParseResult::ok) ByteReader(frame.bytes()).get(out.error).get(out.axis_state);
+  if (result != ParseResult::ok) return result;
+  ByteReader(frame.bytes()).get(out.error).get(out.axis_state);
+  std::copy_n(frame.data.begin() + 5, out.flags.size(), out.flags.begin());
   return result;
 }
 
@@ -184,6 +206,7 @@ class OdriveLink final : public DriveLink {
   enum Step : std::uint16_t { nothing, waiting, torque_mode, closed_loop, clear_errors };
 
   bool enabled() const noexcept;
+  bool has_error() const noexcept { return heartbeat_.error != 0 || odrive::has_flagged_error(heartbeat_); }
   Step next_step(Nanoseconds now) const noexcept;
 
   std::uint8_t node_;

@@ -39,7 +39,8 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "lower the bus load; check that another node acknowledges the frames"},
     {RigFault::command_not_finite, "command_not_finite", "the commanded wrench was not a finite number",
      "a defect of the caller: look at the faults of the simulation"},
-    {RigFault::drive_error, "drive_error", "a drive that is no CANopen node reported an error of its own",
+    {RigFault::drive_error, "drive_error",
+     "a drive reported an error of its own, without an emergency message",
      "look the code up in the drive's manual, remove the cause, clear the faults"},
     {RigFault::quick_stop, "quick_stop", "the motors were stopped on request",
      "clear the faults and arm again when it is safe"},
@@ -73,13 +74,14 @@ std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept { retur
 
 const RigFaultText& text_of(RigFault fault) noexcept { return texts[index_of(fault)]; }
 
-bool RigFaultLog::raise(const RigFaultPlace& place, Nanoseconds now, std::uint32_t identifier) noexcept {
+bool RigFaultLog::raise(const RigFaultPlace& place, Nanoseconds now, std::uint32_t identifier,
+                        const NodeEvidence& evidence) noexcept {
   const std::span<const RigFaultRecord> known = records();
   if (std::ranges::find(known, place, &RigFaultRecord::place) != known.end()) return false;
   if (!any(faults_ & place.fault)) ++counts_[index_of(place.fault)];
   faults_ = faults_ | place.fault;
   if (num_records_ < capacity)
-    records_[num_records_++] = {.place = place, .t_ns = now, .identifier = identifier};
+    records_[num_records_++] = {.place = place, .t_ns = now, .identifier = identifier, .evidence = evidence};
   else ++left_out_;
   return true;
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "hal/base/codec.h"
 #include "hal/can/frame.h"
 
 namespace godobject {
@@ -66,11 +67,31 @@ struct RigFaultPlace {
   bool operator==(const RigFaultPlace&) const = default;
 };
 
+/// A frame of a node that could not be used.
+struct MalformedFrame {
+  std::uint32_t identifier = 0;
+  std::uint8_t size = 0;  // bytes
+  ParseResult why = ParseResult::ok;
+};
+
+/// A node as the host has heard it.
+struct NodeEvidence {
+  bool heard = false;   // a heartbeat, or the message that stands for it
+  bool silent = false;  // none for heartbeat_timeout
+  std::uint8_t nmt_state = 0;
+  bool answered = false;                        // its PDO, or an answer to a request, has come
+  std::uint32_t own_state = 0, error_code = 0;  // of a drive: DriveTelemetry
+  bool has_own_state = false;
+  std::uint64_t malformed = 0;  // frames since the rig began
+  MalformedFrame last_malformed{};
+};
+
 /// A place, and what showed the fault there first.
 struct RigFaultRecord {
   RigFaultPlace place;
   Nanoseconds t_ns = 0;          // bus time
   std::uint32_t identifier = 0;  // of the frame, of a second_host
+  NodeEvidence evidence{};       // of the place's node, if it has one
 };
 
 /// The sticky bits, and every place at which they came up since they were cleared last. Of fixed size.
@@ -80,7 +101,8 @@ class RigFaultLog {
   static constexpr std::size_t capacity = 128;
 
   /// Sets the bit and notes the place. False where that was known already.
-  bool raise(const RigFaultPlace& place, Nanoseconds now, std::uint32_t identifier = 0) noexcept;
+  bool raise(const RigFaultPlace& place, Nanoseconds now, std::uint32_t identifier = 0,
+             const NodeEvidence& evidence = {}) noexcept;
   /// Clears the bits and the places; the counts stay.
   void clear() noexcept;
 

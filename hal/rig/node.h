@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hal/canopen/canopen.h"
+#include "hal/rig/fault.h"
 
 namespace godobject {
 
@@ -17,6 +18,9 @@ struct RigNode {
   canopen::NmtState state = canopen::NmtState::pre_operational;
   bool heard = false;            // a heartbeat has come: its consumer runs from the first one on (CiA 301)
   Nanoseconds heartbeat_ns = 0;  // or what stands for it (DriveMessage::alive)
+  bool answered = false;         // its PDO, or an answer to a request, has come
+  std::uint64_t malformed = 0;   // of its frames
+  MalformedFrame last_malformed{};
   bool start_sent = false;
   Nanoseconds start_sent_ns = 0;
 

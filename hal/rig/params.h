@@ -82,6 +82,13 @@ enum class DriveWatchdog : std::uint8_t {
 /// Names of DriveWatchdog in scene files, in its order.
 inline constexpr std::array drive_watchdog_names{"host", "drive", "none"};
 
+/// How a CiA 402 drive takes torque and reports it: of its profile (apply_profiles).
+struct Cia402Params {
+  std::int8_t torque_mode = 10;         // 6061h while 6071h is followed: 10 CST, 4 profile torque
+  std::uint16_t follows_mask = 0x1000;  // statusword bit that is set while it follows 6071h; 0: it has none
+  std::uint16_t limit_mask = 0x0800;  // statusword bit that is set while it limits the torque; 0: it has none
+};
+
 /// A motor drive commanded in torque. It also measures its joint.
 struct DriveParams {
   std::string joint;
@@ -100,6 +107,7 @@ struct DriveParams {
   double max_speed = 50;                   // of the joint: a position that implies more is not plausible
   std::optional<double> max_slip{};        // of the joint, against its encoder; 0: not compared; none: slip.h
   std::string profile{};                   // as EncoderParams::profile
+  Cia402Params cia402{};
 };
 
 /// What a button does while it is pressed.

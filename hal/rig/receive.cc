@@ -1,4 +1,6 @@
 // Rig: from received frames to nodes, encoders and drives.
+#include <algorithm>
+
 #include "hal/canopen/cia401.h"
 #include "hal/canopen/cia406.h"
 #include "hal/rig/rig.h"
@@ -58,6 +60,12 @@ void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now
   }
 }
 
+void Rig::note_malformed(RigNode& node, const CanFrame& frame, ParseResult why) noexcept {
+  ++counters_.malformed;
+  ++node.malformed;
+  node.last_malformed = {.identifier = frame.id, .size = frame.size, .why = why};
+}
+
 /// What this host alone may send, and it does not hear itself.
 bool Rig::from_second_host(std::size_t bus, const CanFrame& frame) noexcept {
   const Bus& on = buses_[bus];
@@ -75,10 +83,9 @@ void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttributio
   if (answer.sync == 0) return;
   EncoderOnBus& encoder = encoders_[node.device];
   std::uint32_t position_counts = 0;
-  if (cia406::parse_position(frame, node.id, position_counts) != ParseResult::ok) {
-    ++counters_.malformed;
-    return;
-  }
+  const ParseResult result = cia406::parse_position(frame, node.id, position_counts);
+  if (result != ParseResult::ok) return note_malformed(node, frame, result);
+  node.answered = true;
   // a frame that came twice is no second measurement: its time is, and that would make it a jump
   if (answer.sync <= encoder.answered_sync) {
     ++counters_.repeated;
@@ -95,28 +102,33 @@ void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::
   const bool answered = answer.sync <= drive.answered_sync;
   const DriveMessage message = drive.drive.on_frame(frame, answer.t_ns, answered);
   if (message.result == ParseResult::other_message) return;
-  if (message.result != ParseResult::ok) {
-    ++counters_.malformed;
-    return;
-  }
+  if (message.result != ParseResult::ok) return note_malformed(node, frame, message.result);
+  node.answered = node.answered || message.position;
   if (message.position && answered) ++counters_.repeated;
   if (message.position && !answered) drive.answered_sync = answer.sync;
+  if (drives_were_up()) check_drive_error(drive);
   if (node.canopen || !message.alive) return;
   node.heard = true;
   node.heartbeat_ns = now;
-  if (drives_were_up() && drive.drive.state() == MotorState::fault && drive.drive.error_code() != 0)
-    raise({.fault = RigFault::drive_error,
-           .bus = node.bus,
-           .node_id = node.id,
-           .drive_code = drive.drive.error_code()});
 }
 
-void Rig::on_inputs(const RigNode& node, const CanFrame& frame) noexcept {
+// What a CANopen drive has sent as EMCY needs no second name.
+void Rig::check_drive_error(const DriveOnBus& drive) noexcept {
+  const RigNode& node = nodes_[drive.node];
+  const std::uint32_t error_code = drive.drive.error_code();
+  if (drive.drive.state() != MotorState::fault || error_code == 0) return;
+  const bool has_emergency = std::ranges::any_of(fault_log_.records(), [&](const RigFaultRecord& record) {
+    const RigFaultPlace& place = record.place;
+    return place.fault == RigFault::emergency && place.bus == node.bus && place.node_id == node.id;
+  });
+  if (!has_emergency) raise_drive_error(node, error_code);
+}
+
+void Rig::on_inputs(RigNode& node, const CanFrame& frame) noexcept {
   std::uint8_t inputs = 0;
-  if (cia401::parse_inputs(frame, node.id, inputs) != ParseResult::ok) {
-    ++counters_.malformed;
-    return;
-  }
+  const ParseResult result = cia401::parse_inputs(frame, node.id, inputs);
+  if (result != ParseResult::ok) return note_malformed(node, frame, result);
+  node.answered = true;
   for (ButtonOnBus& button : buttons_) {
     if (&nodes_[button.node] != &node) continue;
     button.heard = true;
@@ -126,10 +138,8 @@ void Rig::on_inputs(const RigNode& node, const CanFrame& frame) noexcept {
 
 void Rig::on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept {
   canopen::Heartbeat heartbeat;
-  if (canopen::parse_heartbeat(frame, heartbeat) != ParseResult::ok) {
-    ++counters_.malformed;
-    return;
-  }
+  const ParseResult result = canopen::parse_heartbeat(frame, heartbeat);
+  if (result != ParseResult::ok) return note_malformed(node, frame, result);
   node.heard = true;
   node.heartbeat_ns = now;
   node.state = heartbeat.state;
@@ -140,10 +150,8 @@ void Rig::on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) no
 
 void Rig::on_emergency(RigNode& node, const CanFrame& frame) noexcept {
   canopen::Emergency emergency;
-  if (canopen::parse_emergency(frame, emergency) != ParseResult::ok) {
-    ++counters_.malformed;
-    return;
-  }
+  const ParseResult result = canopen::parse_emergency(frame, emergency);
+  if (result != ParseResult::ok) return note_malformed(node, frame, result);
   // while booting, nodes report what happened before; what still holds shows in their state
   if (nodes_were_up() && emergency.error_code != canopen::emcy_no_error)
     raise({.fault = RigFault::emergency,

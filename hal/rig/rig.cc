@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
 #include "hal/joint/slip.h"
 
@@ -13,15 +11,6 @@ namespace godobject {
 namespace {
 
 constexpr int max_refused_in_a_row = 3;
-
-std::string device_text(const RigParams& params, const RigNode& node) {
-  switch (node.kind) {
-    case NodeKind::encoder: return "encoder of " + params.encoders[node.device].joint;
-    case NodeKind::drive: return "drive of " + params.drives[node.device].joint;
-    case NodeKind::button: break;
-  }
-  return "button";
-}
 
 }  // namespace
 
@@ -243,7 +232,9 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
 
 DriveGoal Rig::goal() const noexcept {
   if (any(faults() & RigFault::quick_stop)) return DriveGoal::quick_stop;
-  return state_ == RigState::enabling ? DriveGoal::enable : DriveGoal::hold;
+  const bool failed =
+      std::ranges::any_of(drives_, [](const DriveOnBus& d) { return d.t_failed_ns.has_value(); });
+  return state_ == RigState::enabling && !failed ? DriveGoal::enable : DriveGoal::hold;
 }
 
 DeviceButtons Rig::buttons() const noexcept {
@@ -278,35 +269,30 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
 
 void Rig::raise(const RigFaultPlace& place, std::uint32_t identifier) noexcept {
   if (state_ == RigState::off) return;
-  fault_log_.raise(place, now_ns_, identifier);
+  const RigNode* const node = node_at(place);
+  fault_log_.raise(place, now_ns_, identifier, node != nullptr ? evidence_of(*node) : NodeEvidence{});
   before_fault_ = reached();
   state_ = RigState::fault;
 }
 
-std::string Rig::fault_text() const {
-  std::ostringstream out;
-  for (const RigFaultRecord& record : fault_log_.records()) {
-    const RigFaultText& text = text_of(record.place.fault);
-    out << text.name << " (" << place_text(record) << "): " << text.meaning << "; " << text.remedy << ".\n";
-  }
-  if (fault_log_.left_out() > 0) out << "and at " << fault_log_.left_out() << " more places.\n";
-  return out.str();
+const RigNode* Rig::node_at(const RigFaultPlace& place) const noexcept {
+  if (!place.bus || place.node_id == 0) return nullptr;
+  return &nodes_[buses_[*place.bus].node_of_id[place.node_id] - std::size_t{1}];
 }
 
-std::string Rig::place_text(const RigFaultRecord& record) const {
-  const RigFaultPlace& place = record.place;
-  std::ostringstream out;
-  out << (place.bus ? params_.buses[*place.bus].name : "host");
-  if (place.bus && place.node_id != 0) {
-    const RigNode& node = nodes_[buses_[*place.bus].node_of_id[place.node_id] - std::size_t{1}];
-    out << " node " << int{place.node_id} << ", " << device_text(params_, node);
-  }
-  if (place.fault == RigFault::drive_error) out << ", code " << place.drive_code;
-  out << std::hex;
-  if (place.fault == RigFault::emergency) out << ", code 0x" << place.emcy_code;
-  if (place.fault == RigFault::second_host)
-    out << ", identifier 0x" << std::setw(3) << std::setfill('0') << record.identifier;
-  return out.str();
+NodeEvidence Rig::evidence_of(const RigNode& node) const noexcept {
+  NodeEvidence out{.heard = node.heard,
+                   .silent = silent(node, now_ns_),
+                   .nmt_state = static_cast<std::uint8_t>(node.state),
+                   .answered = node.answered,
+                   .malformed = node.malformed,
+                   .last_malformed = node.last_malformed};
+  if (node.kind != NodeKind::drive) return out;
+  const DriveTelemetry& drive = drives_[node.device].drive.telemetry();
+  out.own_state = drive.own_state;
+  out.error_code = drive.error_code;
+  out.has_own_state = drive.has_own_state;
+  return out;
 }
 
 }  // namespace godobject

@@ -5,8 +5,8 @@
 // NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
 //
 // The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what
-// brings its buses, bus_load.h what they carry; receive.cc and supervise.cc are halves of Rig; swing_watch.h watches
-// commands for oscillation.
+// brings its buses, bus_load.h what they carry; receive.cc, supervise.cc and rig_text.cc are parts of Rig;
+// swing_watch.h watches commands for oscillation.
 #pragma once
 
 #include <array>
@@ -173,6 +173,11 @@ class Rig {
     double apart = 0;              // the joint's encoder minus its position, as it was before ready; rad or m
     Nanoseconds t_agreed_ns = 0;   // when they were last as far apart as that
     Nanoseconds t_good_ns = 0;     // when its status was last young enough
+    // While enabling:
+    bool was_well = false;                     // it has been seen out of fault
+    bool was_powered = false;                  // its power stage was on
+    std::uint32_t error_code_before = 0;       // as it was then
+    std::optional<Nanoseconds> t_failed_ns{};  // it is in fault again, or without power, since then
   };
   struct ButtonOnBus {
     ButtonParams params;
@@ -191,16 +196,23 @@ class Rig {
   void raise(RigFault fault, const RigNode& node) noexcept {
     raise({.fault = fault, .bus = node.bus, .node_id = node.id});
   }
+  void raise_drive_error(const RigNode& node, std::uint32_t error_code) noexcept {
+    raise({.fault = RigFault::drive_error, .bus = node.bus, .node_id = node.id, .drive_code = error_code});
+  }
+  const RigNode* node_at(const RigFaultPlace& place) const noexcept;
+  NodeEvidence evidence_of(const RigNode& node) const noexcept;
+  std::string evidence_text(const RigFaultRecord& record) const;
 
   // receive.cc
   void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
+  void note_malformed(RigNode& node, const CanFrame& frame, ParseResult why) noexcept;
   bool from_second_host(std::size_t bus, const CanFrame& frame) noexcept;
   void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
   void on_emergency(RigNode& node, const CanFrame& frame) noexcept;
   void on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept;
   void on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer,
                 Nanoseconds now) noexcept;
-  void on_inputs(const RigNode& node, const CanFrame& frame) noexcept;
+  void on_inputs(RigNode& node, const CanFrame& frame) noexcept;
 
   // supervise.cc
   void supervise(Nanoseconds now) noexcept;
@@ -211,6 +223,8 @@ class Rig {
   bool measured_anew(std::size_t joint, const JointSample& sample) noexcept;
   void check_slip(DriveOnBus& drive, Nanoseconds now) noexcept;
   void check_drives() noexcept;
+  void check_drive_error(const DriveOnBus& drive) noexcept;
+  bool failed_on_the_way(DriveOnBus& drive, Nanoseconds now) noexcept;
   void boot(Nanoseconds now) noexcept;
   void wait_for_drives(Nanoseconds now) noexcept;
   bool boot_is_over(Nanoseconds now) const noexcept;

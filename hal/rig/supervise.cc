@@ -104,7 +104,11 @@ void Rig::boot(Nanoseconds now) noexcept {
     state_ = RigState::enabling;
     settled_cycles_ = 0;
     for (EncoderOnBus& encoder : encoders_) encoder.t_good_ns = now;
-    for (DriveOnBus& drive : drives_) drive.t_good_ns = now;
+    for (DriveOnBus& drive : drives_) {
+      drive.t_good_ns = now;
+      drive.was_well = drive.was_powered = false;
+      drive.t_failed_ns.reset();
+    }
     return;
   }
   if (!boot_is_over(now)) return;
@@ -113,15 +117,40 @@ void Rig::boot(Nanoseconds now) noexcept {
 }
 
 void Rig::wait_for_drives(Nanoseconds now) noexcept {
+  bool failed = false;
+  for (DriveOnBus& drive : drives_) failed = failed_on_the_way(drive, now) || failed;
   if (std::ranges::all_of(drives_, [](const DriveOnBus& d) { return is_enabled(d.drive); })) {
     ++settled_cycles_;
     if (drives_.empty() || settled_cycles_ > settle_cycles) state_ = RigState::ready;
     return;
   }
   settled_cycles_ = 0;
-  if (!boot_is_over(now)) return;
+  if (failed || !boot_is_over(now)) return;
   for (const DriveOnBus& drive : drives_)
     if (!is_enabled(drive.drive)) raise(RigFault::boot_timeout, nodes_[drive.node]);
+}
+
+// A fault that stood before is reset on the way. One that comes up on it would come up again, and so would the
+// loss of a power stage that was on: the drive is given power no second time. It is raised when its code is
+// here: TPDO2 may bring it later than TPDO1 the state.
+bool Rig::failed_on_the_way(DriveOnBus& drive, Nanoseconds now) noexcept {
+  const DriveTelemetry& seen = drive.drive.telemetry();
+  const bool in_fault = seen.state == MotorState::fault;
+  if (!drive.t_failed_ns) {
+    const bool failed = in_fault ? drive.was_well : drive.was_powered && !seen.powered;
+    if (!in_fault) {
+      drive.was_well = true;
+      drive.was_powered = drive.was_powered || seen.powered;
+      drive.error_code_before = seen.error_code;
+    }
+    if (!failed) return false;
+    drive.t_failed_ns = now;
+  }
+  const bool code_is_here = seen.error_code != 0 && seen.error_code != drive.error_code_before;
+  if (!code_is_here && now - *drive.t_failed_ns <= to_ns(params_.lost_after_s)) return true;
+  if (in_fault || code_is_here) raise_drive_error(nodes_[drive.node], seen.error_code);
+  else raise(RigFault::drive_not_enabled, nodes_[drive.node]);
+  return true;
 }
 
 bool Rig::boot_is_over(Nanoseconds now) const noexcept {

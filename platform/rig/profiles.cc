@@ -3,19 +3,21 @@
 #include <filesystem>
 #include <utility>
 
+#include "hal/canopen/profile_validate.h"
 #include "hal/drive/watchdog.h"
 #include "platform/scene/profile.h"
 
 namespace godobject {
 
-RigProfiles checked_profiles(const SceneConfig& scene, const std::string& scene_file,
+RigProfiles checked_profiles(SceneConfig& scene, const std::string& scene_file,
                              std::vector<std::string>& errors) {
-  const RigParams& rig = *scene.device->rig;
+  RigParams& rig = *scene.device->rig;
   RigProfilesResult loaded = load_profiles(rig, std::filesystem::path(scene_file).parent_path().string());
   errors.insert(errors.end(), loaded.errors.begin(), loaded.errors.end());
   if (loaded.errors.empty() && shows_force(scene.device->kind))
     for (const std::string& line : missing_watchdogs(rig, loaded.profiles))
       errors.push_back(scene_file + ": " + line);
+  apply_profiles(loaded.profiles, rig);
   return std::move(loaded.profiles);
 }
 

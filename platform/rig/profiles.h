@@ -9,9 +9,10 @@
 
 namespace godobject {
 
-/// The profiles of the scene's rig, which it has, looked for beside its file. Where the scene shows force, a drive that would keep
-/// its torque when this program dies is an error.
-RigProfiles checked_profiles(const SceneConfig& scene, const std::string& scene_file,
+/// The profiles of the scene's rig, which it has, looked for beside its file; its drives get their modes and
+/// bits from them. Where the scene shows force, a drive that would keep its torque when this program dies is
+/// an error.
+RigProfiles checked_profiles(SceneConfig& scene, const std::string& scene_file,
                              std::vector<std::string>& errors);
 
 }  // namespace godobject

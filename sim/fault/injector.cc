@@ -117,6 +117,7 @@ void FaultInjector::end(const SimFault& fault) noexcept {
   switch (fault.verb) {
     case FaultVerb::reboot_node: static_cast<void>(node_of(fault)->port->open()); break;
     case FaultVerb::bus_off:
+    case FaultVerb::corrupt:  // most of the senders are bus-off by then
       for_each_port(fault, [](SimCanPort& port) { static_cast<void>(port.restart()); });
       break;
     case FaultVerb::id_collision:
@@ -128,6 +129,11 @@ void FaultInjector::end(const SimFault& fault) noexcept {
       break;
     default: break;
   }
+}
+
+const SimCanPort* FaultInjector::port_of(std::size_t bus, std::uint8_t node_id) const noexcept {
+  const std::size_t index = index_of(bus, node_id);
+  return index < nodes_.size() ? nodes_[index].port : nullptr;
 }
 
 void FaultInjector::apply(Nanoseconds now) noexcept {

@@ -46,6 +46,8 @@ class FaultInjector {
   double shown(std::size_t node) const noexcept;
   std::span<const ActiveFault> active() const noexcept { return active_; }
   std::uint64_t begun() const noexcept { return begun_; }
+  /// Port of a node that was added; null where there is none.
+  const SimCanPort* port_of(std::size_t bus, std::uint8_t node_id) const noexcept;
 
  private:
   struct BusEntry {

@@ -26,7 +26,8 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1,
      .min = 0,
      .max = 1,
-     .remark = "the second copy is not later than the first and is left out"},
+     .remark = "the second copy is left out; both take bus time: where a cycle has no room for them samples are late "
+               "and the pose is held"},
     {.verb = FaultVerb::delay,
      .name = "delay",
      .place = FaultPlace::anywhere,
@@ -45,8 +46,9 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 0.1,
      .min = 0,
      .max = 1,
-     .remark = "few: bus load and error counters. Most of them: the sender goes bus-off. Of a tracker: "
-               "`bad_crc`, and asked again"},
+     .remark = "few: bus load and error counters. Most of them: the sender goes bus-off, and restarts at the "
+               "end of "
+               "the duration. Of a tracker: `bad_crc`, and asked again"},
     {.verb = FaultVerb::stuck,
      .name = "stuck",
      .place = FaultPlace::node,

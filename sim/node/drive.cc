@@ -18,7 +18,7 @@ std::uint16_t to_ms(Nanoseconds t_ns) noexcept { return static_cast<std::uint16_
 // A homing and a quick stop take this long: more than a period of the usual SYNC, so that a status in between shows them.
 constexpr Nanoseconds manoeuvre_duration_ns = 1'500'000;
 
-constexpr std::uint32_t supported_modes = 0x200 | 0x100 | 0x80 | 0x20;  // CST, CSV, CSP, homing
+constexpr std::uint32_t supported_modes = 0x100 | 0x80 | 0x20;  // CSV, CSP, homing; and its torque mode
 
 // Gains of the servo in CSP and CSV, in shares of torque_max_Nm: a simulated device has little inertia.
 constexpr double servo_stiffness_per_rad = 1;
@@ -35,7 +35,8 @@ SimDrive::SimDrive(CanBus& bus, const SimDriveParams& params)
                      params.defaults == SimDefaults::rig ? params.heartbeat_period_ns : 0),
       params_(params) {
   identify(device_type_402, "simulated CiA 402 drive", sim_drive_identity);
-  add_drive_objects(objects(), params.drive, params.defaults, supported_modes);
+  add_drive_objects(objects(), params.drive, params.defaults,
+                    supported_modes | mode_bit(params.drive.cia402.torque_mode), params.torque_rated_unit_Nm);
   for (SimPdoDefault& pdo : drive_pdos(params.defaults, params.drive.status_every_nth_sync,
                                        to_ms(params.rpdo_timeout_ns), to_ms(params.event_period_ns)))
     add_pdo(std::move(pdo));
@@ -48,10 +49,11 @@ cia402::OperationMode SimDrive::mode() const noexcept {
 double SimDrive::applied_torque_Nm() const noexcept {
   if (state_ != DriveState::operation_enabled) return 0;
   const double target_Nm =
-      mode() == cia402::OperationMode::cyclic_synchronous_torque
+      mode() == static_cast<cia402::OperationMode>(params_.drive.cia402.torque_mode)
           ? cia402::torque_from_per_mille(active_.target_torque_per_mille, params_.drive.torque_rated_Nm)
           : servo_torque_Nm();
-  return std::clamp(target_Nm, -params_.drive.torque_max_Nm, params_.drive.torque_max_Nm);
+  const double max_Nm = 1e-3 * max_per_mille() * params_.drive.torque_rated_Nm;
+  return std::clamp(target_Nm, -max_Nm, max_Nm);
 }
 
 // tau = d (v_target - v) in CSV, k (x_target - x) - d v in CSP, at the motor.
@@ -90,7 +92,19 @@ void SimDrive::trip(std::uint16_t error_code) noexcept {
 
 void SimDrive::on_rpdo_received(int, Nanoseconds now) noexcept { t_received_ns_ = now; }
 
-void SimDrive::on_rpdo(int, Nanoseconds) noexcept { take_command(); }
+void SimDrive::on_rpdo(int, Nanoseconds now) noexcept {
+  if (params_.quirks.controlword_period_ns > 0) return;
+  if (++syncs_not_looked_ < params_.quirks.controlword_every_nth_sync) return;
+  syncs_not_looked_ = 0;
+  take_command();
+  note_enabling(now);
+}
+
+void SimDrive::note_enabling(Nanoseconds now) noexcept {
+  const bool fails = params_.quirks.error_when_enabled != 0 && state_ == DriveState::operation_enabled;
+  if (!fails) t_error_ns_ = never;
+  else if (t_error_ns_ == never) t_error_ns_ = now + params_.quirks.error_after_ns;
+}
 
 void SimDrive::take_command() noexcept {
   const std::uint16_t last_controlword = active_.controlword;
@@ -148,7 +162,8 @@ sdo::AbortCode SimDrive::may_write_object(canopen::ObjectAddress address, std::i
 }
 
 void SimDrive::on_object_written(canopen::ObjectAddress address, std::int64_t) noexcept {
-  if (address == controlword_object || address == target_torque_object) take_command();
+  const bool looks_at_once = params_.quirks.controlword_period_ns == 0;
+  if ((address == controlword_object || address == target_torque_object) && looks_at_once) take_command();
   if (address == mode_object) show(mode_display_object, objects().value(mode_object));
 }
 
@@ -175,6 +190,17 @@ void SimDrive::on_nmt_state(Nanoseconds) noexcept {
 }
 
 void SimDrive::on_tick(Nanoseconds now) noexcept {
+  if (const Nanoseconds period = params_.quirks.controlword_period_ns; period > 0 && now >= t_look_ns_) {
+    t_look_ns_ = now + period;
+    take_command();
+    note_enabling(now);
+  }
+  if (now >= t_error_ns_) {
+    t_error_ns_ = never;
+    const bool to_fault = !params_.quirks.loses_power_only;
+    state_ = to_fault ? DriveState::fault : DriveState::switch_on_disabled;
+    if (to_fault) error_code_ = params_.quirks.error_when_enabled;
+  }
   if (manoeuvre_begins_) t_manoeuvre_ends_ns_ = now + manoeuvre_duration_ns;
   manoeuvre_begins_ = false;
   if (now >= t_manoeuvre_ends_ns_) {
@@ -185,7 +211,9 @@ void SimDrive::on_tick(Nanoseconds now) noexcept {
 }
 
 Nanoseconds SimDrive::device_timer() const noexcept {
-  return std::min(t_manoeuvre_ends_ns_, power_stage_works() ? command_deadline() : never);
+  const Nanoseconds t_look_ns = params_.quirks.controlword_period_ns > 0 ? t_look_ns_ : never;
+  return std::min(
+      {t_manoeuvre_ends_ns_, power_stage_works() ? command_deadline() : never, t_look_ns, t_error_ns_});
 }
 
 // Outside operational there are no PDOs to miss: the drive is commanded by SDO.
@@ -267,9 +295,11 @@ std::uint16_t SimDrive::statusword() const noexcept {
   const bool enabled = state_ == DriveState::operation_enabled;
   const bool limited = enabled && std::abs(target_per_mille) > max_per_mille();
   unsigned word = cia402::encode_state(state_) | cia402::status_voltage_enabled | cia402::status_remote;
-  if (limited) word |= cia402::status_internal_limit;
+  if (limited) word |= params_.drive.cia402.limit_mask;
   if (mode() == cia402::OperationMode::homing) word |= cia402::encode_homing(homing_);
-  else if (enabled) word |= cia402::status_follows_command;
+  else if (enabled && !(limited && params_.quirks.limit_clears_follow_bit))
+    word |= params_.drive.cia402.follows_mask;
+  word = (word & ~unsigned{params_.quirks.status_clear}) | params_.quirks.status_set;
   return static_cast<std::uint16_t>(word);
 }
 
@@ -278,6 +308,7 @@ bool SimDrive::power_stage_works() const noexcept {
 }
 
 double SimDrive::max_per_mille() const noexcept {
+  if (params_.quirks.max_torque_per_mille > 0) return params_.quirks.max_torque_per_mille;
   return 1000 * params_.drive.torque_max_Nm / params_.drive.torque_rated_Nm;
 }
 

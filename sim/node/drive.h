@@ -8,13 +8,28 @@
 
 namespace godobject {
 
+/// Ways in which real drives differ from the rest; none by default.
+struct SimDriveQuirks {
+  std::uint16_t error_when_enabled =
+      0;  // 603Fh of a fault that comes up in Operation Enabled, without EMCY; 0: none
+  Nanoseconds error_after_ns = 4'000'000;          // it comes up so long after
+  bool loses_power_only = false;                   // then it is in Switch On Disabled instead of Fault
+  int controlword_every_nth_sync = 1;              // it looks at the controlword so seldom
+  Nanoseconds controlword_period_ns = 0;           // the same by a timer of its own; 0: with SYNC
+  std::int16_t max_torque_per_mille = 0;           // 6072h; 0: as torque_max_Nm
+  bool limit_clears_follow_bit = false;            // while the torque is limited bit 12 is 0
+  std::uint16_t status_clear = 0, status_set = 0;  // bits of the statusword that are never, or always, set
+};
+
 struct SimDriveParams {
   DriveParams drive{};
+  SimDriveQuirks quirks{};
   // After power-up, of SimDefaults::rig:
   Nanoseconds rpdo_timeout_ns = 0;  // deadline of RPDO1, 1400h:05; in whole ms, 0: none, as in CiA 301
   Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2, 1801h:05; in whole ms, 0: never sent
   Nanoseconds heartbeat_period_ns = 0;       // 0: never sent
   SimDefaults defaults = SimDefaults::rig;
+  double torque_rated_unit_Nm = godobject::torque_rated_unit_Nm;  // of 6076h
 };
 
 /// SYNC does what CiA 301 asks of synchronous PDOs: sample and send the status (every n-th SYNC), and put the
@@ -34,6 +49,7 @@ struct SimDriveParams {
 class SimDrive final : public SimCanopenNode, public SimMotor {
  public:
   SimDrive(CanBus& bus, const SimDriveParams& params);
+  void set_quirks(const SimDriveQuirks& quirks) noexcept { params_.quirks = quirks; }
 
   void set_joint(double q, double q_dot) noexcept override {
     q_ = q;
@@ -60,6 +76,7 @@ class SimDrive final : public SimCanopenNode, public SimMotor {
 
   void show(canopen::ObjectAddress address, std::int64_t value) noexcept;
   void take_command() noexcept;
+  void note_enabling(Nanoseconds now) noexcept;
   void quick_stop() noexcept;
   void start_homing() noexcept;
   void begin_manoeuvre() noexcept;
@@ -89,6 +106,9 @@ class SimDrive final : public SimCanopenNode, public SimMotor {
   bool manoeuvre_begins_ = false;  // a homing or a quick stop, timed from the next tick
   Nanoseconds t_manoeuvre_ends_ns_ = never;
   Nanoseconds t_received_ns_ = 0;
+  int syncs_not_looked_ = 0;
+  Nanoseconds t_look_ns_ = 0;       // at the controlword, by its own timer
+  Nanoseconds t_error_ns_ = never;  // error_when_enabled comes up
 };
 
 }  // namespace godobject

@@ -9,11 +9,11 @@ namespace godobject {
 using canopen::ObjectType;
 
 void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, SimDefaults defaults,
-                       std::uint32_t supported_modes) {
+                       std::uint32_t supported_modes, double unit_Nm) {
   constexpr auto rw = ObjectAccess::read_write;
   constexpr auto ro = ObjectAccess::read_only;
   const bool ours = defaults == SimDefaults::rig;
-  const std::int8_t mode = ours ? cia402::mode_cyclic_synchronous_torque : std::int8_t{0};
+  const std::int8_t mode = ours ? params.cia402.torque_mode : std::int8_t{0};
 
   objects.add_mappable(controlword_object, ObjectType::u16);
   objects.add_mappable(target_torque_object, ObjectType::i16);
@@ -32,7 +32,7 @@ void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, Sim
   objects.add({0x6099, 1}, ObjectType::u32, rw);
   objects.add({0x6099, 2}, ObjectType::u32, rw);
 
-  const std::int64_t torque_rated = std::llround(params.torque_rated_Nm / torque_rated_unit_Nm);
+  const std::int64_t torque_rated = std::llround(params.torque_rated_Nm / unit_Nm);
   objects.add({0x6076, 0}, ObjectType::u32, ro, torque_rated);
   objects.add(supported_modes_object, ObjectType::u32, ro, supported_modes);
 

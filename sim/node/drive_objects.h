@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-// Units of torque in 6071h, 6077h: per mille of 6076h, which counts in mN m.
+// Units of torque in 6071h, 6077h: per mille of 6076h, which counts in mN m unless it is told otherwise.
 inline constexpr double torque_rated_unit_Nm = 1e-3;
 
 inline constexpr canopen::ObjectAddress error_code_object{0x603F, 0}, controlword_object{0x6040, 0},
@@ -25,9 +25,9 @@ inline constexpr lss::Identity sim_drive_identity{
 /// 6007h, i16: what a drive does when the host's heartbeat stops (CiA 402-2).
 enum class AbortConnection : std::int16_t { no_action = 0, fault = 1, disable_voltage = 2, quick_stop = 3 };
 
-/// supported_modes: 6502h; mode n is bit n - 1.
+/// supported_modes: 6502h; mode n is bit n - 1. unit_Nm: of 6076h.
 void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, SimDefaults defaults,
-                       std::uint32_t supported_modes);
+                       std::uint32_t supported_modes, double unit_Nm = torque_rated_unit_Nm);
 
 /// deadline_ms: of RPDO1; event_ms: of TPDO2. Both of SimDefaults::rig.
 std::vector<SimPdoDefault> drive_pdos(SimDefaults defaults, std::uint8_t status_every_nth_sync,

@@ -10,7 +10,8 @@ constexpr double default_watchdog_s = 0.1;
 
 }  // namespace
 
-SimMoteus::SimMoteus(CanBus& bus, const DriveParams& params) noexcept : bus_(bus), params_(params) {
+SimMoteus::SimMoteus(CanBus& bus, const DriveParams& params, int fault_when_commanded) noexcept
+    : bus_(bus), params_(params), fault_when_commanded_(fault_when_commanded) {
   power_cycle(0);
 }
 
@@ -73,7 +74,11 @@ void SimMoteus::write(std::uint32_t reg, double value, Nanoseconds now) noexcept
   const bool latched = mode() == moteus::mode_fault || mode() == moteus::mode_timeout;
   if (latched && value != moteus::mode_stopped) return;
   if (value == moteus::mode_stopped) values_[moteus::fault] = 0;
-  if (value == moteus::mode_position) t_command_ns_ = now;
+  if (value == moteus::mode_position) {
+    t_command_ns_ = now;
+    if (mode() != moteus::mode_position) ++times_enabled_;
+    if (fault_when_commanded_ != 0) return trip(static_cast<std::uint16_t>(fault_when_commanded_));
+  }
   values_[moteus::mode] = value;
 }
 

@@ -12,7 +12,8 @@ namespace godobject {
 class SimMoteus final : public SimNode, public SimMotor {
  public:
   /// bus: must outlive it and be opened by the caller.
-  SimMoteus(CanBus& bus, const DriveParams& params) noexcept;
+  /// fault_when_commanded: register 00Fh of a fault that comes up with mode 10; 0: none.
+  SimMoteus(CanBus& bus, const DriveParams& params, int fault_when_commanded = 0) noexcept;
 
   void poll(Nanoseconds now) noexcept override;
   Nanoseconds next_timer() const noexcept override;
@@ -28,6 +29,8 @@ class SimMoteus final : public SimNode, public SimMotor {
   double applied_torque_Nm() const noexcept override;
 
   int mode() const noexcept { return static_cast<int>(values_[moteus::mode]); }
+  /// How often it was commanded into mode 10 from another one.
+  int times_enabled() const noexcept { return times_enabled_; }
 
  private:
   static constexpr std::size_t num_registers = 0x40;
@@ -39,6 +42,8 @@ class SimMoteus final : public SimNode, public SimMotor {
 
   CanBus& bus_;
   DriveParams params_;
+  int fault_when_commanded_;
+  int times_enabled_ = 0;
   double q_ = 0, q_dot_ = 0;
   std::array<double, num_registers> values_{};
   double clock_rate_ = 1;

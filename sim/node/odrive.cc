@@ -15,8 +15,11 @@ void SimOdrive::poll(Nanoseconds now) noexcept {
   for (ReceivedFrame received; bus_.try_receive(received);) on_frame(received.frame, now);
   if (now >= watchdog_deadline()) fail(odrive::error_watchdog);
   for (; t_heartbeat_ns_ <= now; t_heartbeat_ns_ += period_ns(odrive::heartbeat_period_s)) {
-    send(odrive::make_heartbeat(node_id(),
-                                {.error = error_, .axis_state = static_cast<std::uint8_t>(axis_state_)}));
+    constexpr std::uint8_t trajectory_done = 0x80;
+    const std::uint8_t last = quirks_.firmware_0_5 ? trajectory_done : std::uint8_t{0};
+    send(odrive::make_heartbeat(node_id(), {.error = error_,
+                                            .axis_state = static_cast<std::uint8_t>(axis_state_),
+                                            .flags = {motor_error_, 0, last}}));
   }
   for (; t_torques_ns_ <= now; t_torques_ns_ += period_ns(odrive::torques_period_s)) {
     const auto torque_Nm = static_cast<float>(applied_torque_Nm());
@@ -36,6 +39,7 @@ Nanoseconds SimOdrive::watchdog_deadline() const noexcept {
 void SimOdrive::power_cycle(Nanoseconds now) noexcept {
   axis_state_ = odrive::axis_idle;
   error_ = 0;
+  motor_error_ = quirks_.motor_error;
   torque_mode_ = false;
   torque_Nm_ = 0;
   t_heartbeat_ns_ = now + phase_step_ns * node_id();
@@ -70,14 +74,17 @@ void SimOdrive::on_frame(const CanFrame& frame, Nanoseconds now) noexcept {
     if (!bytes.get(first).get(second).ok()) return;
     torque_mode_ = first == odrive::control_torque && second == odrive::input_pass_through;
   } else if (is(odrive::Command::set_axis_state)) {
-    if (!bytes.get(first).ok() || error_ != 0) return;
+    if (!bytes.get(first).ok() || error_ != 0 || motor_error_ != 0) return;
     if (first == odrive::axis_closed_loop && !closed_loop()) {
       torque_Nm_ = 0;
       t_fed_ns_ = now;
+      ++times_enabled_;
+      if (quirks_.error_in_closed_loop != 0) return fail(quirks_.error_in_closed_loop);
     }
     axis_state_ = first;
   } else if (is(odrive::Command::clear_errors)) {
     error_ = 0;
+    motor_error_ = 0;
   } else if (is(odrive::Command::estop)) {
     fail(odrive::error_estop);
   }

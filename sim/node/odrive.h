@@ -6,13 +6,23 @@
 
 namespace godobject {
 
+/// Ways in which real ones differ from the rest; none by default.
+struct SimOdriveQuirks {
+  std::uint32_t error_in_closed_loop = 0;  // comes up with the request for closed loop; 0: none
+  bool firmware_0_5 = false;               // flags instead of the procedure result in the heartbeat
+  std::uint8_t motor_error = 0;  // of firmware 0.5, which leaves the axis error 0; 1: it stands until cleared
+};
+
 /// Heartbeat and torques come by themselves, the encoder estimates when asked for by a remote frame. Where
 /// its own configuration has the watchdog (DriveWatchdog::drive; out of the factory it is off): in closed loop
 /// without Input_Torque for its time idle, with the watchdog's error, which Clear_Errors takes away.
 class SimOdrive final : public SimNode, public SimMotor {
  public:
   /// bus: must outlive it and be opened by the caller.
-  SimOdrive(CanBus& bus, const DriveParams& params) noexcept : bus_(bus), params_(params) { power_cycle(0); }
+  SimOdrive(CanBus& bus, const DriveParams& params, const SimOdriveQuirks& quirks = {}) noexcept
+      : bus_(bus), params_(params), quirks_(quirks) {
+    power_cycle(0);
+  }
 
   void poll(Nanoseconds now) noexcept override;
   Nanoseconds next_timer() const noexcept override;
@@ -29,6 +39,8 @@ class SimOdrive final : public SimNode, public SimMotor {
 
   std::uint32_t axis_state() const noexcept { return axis_state_; }
   std::uint32_t error() const noexcept { return error_; }
+  /// How often it went into closed loop.
+  int times_enabled() const noexcept { return times_enabled_; }
 
  private:
   void on_frame(const CanFrame& frame, Nanoseconds now) noexcept;
@@ -42,6 +54,9 @@ class SimOdrive final : public SimNode, public SimMotor {
 
   CanBus& bus_;
   DriveParams params_;
+  SimOdriveQuirks quirks_;
+  std::uint8_t motor_error_ = 0;
+  int times_enabled_ = 0;
   double q_ = 0, q_dot_ = 0;
   std::uint32_t axis_state_ = odrive::axis_idle;
   std::uint32_t error_ = 0;

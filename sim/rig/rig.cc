@@ -31,9 +31,14 @@ MadeDrive both(std::unique_ptr<Drive> drive) {
   return {.node = std::move(drive), .motor = motor};
 }
 
+/// Unit of 6076h, N m.
+double unit_of(const std::optional<NodeProfile>& device) {
+  return device && device->torque_rated_unit_Nm ? device->torque_rated_unit_Nm->value : torque_rated_unit_Nm;
+}
+
 // One line per protocol.
-MadeDrive make_drive(CanBus& bus, const DriveParams& params, std::vector<SdoStep> stored,
-                     Nanoseconds heartbeat_ns) {
+MadeDrive make_drive(CanBus& bus, const DriveParams& params, const std::optional<NodeProfile>& device,
+                     std::vector<SdoStep> stored, Nanoseconds heartbeat_ns) {
   switch (params.protocol) {
     case DriveProtocol::odrive: return both(std::make_unique<SimOdrive>(bus, params));
     case DriveProtocol::moteus: return both(std::make_unique<SimMoteus>(bus, params));
@@ -43,7 +48,9 @@ MadeDrive make_drive(CanBus& bus, const DriveParams& params, std::vector<SdoStep
   auto drive = std::make_unique<SimDrive>(
       bus, SimDriveParams{.drive = params,
                           .rpdo_timeout_ns = own_watchdog ? ns_per_ms * params.watchdog_ms : 0,
-                          .heartbeat_period_ns = heartbeat_ns});
+                          .heartbeat_period_ns = heartbeat_ns,
+                          .torque_rated_unit_Nm = unit_of(device)});
+  if (device) drive->identify_as(device->identity);
   drive->store(std::move(stored));
   return both(std::move(drive));
 }
@@ -99,9 +106,11 @@ SimRig::SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, con
   }
   const double heartbeat_s = usual_load(params_).heartbeat_period_s;
   for (std::size_t i = 0; i < params_.encoders.size(); ++i)
-    add_encoder(params_.encoders[i], profile_of(profiles.encoders, i), heartbeat_s);
+    add_encoder(params_.encoders[i], profile_of(config.devices.encoders, i), profile_of(profiles.encoders, i),
+                heartbeat_s);
   for (std::size_t i = 0; i < params_.drives.size(); ++i)
-    add_drive(params_.drives[i], profile_of(profiles.drives, i), heartbeat_s);
+    add_drive(params_.drives[i], profile_of(config.devices.drives, i), profile_of(profiles.drives, i),
+              heartbeat_s);
   for (const ButtonParams& b : params_.buttons) add_button(b, heartbeat_s);
   std::vector<SimFault> faults;
   for (const FaultConfig& fault : config.faults)
@@ -114,24 +123,26 @@ SimRig::SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, con
   press_buttons(0);
 }
 
-void SimRig::add_encoder(const EncoderParams& e, const std::optional<NodeProfile>& profile,
-                         double heartbeat_s) {
+void SimRig::add_encoder(const EncoderParams& e, const std::optional<NodeProfile>& device,
+                         const std::optional<NodeProfile>& stored, double heartbeat_s) {
   SimCanPort& port = add_port(e.bus);
   auto node = std::make_unique<SimEncoder>(port, e.node_id, e.calibration,
                                            heartbeat_period_ns(heartbeat_s, e.node_id));
-  node->store(steps_of(profile, params_, {.node_id = e.node_id}));
+  if (device) node->identify_as(device->identity);
+  node->store(steps_of(stored, params_, {.node_id = e.node_id}));
   const std::size_t fault_node = faults_.add_node(e.bus, port, *node, e.calibration);
   buses_[e.bus]->nodes.push_back(node.get());
   encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint), .fault_node = fault_node});
 }
 
-void SimRig::add_drive(const DriveParams& d, const std::optional<NodeProfile>& profile, double heartbeat_s) {
+void SimRig::add_drive(const DriveParams& d, const std::optional<NodeProfile>& device,
+                       const std::optional<NodeProfile>& stored, double heartbeat_s) {
   SimCanPort& port = add_port(d.bus);
   const NodeSetup setup{.node_id = d.node_id,
                         .torque_rated_Nm = d.torque_rated_Nm,
                         .status_every_nth_sync = d.status_every_nth_sync};
-  auto [node, motor] =
-      make_drive(port, d, steps_of(profile, params_, setup), heartbeat_period_ns(heartbeat_s, d.node_id));
+  auto [node, motor] = make_drive(port, d, device, steps_of(stored, params_, setup),
+                                  heartbeat_period_ns(heartbeat_s, d.node_id));
   const std::size_t fault_node = faults_.add_node(d.bus, port, *node, d.calibration);
   buses_[d.bus]->nodes.push_back(node.get());
   drives_.push_back({.node = std::move(node),
@@ -162,6 +173,10 @@ void SimRig::press_buttons(double motion_time) noexcept {
     }
     at.node->set_inputs(static_cast<std::uint8_t>(inputs));
   }
+}
+
+const SimCanPort* SimRig::node_port(std::size_t bus, std::uint8_t node_id) const noexcept {
+  return faults_.port_of(bus, node_id);
 }
 
 SimCanPort& SimRig::add_port(std::size_t bus) {

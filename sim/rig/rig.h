@@ -28,6 +28,8 @@ struct SimRigConfig {
   std::vector<FaultConfig> faults;  // those that name a tracker are not for a rig
   bool shows_force = false;  // its drives' torque is felt; otherwise the mechanics follow the hand exactly
   std::size_t target = 0;    // of the hand: what the first handle follows where it does not move the joints
+  RigProfiles
+      devices{};  // the nodes are the devices that these profiles are for: 1000h, 1018h, unit of 6076h
 };
 
 class SimRig {
@@ -57,6 +59,8 @@ class SimRig {
   /// The config's faults are scheduled in it.
   FaultInjector& faults() noexcept { return faults_; }
   const FaultInjector& faults() const noexcept { return faults_; }
+  /// Port of the node of an encoder or drive; null where there is none of this id.
+  const SimCanPort* node_port(std::size_t bus, std::uint8_t node_id) const noexcept;
   /// An open port for one more node on a bus. Allocates: set-up.
   SimCanPort& attach(std::size_t bus) { return add_port(bus); }
   SimCanPort& host_port(std::size_t bus) noexcept { return buses_[bus]->host; }
@@ -104,8 +108,10 @@ class SimRig {
   };
 
   SimCanPort& add_port(std::size_t bus);
-  void add_encoder(const EncoderParams& e, const std::optional<NodeProfile>& profile, double heartbeat_s);
-  void add_drive(const DriveParams& d, const std::optional<NodeProfile>& profile, double heartbeat_s);
+  void add_encoder(const EncoderParams& e, const std::optional<NodeProfile>& device,
+                   const std::optional<NodeProfile>& stored, double heartbeat_s);
+  void add_drive(const DriveParams& d, const std::optional<NodeProfile>& device,
+                 const std::optional<NodeProfile>& stored, double heartbeat_s);
   void add_button(const ButtonParams& b, double heartbeat_s);
   void press_buttons(double motion_time) noexcept;
   Eigen::Index joint_named(const std::string& name) const;

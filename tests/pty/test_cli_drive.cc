@@ -27,10 +27,10 @@ DriveParams drive_params() {
 /// An inertia on the motor's shaft.
 class DriveOnPty : public test::NodeOnPty<SimDrive> {
  public:
-  explicit DriveOnPty(SimDefaults defaults = SimDefaults::rig)
-      : NodeOnPty([defaults](CanBus& bus) {
-          return std::make_unique<SimDrive>(bus,
-                                            SimDriveParams{.drive = drive_params(), .defaults = defaults});
+  explicit DriveOnPty(SimDefaults defaults = SimDefaults::rig, const SimDriveQuirks& quirks = {})
+      : NodeOnPty([defaults, quirks](CanBus& bus) {
+          return std::make_unique<SimDrive>(
+              bus, SimDriveParams{.drive = drive_params(), .quirks = quirks, .defaults = defaults});
         }) {
     start([q = 0.0, q_dot = 0.0](SimDrive& drive, double dt) mutable {
       constexpr double inertia_kgm2 = 2e-5;
@@ -54,6 +54,18 @@ TEST(CliDrive, PrintsWhatTheDriveSays) {
                            "0 counts\n", "rated torque     100 (6076h",
                            "6 homing, 8 cyclic synchronous position, 9 cyclic synchronous velocity"})
     EXPECT_THAT(status.output, HasSubstr(line));
+}
+
+TEST(CliDrive, ResetsAFaultOfADriveThatLooksAtItsControlwordSeldom) {
+  for (const Nanoseconds period_ns : {1'300'000, 4'700'000, 8'000'000, 33'000'000}) {
+    DriveOnPty rig(SimDefaults::rig, {.controlword_period_ns = period_ns});
+    for (int k = 0; k < 3; ++k) {
+      rig.call([](SimDrive& drive) { drive.trip(0x8611); });
+      const test::ProgramResult reset = rig.drive("reset");
+      EXPECT_EQ(reset.exit_code, 0) << period_ns << ": " << reset.output;
+      EXPECT_THAT(reset.output, HasSubstr("reset: switch on disabled"));
+    }
+  }
 }
 
 TEST(CliDrive, ResetsAFaultAndSaysWhatRemains) {

@@ -42,6 +42,22 @@ TEST_F(VirtualCanTest, TheInterfaceGoesDownAndComesUpAgain) {
   EXPECT_TRUE(becomes_true(other, [&] { return other.state() == BusState::error_active; }));
 }
 
+TEST_F(VirtualCanTest, AnInterfaceThatIsRenamedWhileOpenGoesOn) {
+  ASSERT_TRUE(bus.open()) << bus.trouble();
+  ASSERT_TRUE(other.open());
+  set("down");
+  ASSERT_TRUE(becomes_true(bus, [&] { return bus.state() == BusState::down; }));
+  set("name vcanother");
+  EXPECT_TRUE(mentions(bus.trouble(), "is called vcanother now")) << bus.trouble();
+  ASSERT_EQ(std::system("ip link set vcanother up"), 0);
+  EXPECT_EQ(other.try_send({.id = 1}), SendResult::queued);
+  EXPECT_TRUE(becomes_true(bus, [&] { return bus.state() == BusState::error_active; })) << bus.trouble();
+  bus.close();
+  EXPECT_FALSE(bus.open());
+  EXPECT_TRUE(mentions(bus.trouble(), "is called vcanother now")) << bus.trouble();
+  ASSERT_EQ(std::system("ip link set vcanother down && ip link set vcanother name vcantest"), 0);
+}
+
 TEST_F(VirtualCanTest, WhatCameBeforeTheInterfaceWentDownIsStillRead) {
   ASSERT_TRUE(bus.open());
   ASSERT_TRUE(other.open());

@@ -4,6 +4,12 @@
 
 namespace godobject::sdo {
 
+namespace {
+
+constexpr std::size_t address_end = 4;  // command, index, sub-index
+
+}  // namespace
+
 bool Client::read(ObjectAddress address) noexcept {
   if (busy()) return false;
   size_ = 0;
@@ -27,6 +33,7 @@ bool Client::begin(ObjectAddress address, Expected expected, const Message& firs
   position_ = 0;
   toggle_ = false;
   late_answers_ = repeats_;
+  late_aborts_ = repeats_;
   repeats_ = 0;
   state_ = TransferState::busy;
   ask(first, expected);
@@ -71,16 +78,28 @@ void Client::poll(Nanoseconds now, CanBus& bus) noexcept {
   }
 }
 
+// Some servers abort with index 0. A message without a whole address is an answer to a segment, or an abort.
+bool Client::is_of_this_transfer(const Message& message, std::size_t size) noexcept {
+  const bool is_abort = command_of(message) == static_cast<std::uint8_t>(Response::abort);
+  const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
+  if (!is_abort && !initiating) return true;
+  if (!is_abort && size < address_end) return false;
+  if (address_of(message) == address_) return true;
+  if (!is_abort || address_of(message) != ObjectAddress{}) return false;
+  if (late_aborts_ == 0) return true;
+  --late_aborts_;
+  return false;
+}
+
 bool Client::on_frame(const CanFrame& frame) noexcept {
   Message message;
+  std::size_t size = 0;
   const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
   const bool asked = !must_send_ || (initiating && repeats_ > 0);
-  if (!busy() || !asked || parse_frame(frame, response_cob_id(node_), message) != ParseResult::ok)
-    return false;
+  if (!busy() || !asked || parse_response(frame, node_, message, size) != ParseResult::ok) return false;
   const auto response = static_cast<Response>(command_of(message));
-  const bool addressed = response == Response::abort || initiating;
-  if (addressed && address_of(message) != address_) return false;  // late: of an earlier transfer
-  must_send_ = false;                                              // a repeat that has found no room
+  if (!is_of_this_transfer(message, size)) return false;  // late: of an earlier one
+  must_send_ = false;                                     // a repeat that has found no room
   if (response == Response::abort) {
     finish(TransferState::aborted, abort_code_of(message));
     return true;
@@ -97,9 +116,9 @@ bool Client::on_frame(const CanFrame& frame) noexcept {
   } else if (!initiating && toggle_of(message) != toggle_) {
     give_up(TransferState::bad_answer, AbortCode::toggle_not_alternated);
   } else if (expected_ == Expected::initiate_upload) {
-    on_upload_started(message);
+    on_upload_started(message, size);
   } else if (expected_ == Expected::upload_segment) {
-    on_upload_segment(message);
+    on_upload_segment(message, size);
   } else {
     if (expected_ == Expected::download_segment) toggle_ = !toggle_;
     send_segment();
@@ -120,14 +139,21 @@ void Client::send_segment() noexcept {
       Expected::download_segment);
 }
 
-void Client::on_upload_started(const Message& message) noexcept {
+void Client::on_upload_started(const Message& message, std::size_t size) noexcept {
   const Initiation initiation = initiation_of(message);
+  const std::size_t present = size - address_end;
   if (initiation.expedited) {
-    static_cast<void>(store(expedited_data(message)));
+    const std::span<const std::uint8_t> data = expedited_data(message);
+    size_indicated_ = initiation.size_given;
+    if (present == 0 || (size_indicated_ && present < data.size())) {
+      give_up(TransferState::bad_answer, AbortCode::wrong_length);
+      return;
+    }
+    static_cast<void>(store(data.first(std::min(data.size(), present))));
     finish(TransferState::done);
     return;
   }
-  size_given_ = initiation.size_given;
+  size_given_ = initiation.size_given && present == expedited_capacity;
   announced_size_ = initiation.size;
   if (size_given_ && announced_size_ > capacity) {
     give_up(TransferState::too_large, AbortCode::out_of_memory);
@@ -136,8 +162,15 @@ void Client::on_upload_started(const Message& message) noexcept {
   ask(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
 }
 
-void Client::on_upload_segment(const Message& message) noexcept {
-  if (!store(segment_data(message))) {
+void Client::on_upload_segment(const Message& message, std::size_t size) noexcept {
+  const std::span<const std::uint8_t> data = segment_data(message);
+  const bool whole = data.size() == segment_capacity;  // or its size is not indicated
+  if (!whole && size - 1 < data.size()) {
+    give_up(TransferState::bad_answer, AbortCode::wrong_length);
+    return;
+  }
+  size_indicated_ = size_given_ || !whole;
+  if (!store(data.first(std::min(data.size(), size - 1)))) {
     give_up(TransferState::too_large, AbortCode::out_of_memory);
     return;
   }

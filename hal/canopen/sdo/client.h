@@ -48,6 +48,11 @@ class Client {
   ObjectAddress address() const noexcept { return address_; }
   /// What a read that is done has read.
   std::span<const std::uint8_t> data() const noexcept { return std::span(data_).first(size_); }
+  /// The same of an object whose type has type_size bytes: where the node does not indicate the size (CiA 301
+  /// 7.2.4.3.6, s = 0), bytes beyond those are none of the object's.
+  std::span<const std::uint8_t> data(std::size_t type_size) const noexcept {
+    return data().first(size_indicated_ ? size_ : std::min(size_, type_size));
+  }
   std::uint8_t node() const noexcept { return node_; }
   /// How often the transfer's first request has been repeated.
   int repeats() const noexcept { return repeats_; }
@@ -60,8 +65,9 @@ class Client {
   bool begin(ObjectAddress address, Expected expected, const Message& first) noexcept;
   void ask(const Message& message, Expected expected) noexcept;
   bool may_repeat() const noexcept;
-  void on_upload_started(const Message& message) noexcept;
-  void on_upload_segment(const Message& message) noexcept;
+  bool is_of_this_transfer(const Message& message, std::size_t size) noexcept;
+  void on_upload_started(const Message& message, std::size_t size) noexcept;
+  void on_upload_segment(const Message& message, std::size_t size) noexcept;
   void send_segment() noexcept;
   bool store(std::span<const std::uint8_t> bytes) noexcept;
   void finish(TransferState state, AbortCode code = AbortCode::none) noexcept;
@@ -76,8 +82,9 @@ class Client {
   std::array<std::uint8_t, capacity> data_{};
   std::size_t size_ = 0;      // of data_
   std::size_t position_ = 0;  // bytes of data_ that have been sent
-  bool size_given_ = false;
+  bool size_given_ = false;   // of segments, by the announcement
   std::uint32_t announced_size_ = 0;
+  bool size_indicated_ = true;  // of what has been read
   bool toggle_ = false;
 
   Message message_{};       // the last one asked with
@@ -86,6 +93,7 @@ class Client {
   Nanoseconds deadline_ns_ = 0, repeat_ns_ = 0;
   int repeats_ = 0;
   int late_answers_ = 0;  // at most so many may still come, to requests that were repeated
+  int late_aborts_ = 0;   // of them to requests of the transfer before
 };
 
 }  // namespace godobject::sdo

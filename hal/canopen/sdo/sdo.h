@@ -1,5 +1,6 @@
 // Service data objects (CiA 301 7.2.4.3): expedited and segmented transfers, both directions. Block transfer
-// is not spoken. Each message is eight bytes; the first, the command, is told apart by the direction it goes.
+// is not spoken. Each message is eight bytes, but some servers leave out those at the end that hold nothing;
+// the first byte, the command, is told apart by the direction it goes.
 //
 // The room: client.h makes one transfer on a bus, sequence.h several in a row.
 #pragma once
@@ -129,6 +130,18 @@ constexpr AbortCode abort_code_of(const Message& message) noexcept {
   std::uint32_t code = 0;
   ByteReader(std::span(message).subspan(4)).get(code);
   return static_cast<AbortCode>(code);
+}
+
+/// Reads an answer of a node of any length from 1 byte on; bytes beyond `size` are 0.
+[[nodiscard]] constexpr ParseResult parse_response(const CanFrame& frame, std::uint8_t node, Message& out,
+                                                   std::size_t& size) noexcept {
+  if (!canopen::is_canopen(frame) || frame.id != response_cob_id(node)) return ParseResult::other_message;
+  if (frame.size == 0) return ParseResult::too_short;
+  if (frame.size > out.size()) return ParseResult::too_long;
+  out = {};
+  size = frame.size;
+  std::copy_n(frame.data.begin(), size, out.begin());
+  return ParseResult::ok;
 }
 
 /// What a message that initiates a transfer with data says of them.

@@ -1,5 +1,6 @@
 #include "hal/canopen/sdo/sequence.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace godobject {
@@ -23,7 +24,7 @@ std::string number(std::int64_t value) {
 }
 
 bool is_write(SdoAction action) noexcept {
-  return action == SdoAction::write || action == SdoAction::switch_on;
+  return action == SdoAction::write || action == SdoAction::write_if_other || action == SdoAction::switch_on;
 }
 
 }  // namespace
@@ -34,7 +35,18 @@ std::string to_string(canopen::ObjectAddress address) {
 
 SdoSequence::SdoSequence(std::uint8_t node, std::vector<SdoStep> steps, Nanoseconds sdo_timeout_ns,
                          Nanoseconds wait_timeout_ns)
-    : client_(node, sdo_timeout_ns), steps_(std::move(steps)), wait_timeout_ns_(wait_timeout_ns) {}
+    : client_(node, sdo_timeout_ns),
+      sdo_timeout_ns_(sdo_timeout_ns),
+      steps_(std::move(steps)),
+      wait_timeout_ns_(wait_timeout_ns) {}
+
+void SdoSequence::restart() noexcept {
+  client_ = sdo::Client(client_.node(), sdo_timeout_ns_);
+  current_ = 0;
+  failure_ = SdoFailure::none;
+  begun_ = differs_ = stayed_on_ = false;
+  read_again_ns_ = 0;
+}
 
 void SdoSequence::poll(Nanoseconds now, CanBus& bus) noexcept {
   if (!done() && !failed()) {
@@ -45,7 +57,24 @@ void SdoSequence::poll(Nanoseconds now, CanBus& bus) noexcept {
   client_.poll(now, bus);
 }
 
+void SdoSequence::skip_what_is_right() noexcept {
+  while (!done()) {
+    const SdoStep& step = steps_[current_];
+    if (step.action == SdoAction::skip_if_same) {
+      const std::size_t skipped = differs_ ? 0 : static_cast<std::size_t>(step.low);
+      current_ = std::min(current_ + 1 + skipped, steps_.size());
+      differs_ = false;
+    } else if (step.action == SdoAction::switch_on && stayed_on_) {
+      ++current_;
+    } else {
+      return;
+    }
+  }
+}
+
 void SdoSequence::begin(Nanoseconds now) noexcept {
+  skip_what_is_right();
+  if (done()) return;
   const SdoStep& step = steps_[current_];
   begun_ = true;
   wait_began_ns_ = now;
@@ -73,20 +102,30 @@ void SdoSequence::finish_transfer(Nanoseconds now) noexcept {
   const AbortCode code = client_.abort_code();
   const bool absent = client_.state() == TransferState::aborted &&
                       (code == AbortCode::no_object || code == AbortCode::no_sub_index);
+  const bool cannot = client_.state() == TransferState::aborted &&
+                      (code == AbortCode::read_only || code == AbortCode::unsupported_access);
   // NOLINTNEXTLINE(bugprone-branch-clone): for another reason
   if (absent && !writing_ && step.action == SdoAction::switch_off_if_there) next();
-  else if (client_.state() != TransferState::done) failure_ = SdoFailure::transfer;
+  else if (absent && step.action == SdoAction::compare) {
+    differs_ = true;
+    next();
+  } else if (cannot && writing_ && step.action == SdoAction::switch_off) {
+    stayed_on_ = true;
+    next();
+  } else if (client_.state() != TransferState::done) failure_ = SdoFailure::transfer;
   else if (writing_) next();
   else on_read(now);
 }
 
 void SdoSequence::on_read(Nanoseconds now) noexcept {
   const SdoStep& step = steps_[current_];
-  if (client_.data().size() != canopen::size_of(step.type)) {
+  const std::size_t size = canopen::size_of(step.type);
+  const std::span<const std::uint8_t> data = client_.data(size);
+  if (data.size() != size) {
     failure_ = SdoFailure::wrong_size;
     return;
   }
-  const std::int64_t raw = canopen::decode_number(client_.data(), canopen::is_signed(step.type));
+  const std::int64_t raw = canopen::decode_number(data, canopen::is_signed(step.type));
   read_value_ = raw & ~static_cast<std::int64_t>(step.ignored_bits);
   const bool fits = read_value_ >= step.low && read_value_ <= step.high;
   switch (step.action) {
@@ -104,13 +143,23 @@ void SdoSequence::on_read(Nanoseconds now) noexcept {
         static_cast<void>(client_.read(step.address));
       }
       break;
+    case SdoAction::compare:
+      differs_ = differs_ || !fits;
+      next();
+      break;
+    case SdoAction::write_if_other:
+      if (fits) next();
+      else write(step.low);
+      break;
     case SdoAction::switch_off:
     case SdoAction::switch_off_if_there:
+      stayed_on_ = false;
       cob_id_flags_ = static_cast<std::uint32_t>(raw) & pdo_no_rtr;
       if ((static_cast<std::uint32_t>(raw) & pdo_invalid) != 0) next();
       else write(raw | static_cast<std::int64_t>(pdo_invalid));
       break;
     case SdoAction::write:
+    case SdoAction::skip_if_same:
     case SdoAction::switch_on: break;
   }
 }

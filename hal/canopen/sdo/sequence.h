@@ -9,12 +9,15 @@
 namespace godobject {
 
 enum class SdoAction : std::uint8_t {
-  write,                // low
-  check,                // read; must lie in low..high
-  wait_for,             // read, again and again, until it lies in low..high
-  switch_off,           // PDO communication record, sub 1: set bit 31, keep the rest
+  write,           // low
+  write_if_other,  // read, and low written where it is another
+  compare,         // read; notes whether it is another than low, or not there
+  skip_if_same,  // no transfer: the next `low` steps are left out if no compare since the last one has differed
+  check,         // read; must lie in low..high
+  wait_for,      // read, again and again, until it lies in low..high
+  switch_off,    // PDO communication record, sub 1: set bit 31, keep the rest; one that is read-only stays on
   switch_off_if_there,  // the same, and no such object is fine
-  switch_on,            // the same: low with bit 31 clear and bit 30 as the node has it
+  switch_on,  // the same: low with bit 31 clear and bit 30 as the node has it; left out where it stayed on
 };
 
 struct SdoStep {
@@ -48,6 +51,8 @@ class SdoSequence {
   /// True when the frame was the sequence's.
   bool on_frame(const CanFrame& frame) noexcept { return client_.on_frame(frame); }
   void poll(Nanoseconds now, CanBus& bus) noexcept;
+  /// From the first step on again, whatever became of it. A request under way is forgotten.
+  void restart() noexcept;
 
   bool done() const noexcept { return current_ == steps_.size(); }
   bool failed() const noexcept { return failure_ != SdoFailure::none; }
@@ -62,12 +67,14 @@ class SdoSequence {
 
  private:
   void begin(Nanoseconds now) noexcept;
+  void skip_what_is_right() noexcept;
   void write(std::int64_t value) noexcept;
   void finish_transfer(Nanoseconds now) noexcept;
   void on_read(Nanoseconds now) noexcept;
   void next() noexcept;
 
   sdo::Client client_;
+  Nanoseconds sdo_timeout_ns_;
   std::vector<SdoStep> steps_;
   Nanoseconds wait_timeout_ns_;
   std::size_t current_ = 0;
@@ -77,6 +84,8 @@ class SdoSequence {
   std::int64_t read_value_ = 0;  // of the last read, without the ignored bits
   std::int64_t written_value_ = 0;
   std::uint32_t cob_id_flags_ = 0;  // bit 30 as last read by switch_off
+  bool differs_ = false;            // a compare since the last skip_if_same
+  bool stayed_on_ = false;          // the last switch_off could not be written
   Nanoseconds wait_began_ns_ = 0, read_again_ns_ = 0;
 };
 

@@ -1,10 +1,12 @@
 #include "platform/cli/bus/message_decoder.h"
 
+#include <algorithm>
+
 #include "hal/base/format.h"
 #include "hal/canopen/cia406.h"
 #include "hal/canopen/sdo/sdo.h"
 #include "hal/drive/cia402.h"
-#include "platform/cli/bus/canopen_texts.h"
+#include "hal/drive/cia402_text.h"
 
 namespace godobject {
 namespace {
@@ -74,7 +76,10 @@ std::string data_of(const sdo::Message& message) {
 
 std::string decode_sdo(const CanFrame& frame, bool is_request) {
   sdo::Message message{};
-  if (sdo::parse_frame(frame, frame.id, message) != ParseResult::ok) return "not 8 bytes";
+  const std::size_t shortest = is_request ? message.size() : 1;  // some servers leave bytes out
+  const bool is_one = canopen::is_canopen(frame) && frame.size >= shortest && frame.size <= message.size();
+  if (!is_one) return "not 8 bytes";
+  std::copy_n(frame.data.begin(), frame.size, message.begin());
   const std::uint8_t command = sdo::command_of(message);
   if (command == static_cast<std::uint8_t>(sdo::Request::abort)) {
     const sdo::AbortCode code = sdo::abort_code_of(message);

@@ -33,8 +33,8 @@ ExitCode NodeDialogue::open() {
 std::optional<std::int64_t> NodeDialogue::read(const TypedObject& object) {
   if (!client_.read(object.address) || !transfer(object.address, " read")) return std::nullopt;
   const std::size_t size = canopen::size_of(object.type);
-  if (client_.data().size() == size)
-    return canopen::decode_number(client_.data(), canopen::is_signed(object.type));
+  const std::span<const std::uint8_t> data = client_.data(size);
+  if (data.size() == size) return canopen::decode_number(data, canopen::is_signed(object.type));
   failure_ = to_string(object.address) + " has " + std::to_string(client_.data().size()) +
              " bytes, not the " + std::to_string(size) + " of the standard: is this the right device?";
   return std::nullopt;

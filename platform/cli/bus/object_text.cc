@@ -33,13 +33,6 @@ std::optional<std::int64_t> parse_number(std::string_view text) {
   return complete && !(hexadecimal && text.starts_with("-")) ? std::optional(value) : std::nullopt;
 }
 
-std::optional<ObjectType> number_type(const std::string& name) {
-  const auto found = std::ranges::find(canopen::object_type_names, name);
-  const auto type = static_cast<ObjectType>(found - canopen::object_type_names.begin());
-  if (found == canopen::object_type_names.end() || type == ObjectType::text) return std::nullopt;
-  return type;
-}
-
 std::optional<std::vector<std::uint8_t>> parse_bytes(std::string_view text) {
   std::string digits;
   std::ranges::copy_if(text, std::back_inserter(digits), [](char c) { return c != ' '; });
@@ -88,6 +81,13 @@ std::string format_all(std::span<const std::uint8_t> bytes) {
 }
 
 }  // namespace
+
+std::optional<ObjectType> number_type(const std::string& name) {
+  const auto found = std::ranges::find(canopen::object_type_names, name);
+  const auto type = static_cast<ObjectType>(found - canopen::object_type_names.begin());
+  if (found == canopen::object_type_names.end() || type == ObjectType::text) return std::nullopt;
+  return type;
+}
 
 std::optional<canopen::ObjectAddress> parse_object_address(std::string_view text) {
   const std::size_t colon = text.find(':');

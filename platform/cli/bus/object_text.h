@@ -18,6 +18,9 @@ std::optional<canopen::ObjectAddress> parse_object_address(std::string_view text
 /// What --type can be: the names of ObjectType, and "hex".
 std::vector<std::string> value_type_names();
 
+/// The type of this name where its values are numbers.
+std::optional<canopen::ObjectType> number_type(const std::string& name);
+
 /// The bytes of a value of this type; `error` says what is wrong with the text. hex: "0A 00" or "0A00".
 std::optional<std::vector<std::uint8_t>> parse_value(std::string_view text, const std::string& type,
                                                      std::string& error);

@@ -1,9 +1,7 @@
 #include "platform/cli/drive/dialogue.h"
 
-#include <array>
 #include <cstdio>
 
-#include "platform/cli/bus/canopen_texts.h"
 #include "platform/rt/clock.h"
 
 namespace godobject {
@@ -30,13 +28,6 @@ ExitCode refuse(const NodeDialogue& node, const std::string& why) {
 }
 
 }  // namespace
-
-std::string error_code_text(std::int64_t error_code) {
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "603Fh = %04Xh, %s", static_cast<unsigned>(error_code),
-                emergency_text(static_cast<unsigned>(error_code)));
-  return text.data();
-}
 
 ExitCode DriveDialogue::open() {
   if (const ExitCode code = node_.open(); code != ExitCode::ok) return code;

@@ -3,7 +3,7 @@
 // The room: home.h finds its reference, move.h turns it, each for the verb `drive`.
 #pragma once
 
-#include "hal/drive/cia402_modes.h"
+#include "hal/drive/cia402_text.h"
 #include "platform/cli/bus/node_dialogue.h"
 #include "platform/rt/last_resort.h"
 
@@ -24,9 +24,6 @@ inline constexpr TypedObject error_code{{0x603F, 0}, ObjectType::u16},
     supported_modes{{0x6502, 0}, ObjectType::u32}, device_type{{0x1000, 0}, ObjectType::u32},
     error_register{{0x1001, 0}, ObjectType::u8}, heartbeat_consumer{{0x1016, 1}, ObjectType::u32};
 }  // namespace drive_object
-
-/// "603Fh = 2310h, continuous over-current".
-std::string error_code_text(std::int64_t error_code);
 
 class DriveDialogue {
  public:

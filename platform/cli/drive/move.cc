@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "platform/cli/bus/canopen_texts.h"
+#include "hal/drive/cia402_text.h"
 #include "platform/rt/background_file.h"
 #include "platform/rt/clock.h"
 

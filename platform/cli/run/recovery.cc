@@ -23,6 +23,8 @@ bool Recoveries::again() {
   if (!lost || plan_.rearm == Rearm::never || cycle_.left() == 0 || stop_) return false;
   // armed again it would do so again
   if (any(session_.rig()->faults() & (RigFault::force_oscillates | RigFault::energy_gained))) return false;
+  // so would a drive that failed as soon as it was given power: no step was run
+  if (any(session_.rig()->faults() & RigFault::drive_error) && !cycle_.t_fault_ns()) return false;
   Recovery& recovery = list_.back();
   if (recovery.boots == 0)
     tell(RunEventKind::lost, "the device is lost: torque is gone, its nodes are pre-operational",

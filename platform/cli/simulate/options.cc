@@ -1,10 +1,13 @@
 #include "platform/cli/simulate/options.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
+#include "hal/canopen/profile_validate.h"
 #include "hal/rig/validate.h"
 #include "platform/scene/fault_file.h"
+#include "platform/scene/profile.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"
@@ -111,9 +114,15 @@ std::vector<std::unique_ptr<TrackerLine>> offer_trackers(const SceneConfig& scen
 
 PreparedSimulation prepare(const SimulateOptions& options) {
   PreparedSimulation out;
-  const std::optional<SceneConfig> scene = load(options, out);
+  std::optional<SceneConfig> scene = load(options, out);
   if (!scene) return out;
   const bool has_rig = scene->device->rig.has_value();
+  RigProfilesResult devices;
+  if (has_rig) {
+    devices = load_profiles(*scene->device->rig, std::filesystem::path(options.scene).parent_path().string());
+    apply_profiles(devices.profiles, *scene->device->rig);
+  }
+  append(out.errors, devices.errors);
   MotionResult motion;
   if (options.motion.empty()) motion.motion.emplace(*scene);
   else motion = Motion::read(options.motion, *scene);
@@ -128,7 +137,7 @@ PreparedSimulation prepare(const SimulateOptions& options) {
   if (out.errors.empty()) open_all(offered, out);
   if (out.errors.empty()) trackers = offer_trackers(*scene, out);
   if (!out.errors.empty()) return out;
-  out.simulation = std::make_unique<Simulation>(*scene, *motion.motion, std::move(offered),
+  out.simulation = std::make_unique<Simulation>(*scene, devices.profiles, *motion.motion, std::move(offered),
                                                 !options.start_now, std::move(trackers));
   return out;
 }

@@ -19,8 +19,9 @@ double seconds(Nanoseconds t) noexcept { return 1e-9 * static_cast<double>(t); }
 
 }  // namespace
 
-Simulation::Simulation(const SceneConfig& scene, const Motion& motion, std::vector<OfferedBus> buses,
-                       bool motion_waits_for_sync, std::vector<std::unique_ptr<TrackerLine>> trackers)
+Simulation::Simulation(const SceneConfig& scene, const RigProfiles& devices, const Motion& motion,
+                       std::vector<OfferedBus> buses, bool motion_waits_for_sync,
+                       std::vector<std::unique_ptr<TrackerLine>> trackers)
     : params_(scene.device->rig.value_or(RigParams{})),
       tracker_params_(scene.device->trackers),
       period_ns_(to_ns(scene.step)),
@@ -28,7 +29,11 @@ Simulation::Simulation(const SceneConfig& scene, const Motion& motion, std::vect
       motors_(params_.drives.size()),
       trackers_(std::move(trackers)) {
   const std::shared_ptr<const Hand> hand = hand_of(motion);
-  if (scene.device->rig) rig_.emplace(sim_rig_config(scene), hand);
+  if (scene.device->rig) {
+    SimRigConfig config = sim_rig_config(scene);
+    config.devices = devices;
+    rig_.emplace(config, hand);
+  }
   for (const OfferedBus& offered : buses_) {
     SimCanPort& port = offered.is_tap ? rig_->attach(offered.wire) : rig_->host_port(offered.wire);
     bridges_.emplace_back(*offered.bus, port);
@@ -165,6 +170,7 @@ nlohmann::ordered_json Simulation::to_json() const {
                             {"refused", c.refused},
                             {"dropped", c.dropped}});
   }
+  out["bus_off"] = bus_off_json();
   out["drives"] = json::array();
   for (std::size_t i = 0; i < motors_.size(); ++i)
     out["drives"].push_back({{"bus", params_.buses[params_.drives[i].bus].name},
@@ -181,6 +187,18 @@ nlohmann::ordered_json Simulation::to_json() const {
                                {"bytes_from_host", tracker->num_received()},
                                {"lost_messages", tracker->far().lost_messages()}});
   out["faults"] = faults_json();
+  return out;
+}
+
+/// Nodes that take no part in their bus until they restart.
+nlohmann::ordered_json Simulation::bus_off_json() const {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (std::size_t bus = 0; bus < params_.buses.size(); ++bus)
+    for (std::uint8_t id = 1; id <= canopen::max_node_id; ++id) {
+      const SimCanPort* const port = rig_->node_port(bus, id);
+      if (port == nullptr || port->state() != BusState::bus_off) continue;
+      out.push_back({{"bus", params_.buses[bus].name}, {"node", id}});
+    }
   return out;
 }
 

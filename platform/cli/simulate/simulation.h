@@ -42,8 +42,10 @@ class Simulation {
   /// buses: open; one per wire, then taps. trackers: open; one per tracker of the scene. scene: where it has a rig
   /// SimRig::why_not() is empty. Without a rig the motion waits for the first byte to a tracker instead of SYNC.
   /// Allocates; step() does not.
-  Simulation(const SceneConfig& scene, const Motion& motion, std::vector<OfferedBus> buses,
-             bool motion_waits_for_sync, std::vector<std::unique_ptr<TrackerLine>> trackers = {});
+  /// devices: profiles of the devices that the nodes play.
+  Simulation(const SceneConfig& scene, const RigProfiles& devices, const Motion& motion,
+             std::vector<OfferedBus> buses, bool motion_waits_for_sync,
+             std::vector<std::unique_ptr<TrackerLine>> trackers = {});
 
   /// Everything up to `now`, since the start: frames in, wires, nodes, mechanics, frames out.
   void step(Nanoseconds now) noexcept;
@@ -66,6 +68,7 @@ class Simulation {
   void run_rig(Nanoseconds now) noexcept;
   void run_trackers() noexcept;
   nlohmann::ordered_json faults_json() const;
+  nlohmann::ordered_json bus_off_json() const;
   void take_frames() noexcept;
   void on_sync() noexcept;
   void watch_commands(std::size_t bus, const CanFrame& frame) noexcept;

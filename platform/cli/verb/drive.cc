@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "platform/cli/bus/canopen_texts.h"
+#include "hal/drive/cia402_text.h"
 #include "platform/cli/drive/home.h"
 #include "platform/cli/drive/move.h"
 #include "platform/cli/option_checks.h"
@@ -99,10 +99,18 @@ std::optional<DriveState> wait_for(DriveDialogue& drive, Nanoseconds patience, c
   }
 }
 
-// The edge of bit 7, whatever the controlword was.
-bool send_reset_edge(DriveDialogue& drive) {
-  return drive.command(cia402::disable_voltage) && drive.command(cia402::fault_reset_bit) &&
-         drive.command(cia402::disable_voltage);
+/// Gives edges of bit 7, each level as long as a drive that looks seldom needs, until it leaves Fault. None:
+/// no answer.
+std::optional<DriveState> send_reset_edges(DriveDialogue& drive, Nanoseconds patience_ns) {
+  const auto reset = [](DriveState now) { return now != DriveState::fault; };
+  const Nanoseconds t_end_ns = MonotonicClock().now() + patience_ns;
+  std::optional<DriveState> state;
+  for (std::uint16_t word = cia402::disable_voltage;; word = cia402::fault_reset_controlword(word)) {
+    if (!drive.command(word)) return std::nullopt;
+    state = wait_for(drive, cia402::fault_reset_hold_ns, reset);
+    if (!state || reset(*state) || MonotonicClock().now() >= t_end_ns) break;
+  }
+  return drive.command(cia402::disable_voltage) ? state : std::nullopt;
 }
 
 ExitCode reset(const DriveOptions& options) {
@@ -114,8 +122,7 @@ ExitCode reset(const DriveOptions& options) {
   if (!state) return node.report();
   const bool was_in_fault = *state == DriveState::fault;
   if (was_in_fault) {
-    if (!send_reset_edge(drive)) return node.report();
-    state = wait_for(drive, patience_ns, [](DriveState now) { return now != DriveState::fault; });
+    state = send_reset_edges(drive, patience_ns);
     if (!state) return node.report();
   }
   const std::optional<std::int64_t> error = node.read(drive_object::error_code);

@@ -45,7 +45,9 @@ ExitCode read(const SdoOptions& options) {
   const ExitCode code = transfer(options, client, to_string(*address) + " read");
   if (code != ExitCode::ok) return code;
   std::string error;
-  const std::optional<std::string> text = format_value(client.data(), options.type, error);
+  const std::optional<canopen::ObjectType> number = number_type(options.type);
+  const std::span<const std::uint8_t> data = number ? client.data(canopen::size_of(*number)) : client.data();
+  const std::optional<std::string> text = format_value(data, options.type, error);
   if (text) std::printf("%s\n", text->c_str());
   else std::fprintf(stderr, "node %d, %s: %s\n", options.node, to_string(*address).c_str(), error.c_str());
   return text ? ExitCode::ok : ExitCode::fault;

@@ -124,9 +124,10 @@ bool SocketCanBus::set_options() noexcept {
 bool SocketCanBus::bind_to_interface() noexcept {
   sockaddr_can address{};
   address.can_family = AF_CAN;
-  address.can_ifindex = static_cast<int>(if_nametoindex(interface_.c_str()));
+  index_ = if_nametoindex(interface_.c_str());
   // Index 0 would mean all interfaces.
-  if (address.can_ifindex == 0) return fail("if_nametoindex");
+  if (index_ == 0) return fail("if_nametoindex");
+  address.can_ifindex = static_cast<int>(index_);
   if (bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return fail("bind");
   return true;
 }
@@ -175,8 +176,9 @@ std::string SocketCanBus::as_written(const CanFrame& frame) const {
 
 bool SocketCanBus::is_up() const noexcept {
   ifreq request{};
-  interface_.copy(request.ifr_name, sizeof request.ifr_name - 1);
-  return ioctl(fd_, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
+  request.ifr_ifindex = static_cast<int>(index_);  // its name may have changed
+  return ioctl(fd_, SIOCGIFNAME, &request) == 0 && ioctl(fd_, SIOCGIFFLAGS, &request) == 0 &&
+         (request.ifr_flags & IFF_UP) != 0;
 }
 
 bool SocketCanBus::try_receive(ReceivedFrame& out) noexcept {

@@ -57,6 +57,7 @@ class SocketCanBus final : public LinuxBus {
   SendResult refused(int error) noexcept;
   void lose_interface(int error) noexcept;
   bool is_up() const noexcept;
+  std::string present_name() const;
   void count_overflow(std::uint32_t dropped_in_all) noexcept;
   bool read_message(Message& message) noexcept;
   bool take(const Message& message, ReceivedFrame& out) noexcept;
@@ -66,6 +67,7 @@ class SocketCanBus final : public LinuxBus {
   BusSettings settings() const noexcept { return {bit_rate_, data_bit_rate_, {}}; }
 
   std::string interface_;
+  unsigned index_ = 0;  // of the interface that was opened last; it keeps it when it is renamed
   double bit_rate_ = 0;
   double data_bit_rate_ = 0;
   std::vector<can_filter> filters_;

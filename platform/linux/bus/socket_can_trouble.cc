@@ -1,4 +1,7 @@
 // What a user can do about the state of a SocketCAN bus.
+#include <net/if.h>
+
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -14,6 +17,11 @@ std::string restart_command(const std::string& interface, const CanLink& link) {
   return "ip link set " + interface + " type can restart";
 }
 
+std::string renamed_text(const std::string& before, const std::string& now) {
+  return before + " has been renamed and is called " + now + " now: rename it back (ip link set " + now +
+         " name " + before + "), or give --bus the new name";
+}
+
 }  // namespace
 
 std::string SocketCanBus::trouble() const {
@@ -21,23 +29,31 @@ std::string SocketCanBus::trouble() const {
   return why_state();
 }
 
+/// The name that the interface has now; as it was opened where it is gone.
+std::string SocketCanBus::present_name() const {
+  std::array<char, IF_NAMESIZE> name{};
+  return index_ != 0 && if_indextoname(index_, name.data()) != nullptr ? name.data() : interface_;
+}
+
 std::string SocketCanBus::why_state() const {
   CanLink link;
-  const bool known = read_can_link(interface_.c_str(), link) == 0;
+  const std::string interface = present_name();
+  const std::string renamed = interface == interface_ ? "" : "\n" + renamed_text(interface_, interface);
+  const bool known = read_can_link(interface.c_str(), link) == 0;
   std::string text;
   switch (state_) {
     case BusState::gone:
-      return interface_ + " was unplugged or removed: plug it in again, then open it anew" +
-             (known ? " (" + interface_ + " is there again)" : "");
+      return interface + " was unplugged or removed: plug it in again, then open it anew" +
+             (known ? " (" + interface + " is there again)" : "");
     case BusState::down:
-      return known ? text_of(LinkFit::down, interface_, link, settings()) : interface_ + " is down";
+      return (known ? text_of(LinkFit::down, interface, link, settings()) : interface + " is down") + renamed;
     case BusState::bus_off:
-      text = interface_ + " is bus-off: check cable, termination and bit rate of all nodes; then " +
-             restart_command(interface_, known ? link : CanLink{}) + "\n";
+      text = interface + " is bus-off: check cable, termination and bit rate of all nodes; then " +
+             restart_command(interface, known ? link : CanLink{}) + "\n";
       break;
     case BusState::error_warning:
     case BusState::error_passive:
-      text = interface_ + " is " + std::string(name_of(state_)) + " (TEC " +
+      text = interface + " is " + std::string(name_of(state_)) + " (TEC " +
              std::to_string(counters_.transmit_error_counter) + ", REC " +
              std::to_string(counters_.receive_error_counter) + ")";
       if (counters_.last_error != BusError::none)
@@ -48,13 +64,14 @@ std::string SocketCanBus::why_state() const {
     default: break;
   }
   if (queue_full_ != 0)
-    text += interface_ + ": the transmit queue refused " + std::to_string(queue_full_) +
-            " frames: does another node acknowledge? For more frames in one cycle: ip link set " +
-            interface_ + " txqueuelen 100" +
-            (known ? " (now " + std::to_string(link.transmit_queue_length) + ")" : "") + "\n";
-  if (known) text += link_warnings(interface_, link);
-  if (!text.empty()) text.pop_back();
-  return text;
+    text += interface + ": the transmit queue refused " + std::to_string(queue_full_) +
+            " frames: does another node acknowledge? For more frames in one cycle: ip link set " + interface +
+            " txqueuelen 100" + (known ? " (now " + std::to_string(link.transmit_queue_length) + ")" : "") +
+            "\n";
+  if (known) text += link_warnings(interface, link);
+  if (text.empty()) return text;
+  text.pop_back();
+  return text + renamed;
 }
 
 std::string SocketCanBus::why_not_open() const {
@@ -69,6 +86,8 @@ std::string SocketCanBus::why_not_open() const {
     return "this kernel has no SocketCAN: modprobe can_raw (as root), or a kernel built with CONFIG_CAN; an "
            "adapter "
            "on a serial port works without: slcan:/dev/ttyACM0";
+  if (failed_errno_ == ENODEV && present_name() != interface_)
+    return renamed_text(interface_, present_name());
   if (failed_errno_ == ENODEV)
     return "there is no interface " + interface_ +
            ": plug the adapter in; `ip link show type can` lists those there "

@@ -81,7 +81,19 @@ void read_drive(V& t, NodeProfile& p) {
                     "what one of 6076h means; without it 6076h is not looked at", positive},
                 p.torque_rated_unit_Nm);
   read_optional(t, Key{"interpolation_time", "", "60C2h gets the scene's step"}, p.interpolation_time);
-  read_optional(t, Key{"mode", "", "6060h, and 6061h must follow; 10 is CST", {-128, 127}}, p.mode);
+  read_optional(t, Key{"mode", "", "6060h, and 6061h must follow: 10 is CST, 4 profile torque", {-128, 127}},
+                p.mode);
+  constexpr Range bit{-1, 15};
+  read_optional(
+      t,
+      Key{"follows_bit", "",
+          "bit of 6041h that is set while the drive follows 6071h; -1: it has none, 12 by default", bit},
+      p.follows_bit);
+  read_optional(
+      t,
+      Key{"limit_bit", "",
+          "bit of 6041h that is set while the drive limits the torque; -1: it has none, 11 by default", bit},
+      p.limit_bit);
 }
 
 template <class V>

@@ -43,6 +43,16 @@ void SimCanopenNode::identify(std::uint32_t device_type, std::string name, const
   objects_.add({0x1018, 4}, ObjectType::u32, ObjectAccess::read_only, identity.serial);
 }
 
+void SimCanopenNode::identify_as(std::span<const ProfileObject> identity) noexcept {
+  constexpr std::int64_t high_word = 0xFFFF'0000;
+  for (const ProfileObject& wanted : identity) {
+    Object* const object = objects_.find(wanted.address);
+    if (object == nullptr) continue;
+    const std::int64_t kept = wanted.address.index == 0x1000 ? object->value & high_word : 0;
+    object->value = object->power_up = kept | wanted.value;
+  }
+}
+
 void SimCanopenNode::add_pdo(SimPdoDefault power_up) { pdos_.emplace_back(objects_, std::move(power_up)); }
 
 const SimPdo* SimCanopenNode::find_pdo(PdoDirection direction, int number) const noexcept {
@@ -258,7 +268,8 @@ void SimCanopenNode::reset_communication() noexcept {
 
 void SimCanopenNode::store(std::vector<SdoStep> steps) {
   std::erase_if(steps, [](const SdoStep& step) {
-    const bool reads = step.action == SdoAction::check || step.action == SdoAction::wait_for;
+    const bool reads = step.action == SdoAction::check || step.action == SdoAction::wait_for ||
+                       step.action == SdoAction::compare || step.action == SdoAction::skip_if_same;
     return reads || step.address == heartbeat_producer;
   });
   stored_ = std::move(steps);

@@ -46,6 +46,8 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
   }
   void set_clock_error(double ppm, Nanoseconds now) noexcept override;
 
+  /// Becomes the device that a profile's [identity] is of. The high word of 1000h stays. Set-up.
+  void identify_as(std::span<const ProfileObject> identity) noexcept;
   /// As if these had been written and stored (1010h) before: in effect from each power-up and reset on. What
   /// reads, and 1017h, is left out: no two simulated nodes send their heartbeats in step. Allocates.
   void store(std::vector<SdoStep> steps);

@@ -86,7 +86,20 @@ TEST(Canopen, EmergencyIsNotSync) {
   EXPECT_EQ(emergency.error_code, emcy_rpdo_timeout);
   EXPECT_EQ(emergency.error_register, 0x11);
   EXPECT_EQ(emergency.vendor, (std::array<std::uint8_t, 5>{1, 2, 3, 4, 5}));
-  EXPECT_EQ(parse_emergency(resized(frame, 7), emergency), ParseResult::too_short);
+  EXPECT_EQ(parse_emergency(resized(frame, 9), emergency), ParseResult::too_long);
+}
+
+TEST(Canopen, EmergencyOfFewerBytesIsOne) {
+  const CanFrame whole =
+      make_emergency({.node = 9, .error_code = 0x8250, .error_register = 0x11, .vendor = {1, 2, 3, 4, 5}});
+  for (std::uint8_t size = 0; size < 8; ++size) {
+    Emergency emergency{.vendor = {9, 9, 9, 9, 9}};
+    ASSERT_EQ(parse_emergency(resized(whole, size), emergency), ParseResult::ok) << int{size};
+    EXPECT_EQ(emergency.node, 9);
+    EXPECT_EQ(emergency.error_code, size < 2 ? 0x1000 : 0x8250);
+    EXPECT_EQ(emergency.error_register, size < 3 ? 0 : 0x11);
+    EXPECT_EQ(emergency.vendor[4], 0);
+  }
 }
 
 TEST(Cia406, PositionRoundTripAndRejects) {

@@ -199,6 +199,93 @@ TEST(Sdo, AnswerOfAnotherTransferIsLeftAlone) {
   EXPECT_EQ(canopen::decode_number(d.client.data(), true), 7);
 }
 
+// CiA 301 7.2.4.3.6: s = 0, the size is not indicated.
+TEST(Sdo, TheBytesOfTheKnownTypeCountWhereTheSizeIsNotIndicated) {
+  for (const unsigned first : {0x42u, 0x4Eu, 0x46u})
+    for (std::size_t type_size : {1u, 2u, 4u}) {
+      Dialogue d;
+      ASSERT_TRUE(d.client.read({0x6041, 0}));
+      d.request();
+      EXPECT_TRUE(d.answer({first, 0x41, 0x60, 0x00, 0x37, 0x02, 0xAA, 0x55}));
+      ASSERT_EQ(d.client.state(), TransferState::done);
+      EXPECT_EQ(hex(d.client.data()), "37 02 AA 55");
+      EXPECT_EQ(d.client.data(type_size).size(), type_size);
+    }
+  Dialogue d;
+  ASSERT_TRUE(d.client.read({0x6041, 0}));
+  d.request();
+  d.answer({0x4B, 0x41, 0x60, 0x00, 0x37, 0x02, 0xAA, 0x55});
+  EXPECT_EQ(hex(d.client.data(1)), "37 02") << "the size is indicated: it has another type";
+}
+
+TEST(Sdo, SegmentsWithoutASizeAreTakenByTheKnownType) {
+  Dialogue d;
+  ASSERT_TRUE(d.client.read({0x1018, 1}));
+  d.request();
+  d.answer({0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0});
+  d.request();
+  EXPECT_TRUE(d.answer({0x01, 0xFB, 0, 0, 0, 0xEE, 0xEE, 0xEE}));
+  EXPECT_EQ(hex(d.client.data(4)), "FB 00 00 00");
+}
+
+CanFrame shortened(CanFrame frame, std::uint8_t size) {
+  frame.size = size;
+  return frame;
+}
+
+TEST(Sdo, AnswersOfFewerThanEightBytesAreRight) {
+  for (const std::uint8_t size : std::initializer_list<std::uint8_t>{6, 7, 8}) {
+    Dialogue d;
+    ASSERT_TRUE(d.client.read({0x6041, 0}));
+    d.request();
+    EXPECT_TRUE(d.client.on_frame(shortened(response({0x4B, 0x41, 0x60, 0x00, 0x37, 0x02}), size)));
+    EXPECT_EQ(hex(d.client.data(2)), "37 02");
+  }
+  for (const std::uint8_t size : std::initializer_list<std::uint8_t>{4, 5, 8}) {
+    Dialogue d;
+    ASSERT_TRUE(d.client.write({0x6060, 0}, std::array<std::uint8_t, 1>{10}));
+    d.request();
+    EXPECT_TRUE(d.client.on_frame(shortened(response({0x60, 0x60, 0x60, 0x00}), size)));
+    EXPECT_EQ(d.client.state(), TransferState::done);
+  }
+  Dialogue d;
+  ASSERT_TRUE(d.client.read({0x1008, 0}));
+  d.request();
+  d.answer({0x41, 0x08, 0x10, 0x00, 3, 0, 0, 0});
+  d.request();
+  EXPECT_TRUE(d.client.on_frame(shortened(response({0x09, 'a', 'b', 'c'}), 4)));
+  EXPECT_EQ(d.client.data().size(), 3u);
+}
+
+TEST(Sdo, AnAnswerThatLacksBytesOfItsIndicatedSizeIsNone) {
+  Dialogue d;
+  ASSERT_TRUE(d.client.read({0x6064, 0}));
+  d.request();
+  EXPECT_TRUE(d.client.on_frame(shortened(response({0x43, 0x64, 0x60, 0x00, 1, 2}), 6)));
+  EXPECT_EQ(d.client.state(), TransferState::bad_answer);
+  EXPECT_EQ(d.client.abort_code(), AbortCode::wrong_length);
+}
+
+TEST(Sdo, AnAbortWithIndexZeroIsOfTheTransferUnderWay) {
+  Dialogue d;
+  ASSERT_TRUE(d.client.read({0x60C2, 1}));
+  d.request();
+  EXPECT_TRUE(d.answer({0x80, 0, 0, 0, 0x00, 0x00, 0x02, 0x06}));
+  EXPECT_EQ(d.client.state(), TransferState::aborted);
+  EXPECT_EQ(d.client.abort_code(), AbortCode::no_object);
+  // A second answer to a request that was repeated belongs to no other transfer.
+  ASSERT_TRUE(d.client.read({0x60C2, 1}));
+  d.request(0);
+  d.request(40 * ms);
+  d.answer({0x80, 0, 0, 0, 0x00, 0x00, 0x02, 0x06});
+  ASSERT_TRUE(d.client.read({0x6061, 0}));
+  d.request(41 * ms);
+  EXPECT_FALSE(d.answer({0x80, 0, 0, 0, 0x00, 0x00, 0x02, 0x06}));
+  EXPECT_TRUE(d.client.busy());
+  d.answer({0x4F, 0x61, 0x60, 0x00, 7});
+  EXPECT_EQ(d.client.state(), TransferState::done);
+}
+
 TEST(Sdo, OneTransferAtATime) {
   Dialogue d;
   ASSERT_TRUE(d.client.read({0x6061, 0}));
@@ -312,6 +399,7 @@ TEST(Sdo, SurvivesAnyAnswer) {
       frame.data[1] = 0x08;
       frame.data[2] = 0x10;
       frame.data[3] = 0;
+      frame.size = next() % 4 == 0 ? static_cast<std::uint8_t>((next() >> 16) % 9) : std::uint8_t{8};
       d.client.on_frame(frame);
       ASSERT_LE(d.client.data().size(), Client::capacity);
     }

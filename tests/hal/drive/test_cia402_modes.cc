@@ -108,10 +108,10 @@ class Cia402LinkTest : public testing::Test {
     EXPECT_EQ(message.result, ParseResult::ok);
     return telemetry.state;
   }
-  std::uint16_t controlword(DriveGoal goal) {
+  std::uint16_t controlword(DriveGoal goal, Nanoseconds now = 0) {
     Command command;
-    const DriveFrame out = link.command({.goal = goal}, 0);
-    link.sent(out, 0);
+    const DriveFrame out = link.command({.goal = goal}, now);
+    link.sent(out, now);
     EXPECT_EQ(parse_command(*out.frame, 7, command), ParseResult::ok);
     return command.controlword;
   }
@@ -137,8 +137,12 @@ TEST_F(Cia402LinkTest, ADriveInAnotherModeIsNotEnabled) {
 TEST_F(Cia402LinkTest, ControlwordsOfTheGoals) {
   EXPECT_EQ(state(encode_state(DriveState::fault)), MotorState::fault);
   EXPECT_EQ(controlword(DriveGoal::hold), disable_voltage);
-  EXPECT_EQ(controlword(DriveGoal::enable), fault_reset_bit);
-  EXPECT_EQ(controlword(DriveGoal::enable), disable_voltage);
+  for (const Nanoseconds t : {0, 1, 20, 49})
+    EXPECT_EQ(controlword(DriveGoal::enable, t * ms), fault_reset_bit);
+  for (const Nanoseconds t : {50, 51, 99}) EXPECT_EQ(controlword(DriveGoal::enable, t * ms), disable_voltage);
+  EXPECT_EQ(controlword(DriveGoal::enable, 100 * ms), fault_reset_bit);
+  EXPECT_EQ(state(encode_state(DriveState::switch_on_disabled)), MotorState::off);
+  EXPECT_EQ(controlword(DriveGoal::enable, 101 * ms), shutdown);
   EXPECT_EQ(controlword(DriveGoal::quick_stop), quick_stop);
   EXPECT_EQ(controlword(DriveGoal::off), disable_voltage);
 }

@@ -29,6 +29,24 @@ TEST(FaultInjector, LateCopiesOfAnAnswerAreNoNewSamples) {
   EXPECT_FALSE(device.cycles_to_fault(500)) << device.rig.fault_text();
 }
 
+TEST(FaultInjector, NodesThatCorruptFramesHaveMadeBusOffComeBackWhenItEnds) {
+  for (const char* const where : {"bus=can0 node=1", "bus=can1 node=2", "bus=can0", "bus=can1", ""})
+    for (const char* const share : {"0.5", "0.8", "1"}) {
+      test::FaultyRig device;
+      ASSERT_TRUE(device.boot());
+      device.play(std::string("corrupt ") + where + " value=" + share + " duration=0.3");
+      EXPECT_TRUE(device.cycles_to_fault(500)) << where << ' ' << share;
+      device.cycles(400);
+      EXPECT_TRUE(device.link.rig().faults().active().empty());
+      for (const std::size_t bus : {0u, 1u})
+        for (const std::uint8_t id : std::initializer_list<std::uint8_t>{1, 2})
+          EXPECT_NE(device.link.rig().node_port(bus, id)->state(), BusState::bus_off)
+              << where << ' ' << share;
+      device.rig.clear_faults(device.t_sync_ns);
+      EXPECT_TRUE(device.boot()) << where << ' ' << share << ": " << device.rig.fault_text();
+    }
+}
+
 TEST(FaultInjector, StuckSensorShowsWhereItWas) {
   test::FaultyRig device;
   ASSERT_TRUE(device.boot());

@@ -288,13 +288,14 @@ TEST(CommissioningErrors, NodeThatFallsSilentMidway) {
                                 HasSubstr("generic-402.toml:"))));
 }
 
-TEST(CommissioningErrors, NodeThatRebootsMidway) {
+TEST(CommissioningErrors, NodeThatRebootsAgainAndAgain) {
   Failing failing;
   Commissioning commissioning(failing.params, failing.profiles, failing.sim.hosts);
-  run(commissioning, failing.sim, 20 * ms);
-  failing.sim.drives[0]->power_cycle(failing.sim.now);
-  run(commissioning, failing.sim);
-  EXPECT_THAT(commissioning.errors(), ElementsAre(HasSubstr("booted a second time")));
+  for (int k = 0; k < 400 && !commissioning.done(); ++k) {
+    run(commissioning, failing.sim, 20 * ms);
+    failing.sim.drives[0]->power_cycle(failing.sim.now);
+  }
+  EXPECT_THAT(commissioning.errors(), ElementsAre(HasSubstr("booted again and again while it was set up")));
 }
 
 TEST(CommissioningErrors, BusThatSendsNothing) {

@@ -1,4 +1,6 @@
-#include "platform/cli/bus/canopen_texts.h"
+#include "hal/drive/cia402_text.h"
+
+#include "hal/base/format.h"
 
 namespace godobject {
 
@@ -61,6 +63,11 @@ const char* emergency_text(unsigned code) {
     case 0xF: return "additional functions or the device's own";
     default: return "not in CiA 301 or 402";
   }
+}
+
+std::string error_code_text(std::int64_t error_code) {
+  return format("603Fh = %04Xh, %s", static_cast<unsigned>(error_code),
+                emergency_text(static_cast<unsigned>(error_code)));
 }
 
 const char* name_of(cia402::OperationMode mode) {
