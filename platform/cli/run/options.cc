@@ -281,6 +281,10 @@ PreparedRun prepare(const RunOptions& options) {
               .rearm = options.rearm,
               .quiet = options.quiet};
   check_passivity(options, scene, *motion, run);
+  const bool follows_motion = !led_by_hand && run.buses.choice != BusChoice::real;
+  const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;
+  if (follows_motion && !motion_targets(scene).empty())
+    check_speed(scene, *motion, duration, speed_of, run.warnings);
   Session::Made made = make_session(options, scene, *std::move(motion), run);
   const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
                               validate(*scene_of_file.device->rig).empty();

@@ -8,6 +8,7 @@
 #include "core/contact/contact.h"
 #include "platform/scene/contact/pairs.h"
 #include "platform/scene/mesh/obstacle_file.h"
+#include "platform/scene/plausible.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/visit.h"
 
@@ -106,6 +107,8 @@ void visit_obstacle_file(V& v, ObstacleConfig& o) {
   if (path.empty()) return;
   const std::string why_not = load_file(path, o);
   v.check(why_not.empty(), "file", why_not);
+  const std::string doubt = doubt_of_size(o.mesh, "obstacle '" + o.name + "'");
+  v.advise(doubt.empty(), "", doubt);
 }
 
 template <class V>

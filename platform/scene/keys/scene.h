@@ -15,6 +15,7 @@
 #include "platform/scene/keys/hold.h"
 #include "platform/scene/keys/joint.h"
 #include "platform/scene/keys/net.h"
+#include "platform/scene/plausible.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/visit.h"
 
@@ -133,6 +134,9 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
                    visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
                  });
   visit_spheres_and_shapes(v, b);
+  const auto doubt = [&](std::string_view key, const std::string& text) { v.advise(text.empty(), key, text); };
+  doubt("inertia", doubt_of_gyration(b));
+  doubt("mass", doubt_of_density(b));
 }
 
 template <class V>
