@@ -23,8 +23,8 @@ inline constexpr std::array<std::string_view, limit_names.size()> limit_remedies
     "[device.limits] torque_rate",
     "",
     "look for what takes the samples away: bus load, cables, a tracker's view",
-    "implicit Euler stages in place of TR-BDF2: bodies turn too fast for the step (godobject check says how "
-    "fast they may), or contacts and stops come and go; a shorter step helps",
+    "TR-BDF2 falls back to implicit Euler where a body turns faster than godobject check allows, contacts or "
+    "stops change, or a net needs more than net_iterations; shorten the step",
     "lower the feedback's gains or [device.limits], or raise torque_max_Nm as far as the motor bears it",
     "lower the feedback's damping and stiffness (godobject check prints the margins), or raise "
     "torque_rate_Nm_per_s",

@@ -138,7 +138,8 @@ std::optional<double> Motion::end() const noexcept {
 }
 
 MotionSpeed fastest(const Motion& motion, double duration, double step) {
-  constexpr double golden = 0.6180339887498949;  // multiples of it, modulo 1, are evenly spread for any number of them
+  constexpr double golden =
+      0.6180339887498949;  // multiples of it, modulo 1, are evenly spread for any number of them
   const int num_samples = static_cast<int>(std::clamp(2 * duration / step, 2e3, 2e5));
   MotionSpeed found;
   for (std::size_t body = 0; body < motion.num_bodies(); ++body)

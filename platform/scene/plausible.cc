@@ -48,7 +48,9 @@ double reach_of(const BodyConfig& body) {
 }
 
 /// r_g^2 = I_max / m
-double gyration_of(const BodyConfig& body) { return std::sqrt(principal_moments(body).maxCoeff() / body.mass); }
+double gyration_of(const BodyConfig& body) {
+  return std::sqrt(principal_moments(body).maxCoeff() / body.mass);
+}
 
 bool gyrates_near(const BodyConfig& body, double R) {
   const double r_g = gyration_of(body);
@@ -93,9 +95,9 @@ std::string doubt_of_gyration(const BodyConfig& body) {
 std::string doubt_of_density(const BodyConfig& body) {
   const double V = volume_of(body), density = body.mass / V;
   if (V == 0 || (density >= min_density && density <= max_density)) return "";
-  return "gives body '" + body.name + "' a density of " + rounded(density) + " kg/m^3, " + rounded(body.mass) +
-         " kg in " + rounded(V) + " m^3; " + expected(min_density, max_density, "kg/m^3") +
-         ": give mass in kg, lengths in m, inertia in kg m^2";
+  return "gives body '" + body.name + "' a density of " + rounded(density) + " kg/m^3, " +
+         rounded(body.mass) + " kg in " + rounded(V) + " m^3; " +
+         expected(min_density, max_density, "kg/m^3") + ": give mass in kg, lengths in m, inertia in kg m^2";
 }
 
 std::string doubt_of_density(double surface_density, double thickness) {
@@ -103,7 +105,8 @@ std::string doubt_of_density(double surface_density, double thickness) {
     return "is " + rounded(surface_density) + " kg/m^2 of surface density; expected are at most " +
            shortest_plain(max_surface_density) + " kg/m^2: give mass in kg, lengths in m";
   const double density = surface_density / thickness;
-  if (!(thickness > 0 && surface_density > 0) || (density >= min_density && density <= max_density)) return "";
+  if (!(thickness > 0 && surface_density > 0) || (density >= min_density && density <= max_density))
+    return "";
   return "is a density of " + rounded(density) + " kg/m^3, " + rounded(surface_density) +
          " kg/m^2 over a thickness of " + rounded(thickness) + " m; " +
          expected(min_density, max_density, "kg/m^3") + ": give mass in kg, lengths in m";

@@ -10,11 +10,11 @@ namespace godobject {
 
 /// Radius of gyration against the reach of spheres and shapes. All mass within the reach R has r_g <= R, a homogeneous
 /// sphere 0.63 R; parts that touch nothing may reach farther than what touches.
-inline constexpr double min_gyration = 0.1, max_gyration = 5;        // of R
-inline constexpr double min_density = 1, max_density = 30'000;       // kg/m^3
-inline constexpr double max_surface_density = 100;                   // kg/m^2
-inline constexpr double min_mesh_size = 1e-4, max_mesh_size = 10;    // m, the longest side of its bounding box
-inline constexpr double max_hand_speed = 5;                          // m/s
+inline constexpr double min_gyration = 0.1, max_gyration = 5;      // of R
+inline constexpr double min_density = 1, max_density = 30'000;     // kg/m^3
+inline constexpr double max_surface_density = 100;                 // kg/m^2
+inline constexpr double min_mesh_size = 1e-4, max_mesh_size = 10;  // m, the longest side of its bounding box
+inline constexpr double max_hand_speed = 5;                        // m/s
 
 std::string doubt_of_gyration(const BodyConfig& body);
 /// The volume is the largest of three: shapes, the bounding box of spheres, the homogeneous ellipsoid with the body's

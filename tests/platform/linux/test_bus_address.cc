@@ -40,7 +40,7 @@ TEST(BusAddress, WhatIsWrongIsSaid) {
   for (const auto& [text, expected] : {std::pair{"socketcam:can0", "did you mean 'socketcan'?"},
                                        {"scan:/dev/ttyACM0", "did you mean 'slcan'?"},
                                        {"", "socketcan:, slcan:, pty:, board:, replay:"},
-                                       {"kvaser:0", "no kind of bus is called 'kvaser'"},
+                                       {"kvaser:0", "unknown bus kind 'kvaser'; expected socketcan:, slcan:, pty:, board:, replay:"},
                                        {"can0", "say what it is: socketcan:can0"},
                                        {"/dev/ttyACM0", "slcan:/dev/ttyACM0"},
                                        {"socketcan", "followed by INTERFACE"},
