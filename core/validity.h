@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 
 namespace godobject {
 
@@ -32,7 +31,7 @@ enum class Invalid : std::uint8_t {
 };
 
 /// The rule as a sentence.
-constexpr std::string_view text_of(Invalid rule) noexcept {
+constexpr const char* text_of(Invalid rule) noexcept {
   switch (rule) {
     case Invalid::nothing: return "all parameters are valid";
     case Invalid::step_not_positive: return "the step h must be finite and above 0 s";
@@ -82,20 +81,18 @@ struct Validity {
   constexpr std::array<char, 160> text() const noexcept {
     std::array<char, 160> text{};
     std::size_t end = 0;
-    const auto add = [&](std::string_view part) {
-      for (const char c : part)
-        if (end + 1 < text.size()) text[end++] = c;
+    const auto add = [&](const char* part) {
+      for (; *part != 0 && end + 1 < text.size(); ++part) text[end++] = *part;
     };
     if (index != none) {
       add(rule == Invalid::contact_sphere    ? "sphere "
           : rule == Invalid::contact_surface ? "surface "
                                              : "body ");
-      std::array<char, 20> digits{};
-      std::size_t first = digits.size();
-      std::size_t left = index;
-      do digits[--first] = static_cast<char>('0' + left % 10);
-      while ((left /= 10) > 0);
-      add({digits.data() + first, digits.size() - first});
+      std::array<char, 21> digits{};
+      std::size_t first = digits.size() - 1, rest = index;
+      do digits[--first] = static_cast<char>('0' + rest % 10);
+      while ((rest /= 10) > 0);
+      add(&digits[first]);
       add(": ");
     }
     add(text_of(rule));

@@ -41,7 +41,6 @@ TEST_F(CliErrors, OptionsAreNamedWithWhatIsAdmissible) {
       {"run " + rigid + " --bus nosuch:1", "unknown bus kind 'nosuch'; expected socketcan:, slcan:, "},
       {"chek " + rigid, "did you mean 'check' in place of 'chek'?"},
       {"simulte " + rigid, "did you mean 'simulate' in place of 'simulte'?"},
-      {"drive rset", "did you mean 'reset' in place of 'rset'?"},
       {"run " + rigid + " --durtion=1", "did you mean '--duration' in place of '--durtion'?"},
       {"check --ful " + rigid, "did you mean '--full' in place of '--ful'?"},
       {"run " + rigid + " --bus can0=socketcan:a",
@@ -184,7 +183,8 @@ TEST_F(CliErrors, AMotionOutOfTheDevicesReachIsAFault) {
 
 TEST_F(CliErrors, AProfileThatIsNotThereIsToldWithItsLine) {
   std::string text = rigid_with("profile = \"generic-402\"", "profile = \"nosuch\"");
-  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("nosuch")), '\n');
+  const auto line =
+      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("nosuch")), '\n');
   const std::string file = write("p.toml", text);
   const ProgramResult result = run_program("check " + file);
   EXPECT_EQ(result.exit_code, 2);
@@ -195,13 +195,16 @@ TEST_F(CliErrors, AProfileThatIsNotThereIsToldWithItsLine) {
 TEST_F(CliErrors, AStopNeedsACoordinate) {
   for (const std::string kind : {"fixed", "ball"})
     for (const std::string coordinate : {"", "coordinate = \"q\"\n"}) {
-      const std::string file = write(
-          "s.toml", "[scene]\nname = \"s\"\n[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [1e-3, 1e-3, 1e-3]\n"
-                    "[[joint]]\nname = \"j\"\nkind = \"" + kind + "\"\nchild = \"b\"\n[[joint.stop]]\n" + coordinate +
+      const std::string file =
+          write("s.toml",
+                "[scene]\nname = \"s\"\n[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [1e-3, 1e-3, 1e-3]\n"
+                "[[joint]]\nname = \"j\"\nkind = \"" +
+                    kind + "\"\nchild = \"b\"\n[[joint.stop]]\n" + coordinate +
                     "lower = -1.0\nupper = 1.0\nstiffness = 1.0\nwidth = 0.1\n");
       const ProgramResult result = run_program("check " + file);
       EXPECT_EQ(result.exit_code, 2);
-      EXPECT_THAT(result.output, HasSubstr(file + ":11:1: joint 'j' has no coordinate that a stop could bound"));
+      EXPECT_THAT(result.output,
+                  HasSubstr(file + ":11:1: joint 'j' has no coordinate that a stop could bound"));
       EXPECT_THAT(result.output, testing::Not(HasSubstr("coordinate' is")));
     }
 }

@@ -18,7 +18,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// A homogeneous box of 1000 kg/m^3, or what is left of it with other units.
-BodyConfig box_body(const Vec3& half, double mass_units = 1, double length_units = 1, double inertia_units = 1) {
+BodyConfig box_body(const Vec3& half, double mass_units = 1, double length_units = 1,
+                    double inertia_units = 1) {
   BodyConfig body;
   body.name = "tool";
   body.mass = mass_units * 8 * half.prod() * 1000;
@@ -66,7 +67,8 @@ TEST(Plausible, ARodOfSpheresAndOneWithoutAny) {
   rod.inertia = Vec3(8.1667e-4, 8.1667e-4, 1e-6).asDiagonal();
   EXPECT_EQ(doubt_of_density(rod), "");
   EXPECT_EQ(doubt_of_gyration(rod), "");  // it has no extent
-  rod.spheres.push_back({.p_B = Vec3(0, 0, -0.17), .radius = 0.005, .count = 35, .spacing = Vec3(0, 0, 0.01)});
+  rod.spheres.push_back(
+      {.p_B = Vec3(0, 0, -0.17), .radius = 0.005, .count = 35, .spacing = Vec3(0, 0, 0.01)});
   EXPECT_EQ(doubt_of_density(rod), "");
   EXPECT_EQ(doubt_of_gyration(rod), "");
   rod.mass *= 1e3;  // g
@@ -85,7 +87,8 @@ TEST(Plausible, SurfacesAndMeshes) {
   MeshData mesh{.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.2, 0}}, .triangles = {{0, 1, 2}}};
   EXPECT_EQ(doubt_of_size(mesh, "obstacle 'liver'"), "");
   for (Vec3& p : mesh.vertices) p *= 1000;
-  EXPECT_THAT(doubt_of_size(mesh, "obstacle 'liver'"), AllOf(HasSubstr("obstacle 'liver' is 200 m"), HasSubstr("scale")));
+  EXPECT_THAT(doubt_of_size(mesh, "obstacle 'liver'"),
+              AllOf(HasSubstr("obstacle 'liver' is 200 m"), HasSubstr("scale")));
   for (Vec3& p : mesh.vertices) p *= 1e-7;
   EXPECT_THAT(doubt_of_size(mesh, "net 'bag'"), HasSubstr("net 'bag' is 2e-05 m"));
 }
@@ -96,15 +99,17 @@ TEST(Plausible, WarningsOfAFileHaveTheirPlace) {
       "[[body.sphere]]\nradius = 0.01\n";
   const LoadResult result = parse_scene(text, "a.toml");
   EXPECT_THAT(result.errors, IsEmpty());
-  EXPECT_THAT(result.warnings,
-              testing::ElementsAre(AllOf(HasSubstr("a.toml:5:8: 'mass'"), HasSubstr("kg/m^3")),
-                                   AllOf(HasSubstr("a.toml:6:11: 'inertia'"), HasSubstr("radius of gyration"))));
+  EXPECT_THAT(
+      result.warnings,
+      testing::ElementsAre(AllOf(HasSubstr("a.toml:5:8: 'mass'"), HasSubstr("kg/m^3")),
+                           AllOf(HasSubstr("a.toml:6:11: 'inertia'"), HasSubstr("radius of gyration"))));
   const std::string net =
       "[scene]\nname = \"s\"\n[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [1e-3, 1e-3, 1e-3]\n"
       "[[net]]\nname = \"sheet\"\nkind = \"sheet\"\nlength = 20.0\nwidth = 20.0\nspacing = 2.0\n"
       "surface_density = 500.0\nmembrane_stiffness = 1e4\nsettling_time = 0.5\nbody = \"b\"\n";
-  EXPECT_THAT(parse_scene(net, "n.toml").warnings,
-              testing::IsSupersetOf({HasSubstr("500 kg/m^2 of surface density"), HasSubstr("net 'sheet' is 20 m")}));
+  EXPECT_THAT(
+      parse_scene(net, "n.toml").warnings,
+      testing::IsSupersetOf({HasSubstr("500 kg/m^2 of surface density"), HasSubstr("net 'sheet' is 20 m")}));
 }
 
 }  // namespace
