@@ -73,7 +73,8 @@ double volume_of(const BodyConfig& body) {
     box.extend(Vec3(p_B - Vec3::Constant(radius)));
   });
   const double of_spheres = box.isEmpty() ? 0 : box.volume(), R = reach_of(body);
-  const double of_inertia = R == 0 || gyrates_near(body, R) ? volume_of_ellipsoid(body) : 0;
+  const bool is_shaped = of_shapes > 0 && gyration_of(body) <= R;  // no mass is beyond its shapes
+  const double of_inertia = !is_shaped && (R == 0 || gyrates_near(body, R)) ? volume_of_ellipsoid(body) : 0;
   return std::max({of_shapes, of_spheres, of_inertia});
 }
 

@@ -220,8 +220,13 @@ TEST(DeviceKeys, ButtonsHaveAnInputOfTheirOwn) {
 
 /// a turns, b and c slide.
 std::string mixed(const std::string& plant) {
-  return scene("[device.plant]\n" + plant + joint("a") + joint("b", "kind = \"slider\"\n") +
-               joint("c", "kind = \"slider\"\n"));
+  std::string text = scene("[device.plant]\n" + plant + joint("a") + joint("b", "kind = \"slider\"\n") +
+                           joint("c", "kind = \"slider\"\n"));
+  for (const std::string slide : {"b", "c"}) {
+    const std::string counts = "counts_per_turn = 4096\njoint = \"" + slide;
+    text.replace(text.find(counts), counts.size(), "counts_per_unit = 1e5\njoint = \"" + slide);
+  }
+  return text;
 }
 
 TEST(DeviceKeys, TurnsAndSlidesHaveMechanicsOfTheirOwn) {

@@ -109,7 +109,7 @@ TEST(Plausible, WarningsOfAFileHaveTheirPlace) {
       "surface_density = 500.0\nmembrane_stiffness = 1e4\nsettling_time = 0.5\nbody = \"b\"\n";
   EXPECT_THAT(
       parse_scene(net, "n.toml").warnings,
-      testing::IsSupersetOf({HasSubstr("500 kg/m^2 of surface density"), HasSubstr("net 'sheet' is 20 m")}));
+      testing::IsSupersetOf({HasSubstr("500 kg/m^2 of surface density"), HasSubstr("net 'sheet' is 21 m")}));
 }
 
 }  // namespace
