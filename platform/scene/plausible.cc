@@ -64,7 +64,12 @@ double volume_of_ellipsoid(const BodyConfig& body) {
   return squares.minCoeff() <= 0 ? 0 : 4 * std::numbers::pi / 3 * std::sqrt(squares.prod());
 }
 
-double volume_of(const BodyConfig& body) {
+/// Bounds of the volume in which a body's mass may be, m^3; 0: unknown.
+struct Volumes {
+  double least = 0, most = 0;
+};
+
+Volumes volumes_of(const BodyConfig& body) {
   double of_shapes = 0;
   for (const ShapeConfig& shape : body.shapes) of_shapes += volume_of(shape);
   Box box;
@@ -72,10 +77,12 @@ double volume_of(const BodyConfig& body) {
     box.extend(Vec3(p_B + Vec3::Constant(radius)));
     box.extend(Vec3(p_B - Vec3::Constant(radius)));
   });
-  const double of_spheres = box.isEmpty() ? 0 : box.volume(), R = reach_of(body);
-  const bool is_shaped = of_shapes > 0 && gyration_of(body) <= R;  // no mass is beyond its shapes
-  const double of_inertia = !is_shaped && (R == 0 || gyrates_near(body, R)) ? volume_of_ellipsoid(body) : 0;
-  return std::max({of_shapes, of_spheres, of_inertia});
+  const double drawn = std::max(of_shapes, box.isEmpty() ? 0 : box.volume());
+  const double R = reach_of(body), r_g = gyration_of(body);
+  const bool is_shaped = of_shapes > 0 && r_g <= R;  // no mass is beyond its shapes
+  if (is_shaped || (R > 0 && !gyrates_near(body, R))) return {drawn, drawn};
+  return {.least = std::max(drawn, volume_of_ellipsoid(body)),
+          .most = std::max(drawn, 4 * std::numbers::pi / 3 * r_g * r_g * r_g)};
 }
 
 std::string expected(double least, double most, const char* unit) {
@@ -94,10 +101,13 @@ std::string doubt_of_gyration(const BodyConfig& body) {
 }
 
 std::string doubt_of_density(const BodyConfig& body) {
-  const double V = volume_of(body), density = body.mass / V;
-  if (V == 0 || (density >= min_density && density <= max_density)) return "";
-  return "gives body '" + body.name + "' a density of " + rounded(density) + " kg/m^3, " +
-         rounded(body.mass) + " kg in " + rounded(V) + " m^3; " +
+  const Volumes V = volumes_of(body);
+  const bool light = V.least > 0 && body.mass < min_density * V.least;
+  const bool heavy = V.most > 0 && body.mass > max_density * V.most;
+  if (!light && !heavy) return "";
+  const double volume = light ? V.least : V.most;
+  return "gives body '" + body.name + "' a density of " + rounded(body.mass / volume) + " kg/m^3, " +
+         rounded(body.mass) + " kg in " + rounded(volume) + " m^3; " +
          expected(min_density, max_density, "kg/m^3") + ": give mass in kg, lengths in m, inertia in kg m^2";
 }
 

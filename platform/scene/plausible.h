@@ -18,7 +18,8 @@ inline constexpr double max_hand_speed = 5;                        // m/s
 
 std::string doubt_of_gyration(const BodyConfig& body);
 /// The volume is the larger one of shapes and of the bounding box of spheres. Where there are no shapes, or mass is beyond
-/// them, the homogeneous ellipsoid with the body's mass and inertia counts as well.
+/// them, it may be as small as the homogeneous ellipsoid with the body's mass and inertia and as large as a ball of its
+/// radius of gyration.
 std::string doubt_of_density(const BodyConfig& body);
 /// thickness: of the net, m; 0: not compared.
 std::string doubt_of_density(double surface_density, double thickness);
