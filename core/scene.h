@@ -100,24 +100,95 @@ template <class P> concept Part = requires {
 
 // One named rule per line: the compiler prints the name of the rule a scene breaks.
 template <class S> concept HasBodies = (S::max_bodies > 0);
-template <class S> concept HasIntegrator = requires { typename S::Integrator::Memory; };
+template <class S> concept HasIntegrator = requires {
+  typename S::Integrator::Memory;
+  S::Integrator::order;
+};
 template <class S> concept DeviceIsAPart = Part<typename S::Device>;
 template <class S> concept JointsAreAPart = Part<typename S::Joints>;
 template <class S> concept CouplingIsAPart = Part<typename S::Coupling>;
 template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
+template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
+
+// A part of one slot does not fit into another: that is refused here, not deep within the step.
+template <class S> concept DeviceGivesPulls = !uses<typename S::Device> || requires {
+  &S::Device::pull;
+  typename S::Device::Input;
+};
+template <class S> concept JointsAreTreeJoints = !uses<typename S::Joints> || requires {
+  typename S::Joints::Stops;
+  typename S::Joints::Imposed;
+};
+template <class S>
+concept CouplingIsASpring = !uses<typename S::Coupling> || requires(typename S::Coupling::Params par) {
+  par.k + par.g + par.k_r + par.g_r;
+};
+template <class S>
+concept FeedbackIsLimited = !uses<typename S::Feedback> || requires(typename S::Feedback::Params par) {
+  par.gains.k + par.max_force;
+  typename S::Feedback::Output;
+};
+template <class S> concept ContactsAreFixedOrBodyContacts = !uses<ContactsOf<S>> || requires {
+  ContactsOf<S>::max_contacts;
+  ContactsOf<S>::between_bodies;
+};
+template <class S>
+concept NodesAreANodeList = !uses<NodesOf<S>> || requires(typename NodesOf<S>::Params par) {
+  NodesOf<S>::max;
+  par.list;
+};
+template <class S>
+concept TermsAreATermList = !uses<TermsOf<S>> || requires(typename TermsOf<S>::Params par) {
+  TermsOf<S>::max_terms;
+  par.of_kinds;
+};
+template <class S> concept NetIsAMassSpringNet = !uses<NetOf<S>> || requires {
+  NetOf<S>::max_nodes;
+  NetOf<S>::max_springs;
+};
+
+// Likely misspellings of parts that may be left out are refused, but as names of S itself and of its bases.
+#define GODOBJECT_NO_MEMBER(name) (!requires { requires !std::is_base_of_v<typename S::name, S>; })
+template <class S>
+concept ContactsAreNotMisspelt = GODOBJECT_NO_MEMBER(Contact) && GODOBJECT_NO_MEMBER(contacts) &&
+    GODOBJECT_NO_MEMBER(contact) && GODOBJECT_NO_MEMBER(Contacs) && GODOBJECT_NO_MEMBER(Contats) &&
+    GODOBJECT_NO_MEMBER(Contcts) && GODOBJECT_NO_MEMBER(Conacts) && GODOBJECT_NO_MEMBER(Cotacts) &&
+    GODOBJECT_NO_MEMBER(Cntacts) && GODOBJECT_NO_MEMBER(Contatcs) && GODOBJECT_NO_MEMBER(Contcats) &&
+    GODOBJECT_NO_MEMBER(Conatcts) && GODOBJECT_NO_MEMBER(Contacst) && GODOBJECT_NO_MEMBER(Contakts) &&
+    GODOBJECT_NO_MEMBER(Conntacts) && GODOBJECT_NO_MEMBER(Contactss) && GODOBJECT_NO_MEMBER(Collisions) &&
+    GODOBJECT_NO_MEMBER(ContactList);
+template <class S>
+concept NodesAreNotMisspelt = GODOBJECT_NO_MEMBER(Node) && GODOBJECT_NO_MEMBER(nodes) &&
+    GODOBJECT_NO_MEMBER(node) && GODOBJECT_NO_MEMBER(Nods) && GODOBJECT_NO_MEMBER(Noes) &&
+    GODOBJECT_NO_MEMBER(Noeds) && GODOBJECT_NO_MEMBER(Ndoes) && GODOBJECT_NO_MEMBER(Nodess) &&
+    GODOBJECT_NO_MEMBER(Particles);
+template <class S>
+concept TermsAreNotMisspelt = GODOBJECT_NO_MEMBER(Term) && GODOBJECT_NO_MEMBER(terms) &&
+    GODOBJECT_NO_MEMBER(term) && GODOBJECT_NO_MEMBER(Tems) && GODOBJECT_NO_MEMBER(Trems) &&
+    GODOBJECT_NO_MEMBER(Tersm) && GODOBJECT_NO_MEMBER(Termss) && GODOBJECT_NO_MEMBER(Springs);
+template <class S>
+concept NetIsNotMisspelt = GODOBJECT_NO_MEMBER(Nets) && GODOBJECT_NO_MEMBER(net) &&
+    GODOBJECT_NO_MEMBER(nets) && GODOBJECT_NO_MEMBER(Nett) && GODOBJECT_NO_MEMBER(Mesh);
+#undef GODOBJECT_NO_MEMBER
 template <class S>
 concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
-template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
 template <class S>
 concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
 template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<S>::between_bodies;
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
-concept Scene =
-    HasBodies<S> && HasIntegrator<S> && DeviceIsAPart<S> && JointsAreAPart<S> && CouplingIsAPart<S> &&
-    FeedbackIsAPart<S> && ImposedJointsNeedDevice<S> && ContactsAreAPart<S> && NodesAndTermsNeedContacts<S> &&
-    NetNeedsBodyContacts<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+concept PartsAreParts = DeviceIsAPart<S> && DeviceGivesPulls<S> && JointsAreAPart<S> &&
+    JointsAreTreeJoints<S> && CouplingIsAPart<S> && CouplingIsASpring<S> && FeedbackIsAPart<S> &&
+    FeedbackIsLimited<S> && ContactsAreAPart<S> && ContactsAreFixedOrBodyContacts<S> &&
+    NodesAreANodeList<S> && TermsAreATermList<S> && NetIsAMassSpringNet<S>;
+template <class S>
+concept NamesAreKnown =
+    ContactsAreNotMisspelt<S> && NodesAreNotMisspelt<S> && TermsAreNotMisspelt<S> && NetIsNotMisspelt<S>;
+template <class S>
+concept Scene = HasBodies<S> && HasIntegrator<S> && NamesAreKnown<S> && PartsAreParts<S> &&
+    ImposedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && NetNeedsBodyContacts<S> &&
+    CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.
 template <class S>

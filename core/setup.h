@@ -8,31 +8,9 @@
 #include "core/device/feedback.h"
 #include "core/joint/tree.h"
 #include "core/net/setup.h"
+#include "core/validity.h"
 
 namespace godobject {
-
-/// The first rule a parameter set breaks.
-enum class Invalid : std::uint8_t {
-  nothing,
-  step_not_positive,
-  gravity,          // not finite
-  too_many_bodies,  // more than the scene's max_bodies, or none
-  mass_not_positive,
-  inertia_not_positive,  // not symmetric, or an eigenvalue not above zero
-  anisotropy_too_small,  // below sqrt(I_max / I_min): make the parameters with rigid_body()
-  gain_negative,         // a stiffness, damping, limit or ramp below zero or not finite
-  parent_not_before,     // a joint's parent is not a body before its child
-  joint_frame,           // a joint's frame is not finite or not a rotation
-  stop,                  // a stop with its ends crossed, negative gains or no width
-  contact_sphere,        // a sphere without radius, of no body or material, or not in the order of the bodies
-  contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
-  contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
-  node,             // more nodes than there is room for, or one without mass
-  net,  // more nodes or springs than there is room for, a node without mass or of no body, carriers or springs not in order
-  net_attachment,  // more than there is room for, of no node or body, to the node's own carrier, not in order, or negative
-  term,  // between bodies or nodes that are not there, or with a number that is negative or not finite
-  not_imposable,  // an imposed joint of a kind without coordinates of its own: free, fixed or ball
-};
 
 /// Principal moments of inertia, ascending.
 inline Vec3 principal_moments(const Mat3& I_B) noexcept {
@@ -114,8 +92,8 @@ inline bool is_valid(const ContactLaw& law) noexcept {
 /// Contacts of bodies numbered below num_bodies. on_bodies: surfaces may be, too.
 /// is_there(i): i is the number of a body or node.
 template <std::size_t max_spheres, std::size_t max_surfaces, class IsThere>
-Invalid validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, std::size_t num_bodies,
-                          bool on_bodies, IsThere is_there) noexcept {
+Validity validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, std::size_t num_bodies,
+                           bool on_bodies, IsThere is_there) noexcept {
   if (par.num_spheres > max_spheres) return Invalid::contact_sphere;
   if (par.num_surfaces > max_surfaces) return Invalid::contact_surface;
   std::size_t body = 0;
@@ -123,7 +101,7 @@ Invalid validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, s
     const BodySphere& sphere = par.spheres[s];
     const bool placed = is_dimension(sphere.radius) && sphere.p_B.sum() - sphere.p_B.sum() == 0;
     if (!placed || !is_there(sphere.body) || sphere.body < body || sphere.material >= max_materials)
-      return Invalid::contact_sphere;
+      return {Invalid::contact_sphere, s};
     body = sphere.body;
   }
   body = world;
@@ -133,7 +111,7 @@ Invalid validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, s
     const bool owned =
         surface.body == world || (on_bodies && surface.body < num_bodies && is_carried(surface.shape.kind));
     if (!is_valid(surface.shape) || !in_order || !owned || surface.material >= max_materials)
-      return Invalid::contact_surface;
+      return {Invalid::contact_surface, o};
     body = surface.body;
   }
   for (std::size_t a = 0; a < max_materials; ++a)
@@ -162,24 +140,26 @@ bool are_valid(const std::tuple<Terms...>& par, IsThere is_there) noexcept {
   return std::apply([&](const auto&... terms) noexcept { return (valid(terms) && ...); }, par);
 }
 
+/// The first rule that the parameters break, with the body, sphere or surface that breaks it.
 template <Scene S>
-Invalid validate(const Params<S>& par) noexcept {
+Validity validate(const Params<S>& par) noexcept {
   if (!(par.h > 0 && par.h - par.h == 0)) return Invalid::step_not_positive;
   if (const Real g = par.gravity_W.sum(); g - g != 0) return Invalid::gravity;
   if (par.num_bodies < 1 || par.num_bodies > S::max_bodies) return Invalid::too_many_bodies;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const BodyParams<S>& b = par.bodies[i];
     const Mat3& I = b.body.I_B;
-    if (!(b.body.m > 0 && b.body.m - b.body.m == 0)) return Invalid::mass_not_positive;
+    if (!(b.body.m > 0 && b.body.m - b.body.m == 0)) return {Invalid::mass_not_positive, i};
     if (!((I - I.transpose()).norm() <= symmetry_tolerance * I.norm() && principal_moments(I).x() > 0))
-      return Invalid::inertia_not_positive;
+      return {Invalid::inertia_not_positive, i};
     const Vec3 moments = principal_moments(I);
     if (!(b.body.anisotropy * b.body.anisotropy * moments.x() >= anisotropy_share * moments.z()))
-      return Invalid::anisotropy_too_small;
-    if (!is_valid(b.coupling) || !is_valid(b.feedback) || !is_valid(b.device)) return Invalid::gain_negative;
+      return {Invalid::anisotropy_too_small, i};
+    if (!is_valid(b.coupling) || !is_valid(b.feedback) || !is_valid(b.device))
+      return {Invalid::gain_negative, i};
     if constexpr (uses<typename S::Joints>) {
       const Invalid joint = validate_joint<typename S::Joints>(b.joint, i);
-      if (joint != Invalid::nothing) return joint;
+      if (joint != Invalid::nothing) return {joint, i};
     }
   }
   if constexpr (uses<ContactsOf<S>>) {
@@ -211,6 +191,7 @@ void place(State<S>& x, std::size_t i, const Start& start) noexcept {
   body.X_WB = {.p = start.X_WB.p, .q = start.X_WB.q.normalized()};
   body.v_W = start.V_WB.v;
   body.w_B = to_body(body.X_WB.q, start.V_WB.w);
+  if constexpr (uses<typename S::Device>) x.bodies[i].device.last = {.X_WD = body.X_WB, .V_WD = {}};
 }
 
 /// Starts the coordinates of all joints where the bodies are placed, in the turn between their stops.

@@ -92,7 +92,8 @@ Iterated iterate(int most_iterations, Real tolerance, const System& system, Vect
       rz.add(x.r[u], x.z[u]);
       AV_0_z.add(x.AV_0[u], x.z[u]);
     });
-    if (!System::is_coupled) converged = iterations > 0 && error_sq <= tolerance * tolerance;
+    // coupled: no residual at all, as of a net at rest
+    converged = System::is_coupled ? rz == 0 : iterations > 0 && error_sq <= tolerance * tolerance;
     if (converged || !(rz > 0)) break;  // otherwise the factor has lost its last digits: no direction is left
     const Real mu = norm_0 > 0 ? AV_0_z / norm_0 : 0, beta = rz / last;
     last = rz;

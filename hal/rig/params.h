@@ -58,8 +58,9 @@ struct EncoderParams {
   std::size_t bus = 0;       // index into the scene's buses
   std::uint8_t node_id = 1;  // 1..127
   Calibration calibration{};
-  double max_speed = 50;  // rad/s or m/s: a sample that implies more is not plausible
-  std::string profile{};  // how the node is set up; empty: not at all, it is as the rig expects it
+  double max_speed = 50;      // rad/s or m/s: a sample that implies more is not plausible
+  std::string profile{};      // how the node is set up; empty: not at all, it is as the rig expects it
+  unsigned profile_line = 0;  // of the scene file that names it; 0: no file
 };
 
 /// What a drive speaks.
@@ -107,6 +108,7 @@ struct DriveParams {
   double max_speed = 50;                   // of the joint: a position that implies more is not plausible
   std::optional<double> max_slip{};        // of the joint, against its encoder; 0: not compared; none: slip.h
   std::string profile{};                   // as EncoderParams::profile
+  unsigned profile_line = 0;               // as EncoderParams::profile_line
   Cia402Params cia402{};
 };
 

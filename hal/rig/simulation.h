@@ -5,16 +5,32 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace godobject {
 
-/// The simulated rig behind the bus: what the hand and the mechanics of the device do.
-struct PlantConfig {
-  double inertia = 1e-3;       // per joint, kg m^2 or kg at the joint
-  double damping = 1e-2;       // per joint, N m s/rad or N s/m
-  double friction = 1e-3;      // Coulomb, per joint, N m or N
-  double hand_stiffness = 20;  // per joint, N m/rad or N/m; the user's arm
-  double hand_damping = 0.5;   // per joint, N m s/rad or N s/m
+/// Mechanics of a joint of the device, and of the hand that moves it. The defaults are of a turn.
+struct JointPlant {
+  double inertia = 1e-3;       // at the joint, kg m^2 or kg
+  double damping = 1e-2;       // viscous, without the hand, N m s/rad or N s/m
+  double friction = 1e-3;      // Coulomb, N m or N
+  double hand_stiffness = 20;  // of the user's arm, N m/rad or N/m
+  double hand_damping = 0.5;   // of the user's arm, N m s/rad or N s/m
+};
+
+/// Mechanics of the simulated rig behind the bus: those of every joint that has none of its own.
+struct PlantConfig : JointPlant {
+  struct OfJoint {
+    std::string joint;  // name of a joint of the device
+    JointPlant plant;
+  };
+  std::vector<OfJoint> joints{};
+
+  const JointPlant& of(const std::string& joint) const noexcept {
+    for (const OfJoint& own : joints)
+      if (own.joint == joint) return own.plant;
+    return *this;
+  }
 };
 
 /// Faults the simulated wire makes by chance; all zero by default.

@@ -92,10 +92,9 @@ void add_order(const SceneConfig& scene, std::vector<std::string>& lines) {
   }
   if (fastest == nullptr) return;
   lines.push_back(
-      line("second order",
-           "below %.3g rad/s of '%s' and while no contact or stop comes or goes; other steps are limit "
-           "'first_order' of the report",
-           bound, fastest->name.c_str()));
+      line("integrator order",
+           "2; falls back to 1 (first_order) if '%s' exceeds %.3g rad/s or a contact or stop changes",
+           fastest->name.c_str(), bound));
 }
 
 void add_contacts(const SceneConfig& scene, const Composition& c, std::vector<std::string>& lines) {

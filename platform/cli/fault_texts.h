@@ -44,11 +44,8 @@ inline constexpr std::array<CoreFaultText, 6> core_fault_texts{{
       "fewer bodies in one heap, or a composition with room for more"}},
     {Fault::energy_gained,
      {"energy_gained",
-      "the scene gained more than 1 % of the energy at work in it within a second, and nobody gave it: what "
-      "it "
-      "showed from there on is not what it simulates; a single step of more than 100 times the energy was "
-      "not "
-      "taken",
+      "total energy rose by more than 1 % within 1 s without external work; the simulation is not valid from "
+      "then on. A single step that would have held 100 times the energy was not taken",
       "a shorter step; softer couplings, contacts or stops; less contrast of masses in an articulated tool"}},
 }};
 

@@ -12,6 +12,7 @@
 #include "platform/cli/option_text.h"
 #include "platform/rt/large_stack.h"
 #include "platform/rt/standard_descriptors.h"
+#include "platform/scene/text/nearest_name.h"
 
 namespace godobject {
 namespace {
@@ -26,6 +27,40 @@ bool standard_output_is_complete() {
     std::fprintf(stderr, "standard output could not be written: %s\n", why);
   }
   return complete;
+}
+
+/// The verb that was understood last, and its own verbs in turn.
+const CLI::App& innermost(const CLI::App& app) {
+  const std::vector<CLI::App*> given = app.get_subcommands();
+  return given.empty() ? app : innermost(*given.front());
+}
+
+/// Verbs and options that a word may have been meant for.
+std::vector<std::string> known_words(const CLI::App& verb, bool option) {
+  std::vector<std::string> known;
+  if (!option)
+    for (const CLI::App* other : verb.get_subcommands([](const CLI::App*) { return true; }))
+      known.push_back(other->get_name());
+  else
+    for (const CLI::Option* other : verb.get_options())
+      for (const std::string& name : other->get_lnames()) known.push_back("--" + name);
+  return known;
+}
+
+/// "did you mean 'check'?" for the first word that the program does not have; empty: nothing is near it.
+std::string hint_for(const CLI::App& app, int argc, char** argv) {
+  const CLI::App& verb = innermost(app);
+  const std::vector<std::string> unknown =
+      verb.remaining(true).empty() ? app.remaining(true) : verb.remaining(true);
+  for (int i = 1; i < argc; ++i) {
+    if (std::ranges::find(unknown, argv[i]) == unknown.end()) continue;
+    const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
+    const std::vector<std::string> known = known_words(verb, word.starts_with("-"));
+    const std::vector<std::string_view> names(known.begin(), known.end());
+    const std::optional<std::string_view> nearest = nearest_name(word, names);
+    return nearest ? "did you mean '" + std::string(*nearest) + "' in place of '" + word + "'?\n" : "";
+  }
+  return "";
 }
 
 /// Throws where something is defective or out of memory.
@@ -44,6 +79,10 @@ ExitCode run(int argc, char** argv, const Simulation& simulation) {
       std::fputs(app.help().c_str(), stderr);
       code = ExitCode::usage;
     }
+  } catch (const CLI::ExtrasError& error) {
+    app.exit(error);
+    std::fputs(hint_for(app, argc, argv).c_str(), stderr);
+    code = ExitCode::usage;
   } catch (const CLI::ParseError& error) {
     code = app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
   }

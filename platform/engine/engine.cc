@@ -92,28 +92,12 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   return "no compiled composition with " + what + " has room for " + too_many(candidates, needs, scene);
 }
 
-/// For rules that a scene file cannot break this is a bug of the reader.
-std::string complaint(Invalid rule) {
-  switch (rule) {
-    case Invalid::step_not_positive: return "the step must be above zero";
-    case Invalid::gravity: return "gravity is not finite";
-    case Invalid::too_many_bodies: return "the number of bodies is not within the composition's capacity";
-    case Invalid::mass_not_positive: return "a mass is not above zero";
-    case Invalid::inertia_not_positive: return "an inertia is not symmetric and positive definite";
-    case Invalid::anisotropy_too_small: return "an anisotropy is below that of its inertia";
-    case Invalid::gain_negative: return "a stiffness, damping, limit or ramp is negative or not finite";
-    case Invalid::parent_not_before: return "a joint's parent does not stand before its child";
-    case Invalid::joint_frame: return "the frame of a joint is not finite or not a rotation";
-    case Invalid::stop: return "a stop has crossed ends, negative gains or no width";
-    case Invalid::contact_sphere: return "a sphere has no radius or is not where its body is";
-    case Invalid::contact_surface: return "an obstacle or shape is not valid";
-    case Invalid::contact_law:
-      return "a contact has a negative or infinite gain, or friction without a tangent";
-    case Invalid::net: return "a net has a node without mass, or nodes or springs in another order";
-    case Invalid::net_attachment: return "a net is attached to its own carrier, or to what is not there";
-    case Invalid::not_imposable: return "an imposed joint has no coordinates of its own";
-    default: return "rule " + std::to_string(static_cast<int>(rule)) + " of core/setup.h is broken";
-  }
+/// The broken rule with the body's name. A rule that no scene file can break is a defect of the reader.
+std::string complaint(const Validity& validity, const SceneConfig& scene) {
+  const bool of_body = validity.index < scene.bodies.size() && validity.rule != Invalid::contact_sphere &&
+                       validity.rule != Invalid::contact_surface;
+  if (!of_body) return validity.text().data();
+  return "body '" + scene.bodies[validity.index].name + "': " + std::string(text_of(validity.rule));
 }
 
 }  // namespace
@@ -129,9 +113,9 @@ std::unique_ptr<Engine> make_engine(const SceneConfig& scene, std::span<const Bo
   const Needs needs = needs_of(scene);
   for (const CompositionRow& r : table()) {
     if (!has_room_for(r.composition, needs, scene) || !has_parts_for(r.composition, needs, scene)) continue;
-    const Invalid broken = r.check(scene);
-    if (broken == Invalid::nothing) return r.make(scene, at_start, r.composition);
-    why_not = "the core does not take scene '" + scene.name + "': " + complaint(broken);
+    const Validity validity = r.check(scene);
+    if (validity == Invalid::nothing) return r.make(scene, at_start, r.composition);
+    why_not = "the core does not take scene '" + scene.name + "': " + complaint(validity, scene);
     return nullptr;
   }
   why_not = why_none(needs, scene);

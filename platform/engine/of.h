@@ -304,7 +304,7 @@ std::vector<PartBytes> parts_of() {
 
 /// The core's opinion on the scene's parameters.
 template <Scene S>
-Invalid check(const SceneConfig& scene) {
+Validity check(const SceneConfig& scene) {
   const auto par = std::make_unique<Params<S>>(params_of<S>(scene));
   if constexpr (uses<NetOf<S>>) set_net_params(scene_nets(scene), par->net);
   if constexpr (uses<ContactsOf<S>>) {

@@ -10,7 +10,7 @@ namespace godobject {
 struct CompositionRow {
   Composition composition;
   std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&);
-  Invalid (*check)(const SceneConfig&);  // of the core, on the scene's parameters
+  Validity (*check)(const SceneConfig&);  // of the core, on the scene's parameters
 };
 
 // One file each, and one line in engine.cc.

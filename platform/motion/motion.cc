@@ -137,4 +137,18 @@ std::optional<double> Motion::end() const noexcept {
   return grid_->last();
 }
 
+MotionSpeed fastest(const Motion& motion, double duration, double step) {
+  constexpr double golden =
+      0.6180339887498949;  // multiples of it, modulo 1, are evenly spread for any number of them
+  const int num_samples = static_cast<int>(std::clamp(2 * duration / step, 2e3, 2e5));
+  MotionSpeed found;
+  for (std::size_t body = 0; body < motion.num_bodies(); ++body)
+    for (int i = 0; i < num_samples; ++i) {
+      const double t = duration * std::fmod(golden * i, 1.0);
+      const double speed = motion.target(body, t).V_WD.v.norm();
+      if (speed > found.speed) found = {.body = body, .speed = speed, .t = t};
+    }
+  return found;
+}
+
 }  // namespace godobject

@@ -105,6 +105,15 @@ class Motion {
   std::vector<HoldWish> holds_;  // one per time of hold_grid_
 };
 
+/// The largest speed of any target, and when.
+struct MotionSpeed {
+  std::size_t body = 0;
+  double speed = 0, t = 0;  // m/s, s
+};
+
+/// Samples the first `duration` seconds twice a step on average, at instants that no period of a motion shares.
+MotionSpeed fastest(const Motion& motion, double duration, double step);
+
 struct MotionResult {
   std::optional<Motion> motion;     // absent where there are errors
   std::vector<std::string> errors;  // "file:line:column: what"

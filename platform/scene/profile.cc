@@ -68,14 +68,17 @@ ProfileResult load_profile(const std::string& path) {
   return parse_profile(*file.text, path);
 }
 
-RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder) {
+RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder,
+                                const std::string& scene_file) {
   RigProfilesResult out;
   std::set<std::string> told;  // nodes that share a profile share its errors
   const auto load = [&](const char* kind, const auto& device) -> std::optional<NodeProfile> {
     if (device.profile.empty()) return std::nullopt;
     std::optional<ProfileResult> read = find_profile(device.profile, scene_folder);
     if (!read) {
-      out.errors.push_back(std::string(kind) + " of joint '" + device.joint +
+      const std::string place =
+          scene_file.empty() ? "" : scene_file + ":" + std::to_string(device.profile_line) + ": ";
+      out.errors.push_back(place + kind + " of joint '" + device.joint +
                            "': " + not_found(device.profile, scene_folder));
       return std::nullopt;
     }

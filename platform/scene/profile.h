@@ -30,7 +30,9 @@ struct RigProfilesResult {
 
 /// The profiles that the rig's encoders and drives name: a path (with a '/' or ending in ".toml", from
 /// scene_folder), or a name, looked for as NAME.toml in scene_folder and then among those shipped.
-RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder);
+/// scene_file: in messages, with the line that names a profile; empty: not in them.
+RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder,
+                                const std::string& scene_file = "");
 
 /// Names of the shipped profiles.
 std::vector<std::string> shipped_profiles();

@@ -53,9 +53,9 @@ inline constexpr std::array run_limits{
              "the pose was held "
              "meanwhile"},
     RunLimit{"first_order", core_limited<Limited::first_order>,
-             "use a shorter step: implicit Euler stages replaced TR-BDF2, because bodies turn fast "
-             "(godobject check prints "
-             "the bound) or contacts and stops change"},
+             "shorten the step: TR-BDF2 falls back to implicit Euler where a body turns faster than "
+             "godobject check allows, contacts "
+             "or stops change, or a net needs more than net_iterations"},
     RunLimit{
         "drive_torque", drives_limited<&CommandReport::torque_limited>,
         "lower the feedback's gains or [device.limits], or raise torque_max_Nm as far as the motor bears it"},

@@ -140,7 +140,7 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
     const auto j =
         std::ranges::find(rig.tree.joints, drive.joint, &DeviceJoint::name) - rig.tree.joints.begin();
     const bool hinge = rig.tree.joints[static_cast<std::size_t>(j)].kind == DeviceJointKind::hinge;
-    const PlantConfig& plant = scene.device->plant;
+    const JointPlant& plant = scene.device->plant.of(drive.joint);
     JointMargin margin{.joint = drive.joint,
                        .hinge = hinge,
                        .axis = {.inertia = plant.inertia,

@@ -88,8 +88,7 @@ void Session::observe(CycleRecord& record) const noexcept {
   record.following = record.sensing = record.exact_following = record.encoders = {};
   for (const std::size_t body : followed_now.bodies) {
     const BodyView& view = record.bodies[body];
-    const Pose& X_WD = followed_now.by_an_offset ? view.target.X_WD : samples_[body].target.X_WD;
-    record.following = worst(record.following, between(view.X_WB, X_WD));
+    record.following = worst(record.following, between(view.X_WB, view.target.X_WD));
   }
   if (truth_) truth_->measure(followed_now, record);
 }
@@ -132,9 +131,10 @@ void Session::take_hold() noexcept {
   const bool has_button = std::ranges::any_of(phases_.devices(), &HandDevice::has_hold_button);
   HoldWish wish = motion_.hold(t);
   for (const HandDevice* const of : phases_.devices()) wish = of->hold().value_or(wish);
-  grip_->update(wish, !has_button && motion_.button(t), device.target.X_WD.p, *engine_);
+  if (device.valid) p_WD_ = device.target.X_WD.p;
+  grip_->update(wish, !has_button && motion_.button(t), p_WD_, *engine_);
   for (const HandDevice* const of : phases_.devices())
-    if (of->hold_pressed()) grip_->press(device.target.X_WD.p, *engine_);
+    if (of->hold_pressed()) grip_->press(p_WD_, *engine_);
   for (const std::size_t body : driven_) {
     samples_[body] = device;
     samples_[body].engaged = grip_->holds(body);

@@ -6,6 +6,7 @@
 // and the phases of a run, are in ../device.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -164,6 +165,9 @@ class Session {
   DevicePhases phases_;
   std::optional<Grip>
       grip_;  // of a device that takes hold of bodies; the first driven body's samples are its
+
+  /// The device in its last valid sample, world; not a number before the first: no body is near it.
+  Vec3 p_WD_ = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
   std::optional<WrenchSwings> swings_;
   std::unique_ptr<Truth> truth_;  // of a simulated device

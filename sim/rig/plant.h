@@ -1,6 +1,8 @@
 // The mechanics of a simulated device: what its encoders and drives sit on, and the hand that holds it.
 #pragma once
 
+#include <vector>
+
 #include "hal/can/frame.h"
 #include "hal/joint/kinematic_tree.h"
 #include "hal/rig/simulation.h"
@@ -9,17 +11,19 @@ namespace godobject {
 
 /// Joints are taken one by one (no coupling inertia):
 ///   I q'' = tau_motor - b q' - f_c sign(q') + k_h (q_ref - q) + d_h (q_ref' - q')
-/// with PlantConfig's inertia I, damping b, friction f_c and the hand's k_h, d_h. Implicit Euler with a
+/// with JointPlant's inertia I, damping b, friction f_c and the hand's k_h, d_h. Implicit Euler with a
 /// fixed sub-step in every term, friction as the set-valued law (it holds exactly below breakaway):
 /// stable for all non-negative parameters. A device without haptics follows the reference exactly.
 class SimPlant {
  public:
   static constexpr Nanoseconds substep_ns = 50'000;
 
-  /// num_joints: at most max_joints. haptic: the device has a hand, mass and motors. The plant rests
+  /// joints: at most max_joints. haptic: the device has a hand, mass and motors. The plant rests
   /// at q0 at t_ns.
-  SimPlant(const PlantConfig& config, std::size_t num_joints, bool haptic, const JointVector& q0,
-           Nanoseconds t_ns) noexcept;
+  SimPlant(std::vector<JointPlant> joints, bool haptic, const JointVector& q0, Nanoseconds t_ns);
+  /// All joints alike.
+  SimPlant(const JointPlant& each, std::size_t num_joints, bool haptic, const JointVector& q0,
+           Nanoseconds t_ns);
 
   /// Motor torque on the joint, after the transmission (N m or N); holds until set again.
   void set_motor_torque(std::size_t joint, double tau) noexcept;
@@ -36,7 +40,7 @@ class SimPlant {
  private:
   void substep(Eigen::Index joint, double q_ref, double q_ref_dot) noexcept;
 
-  PlantConfig config_;
+  std::vector<JointPlant> joints_;
   bool haptic_;
   Nanoseconds t_ns_;
   JointVector q_, q_dot_, tau_motor_, tau_hand_;

@@ -117,8 +117,9 @@ SimRig::SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, con
     if (const FaultResult found = resolve(fault, params_); found.fault) faults.push_back(*found.fault);
   faults_.schedule_all(faults);
   const JointTarget start = hand_at(0);
-  plant_ = std::make_unique<SimPlant>(config.plant, params_.tree.joints.size(),
-                                      config.shows_force && !drives_.empty(), start.q, 0);
+  std::vector<JointPlant> plants;
+  for (const DeviceJoint& joint : params_.tree.joints) plants.push_back(config.plant.of(joint.name));
+  plant_ = std::make_unique<SimPlant>(std::move(plants), config.shows_force && !drives_.empty(), start.q, 0);
   show_joints();
   press_buttons(0);
 }

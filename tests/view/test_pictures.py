@@ -129,6 +129,8 @@ def main():
     godobject("run", "sim/scenes/net-small.toml", *nets)
     godobject("view", path("net.csv"), "--picture", path("told.png"))  # the report names both
     godobject("view", path("net.csv"), "--nets", path("nodes.csv"), "--picture", path("given.png"))
+    subprocess.run([ARGS.program, "view", path("net.csv"), "--picture", path("abroad.png")], cwd="/", timeout=120, check=True)
+    assert image(path("abroad.png"))[0] == image(path("told.png"))[0], "seen from another folder, too"
     os.rename(path("nodes.csv"), path("elsewhere.csv"))
     godobject("view", path("net.csv"), "--picture", path("at-rest.png"))
     told, given, at_rest = (image(path(name))[0] for name in ("told.png", "given.png", "at-rest.png"))

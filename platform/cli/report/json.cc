@@ -1,4 +1,6 @@
 // report.json: the facts of a run for other programs. Keys carry their units.
+#include <filesystem>
+
 #include "platform/cli/report/report.h"
 #include "platform/cli/report/warnings.h"
 #include "platform/rt/machine.h"
@@ -242,8 +244,10 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   const RunOptions& options = report.options;
   const SceneConfig& scene = report.session.scene();
   const RunStatistics& statistics = report.result.statistics;
+  std::error_code ignored;
   Json json{{"scene", scene.name},
             {"scene_file", options.scene},
+            {"folder", std::filesystem::current_path(ignored).string()},
             {"mode", options.realtime ? "realtime" : "fast"},
             {"bus_mode", name_of(report.session.bus())},
             {"stopped_by", text_or_null(report.result.stopped_by)},

@@ -99,7 +99,9 @@ bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->ri
 void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
                   std::vector<std::string>& errors) {
   if (options.files.record.empty()) return;
-  if (!has_rig(scene)) {
+  if (options.view_input) {
+    errors.push_back("--record: with --view-input there is no bus to record: leave either out");
+  } else if (!has_rig(scene)) {
     errors.push_back("--record: scene '" + scene.name + "' describes no buses to record");
   } else if (choice == BusChoice::direct) {
     errors.push_back("--record: with --bus direct there is no bus to record");
@@ -290,7 +292,8 @@ PreparedRun prepare(const RunOptions& options) {
   check_spacemouse(options, scene, run);
   if (options.view_input) lead_by_pointer(scene);
   if (options.spacemouse && run.errors.empty()) lead_by_spacemouse(scene);
-  run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
+  if (options.view_input) run.buses.choice = BusChoice::direct;
+  else run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
   plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
   check_record(options, run.buses.choice, scene, run.errors);
@@ -309,6 +312,10 @@ PreparedRun prepare(const RunOptions& options) {
               .rearm = options.rearm,
               .quiet = options.quiet};
   check_passivity(options, scene, *motion, run);
+  const bool follows_motion = !led_by_hand && run.buses.choice != BusChoice::real;
+  const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;
+  if (follows_motion && !motion_targets(scene).empty())
+    check_speed(scene, *motion, duration, speed_of, run.warnings);
   Session::Made made = make_session(options, scene, *std::move(motion), run);
   const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
                               validate(*scene_of_file.device->rig).empty();

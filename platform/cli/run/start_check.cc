@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "platform/scene/plausible.h"
+
 namespace godobject {
 namespace {
 
@@ -53,6 +55,19 @@ void check_start(const Session& session, const std::string& file, std::vector<st
                        "radians? Else begin the motion where the body is");
     else warnings.push_back(what + ", and is pulled there: begin the motion where the body is");
   }
+}
+
+void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,
+                 std::vector<std::string>& warnings) {
+  const MotionSpeed most = fastest(motion, duration, scene.step);
+  if (most.speed <= max_hand_speed) return;
+  std::array<char, 240> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      ": the motion moves the target of '%s' at %.3g m/s at %.3g s; expected are at most %g m/s, the "
+      "speed of a hand: give lengths in m and times in s, or slow the motion down",
+      motion_targets(scene)[most.body].c_str(), most.speed, most.t, max_hand_speed);
+  warnings.push_back(file + text.data());
 }
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// How far the bodies are from their targets before anything moves.
+// How far the bodies are from their targets before anything moves, and how fast their targets are to move.
 #pragma once
 
 #include <string>
@@ -13,5 +13,9 @@ namespace godobject {
 /// says only later where it is. `file`: what messages call the scene.
 void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,
                  std::vector<std::string>& errors);
+
+/// Warns of a motion in which a target is faster than a hand. duration: of the run, s.
+void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,
+                 std::vector<std::string>& warnings);
 
 }  // namespace godobject

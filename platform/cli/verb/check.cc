@@ -131,10 +131,7 @@ ExitCode check(RunOptions options, bool full) {
 }  // namespace
 
 void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code) {
-  CLI::App* verb = app.add_subcommand(
-      "check",
-      "Say what `run` with the same options would do, and what is wrong with it; nothing moves, nothing is "
-      "opened or written.");
+  CLI::App* verb = app.add_subcommand("check", "Validate a scene and options without running it.");
   const auto options = std::make_shared<RunOptions>();
   options->simulated = simulated;
   add_run_options(*verb, *options);

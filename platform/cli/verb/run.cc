@@ -141,12 +141,10 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
       ->check(number_above(0, 1e6));
   verb.add_option(
           "--bus", options.buses,
-          "what the device is: sim, simulated encoders, wires, drives and trackers (default); direct, none, "
-          "the "
-          "motion as it is; ADDRESS, a real one on the scene's only bus; NAME=ADDRESS, once for each bus of "
-          "the "
-          "scene. ADDRESS is socketcan:can0, slcan:/dev/ttyACM0, board:/dev/ttyACM1, replay:FILE, or pty: a "
-          "pseudo-terminal is made and waited for, for every bus where no NAME is given. See docs/running.md")
+          "sim (default): simulated device; direct: no device, the motion drives the core; ADDRESS or "
+          "NAME=ADDRESS: real bus, once for each bus of the scene. ADDRESS is socketcan:can0, "
+          "slcan:/dev/ttyACM0, board:/dev/ttyACM1, replay:FILE, or pty: for a new pseudo-terminal. See "
+          "docs/running.md")
       ->type_name("BUS")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

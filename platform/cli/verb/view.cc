@@ -46,11 +46,15 @@ int complain(const std::vector<std::string>& lines) {
 
 bool is(const std::string& path, const char* extension) { return fs::path(path).extension() == extension; }
 
-/// A file that the report beside a trace or a log names, by the report's keys; empty: there is none.
+/// A file that the report beside a trace or a log names, by the report's keys; empty: there is none. Names are relative to
+/// the folder of the run, which the report has.
 std::string of_report(const std::string& file, const std::vector<std::string>& keys) {
   const fs::path folder = fs::path(file).parent_path();
   std::ifstream in(folder / "report.json");
   nlohmann::json value = nlohmann::json::parse(in, nullptr, false);
+  fs::path of_run;
+  if (value.is_object() && value.contains("folder") && value["folder"].is_string())
+    of_run = value["folder"].get<std::string>();
   for (const std::string& key : keys) {
     if (!value.is_object() || !value.contains(key)) return "";
     value = value[key];
@@ -58,7 +62,7 @@ std::string of_report(const std::string& file, const std::vector<std::string>& k
   if (!value.is_string() || value.get<std::string>().empty()) return "";
   const std::string named = value;
   std::error_code ignored;
-  for (const fs::path& path : {fs::path(named), folder / named})
+  for (const fs::path& path : {of_run / named, fs::path(named), folder / named})
     if (fs::exists(path, ignored)) return path.string();
   return "";
 }

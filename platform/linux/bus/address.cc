@@ -46,11 +46,11 @@ constexpr std::array backends{
 std::string unknown_kind(std::string_view kind) {
   std::array<std::string_view, backends.size()> names{};
   std::ranges::transform(backends, names.begin(), &BusBackend::name);
-  std::string text = "no kind of bus is called '";
-  text.append(kind).append("'");
+  std::string text = "unknown bus kind '";
+  text.append(kind).append("'; ");
   if (const auto nearest = nearest_name(kind, names))
-    text.append("; did you mean '").append(*nearest).append("'?");
-  text.append(" There are");
+    text.append("did you mean '").append(*nearest).append("'? ");
+  text.append("expected");
   for (const std::string_view name : names)
     text.append(name == names.front() ? " " : ", ").append(name).append(":");
   return text;

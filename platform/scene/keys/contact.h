@@ -8,6 +8,7 @@
 #include "core/contact/contact.h"
 #include "platform/scene/contact/pairs.h"
 #include "platform/scene/mesh/obstacle_file.h"
+#include "platform/scene/plausible.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/visit.h"
 
@@ -106,6 +107,8 @@ void visit_obstacle_file(V& v, ObstacleConfig& o) {
   if (path.empty()) return;
   const std::string why_not = load_file(path, o);
   v.check(why_not.empty(), "file", why_not);
+  const std::string doubt = doubt_of_size(o.mesh, "obstacle '" + o.name + "'");
+  v.advise(doubt.empty(), "", doubt);
 }
 
 template <class V>
@@ -126,28 +129,28 @@ void visit_obstacle(V& v, ObstacleConfig& o) {
 /// mass: what a damping ratio of one is about, kg.
 template <class V>
 void visit_law(V& v, double mass, ContactConfig& c) {
-  v.value(
-      Key{"stiffness", "N/m", "k of (22), of each sphere: those that share a load add up", positive, true},
-      c.stiffness);
+  v.value(Key{"stiffness", "N/m", "normal stiffness k of each sphere: spheres that share a load add up",
+              positive, true},
+          c.stiffness);
   const double unit = std::sqrt(mass * c.stiffness);
-  v.either(Key{"damping", "N s/m", "c of (22); or give `damping_ratio`", not_negative},
+  v.either(Key{"damping", "N s/m", "normal damping c; or give `damping_ratio`", not_negative},
            Key{"damping_ratio",
                "",
                "c / sqrt(m k), m: the lightest body of the two materials; 1.4 by default",
                {0, 1e6}},
            unit, default_contact_damping_ratio * unit, c.damping);
-  v.value(Key{"friction", "", "mu of (23), sticking and slipping", {0, 100}}, c.friction);
+  v.value(Key{"friction", "", "coefficient of friction mu, sticking and slipping", {0, 100}}, c.friction);
   if (!c.tangential_stiffness) c.tangential_stiffness = c.stiffness;
   v.value(Key{.name = "tangential_stiffness",
               .unit = "N/m",
-              .meaning = "k_t of (23)",
+              .meaning = "tangential stiffness k_t, while sticking",
               .range = not_negative,
               .otherwise = "`stiffness`"},
           c.tangential_stiffness);
   if (!c.tangential_damping) c.tangential_damping = c.damping;
   v.value(Key{.name = "tangential_damping",
               .unit = "N s/m",
-              .meaning = "c_t of (23)",
+              .meaning = "tangential damping c_t, while sticking",
               .range = not_negative,
               .otherwise = "`damping`"},
           c.tangential_damping);

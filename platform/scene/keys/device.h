@@ -65,7 +65,8 @@ void visit_node(V& v, const RigNames& names, std::string_view id_meaning, std::s
 
 template <class V>
 void visit_sensor_node(V& v, const RigNames& names, std::string_view id_meaning, std::string& joint,
-                       std::size_t& bus, std::uint8_t& node_id, std::string& profile) {
+                       std::size_t& bus, std::uint8_t& node_id, std::string& profile,
+                       unsigned& profile_line) {
   choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true},
          names.joints, joint);
   visit_node(v, names, id_meaning, bus, node_id);
@@ -73,6 +74,7 @@ void visit_sensor_node(V& v, const RigNames& names, std::string_view id_meaning,
               "how a CANopen node is set up, see docs/canopen.md; empty: not at all, it is as the "
               "rig expects it"},
           profile);
+  profile_line = v.line_of("profile");
 }
 
 template <class V>
@@ -102,7 +104,7 @@ void visit_max_speed(V& v, double& max_speed) {
 
 template <class V>
 void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
-  visit_sensor_node(v, names, "CANopen node-ID", e.joint, e.bus, e.node_id, e.profile);
+  visit_sensor_node(v, names, "CANopen node-ID", e.joint, e.bus, e.node_id, e.profile, e.profile_line);
   visit_calibration(v, "sign", "counts per unit of the joint coordinate; or give `counts_per_turn`", names,
                     e.joint, e.calibration);
   visit_max_speed(v, e.max_speed);
@@ -123,7 +125,7 @@ void visit_watchdog(V& v, DriveParams& d) {
 template <class V>
 void visit_drive(V& v, const RigNames& names, DriveParams& d) {
   visit_sensor_node(v, names, "CANopen node-ID; of an ODrive 1 to 62, of a moteus its id", d.joint, d.bus,
-                    d.node_id, d.profile);
+                    d.node_id, d.profile, d.profile_line);
   choose(v, Key{"protocol", "", "what it speaks, see docs/new-device.md; each protocol has a bus of its own"},
          drive_protocol_names, d.protocol);
   const BusProtocol protocol = bus_protocol(d.protocol);
@@ -177,34 +179,101 @@ void visit_button(V& v, const RigNames& names, ButtonParams& b) {
 
 /// What a slider moves by default: 0.1 kg with 1 N s/m, which are a hinge's 1e-3 kg m^2 and 1e-2 N m s/rad on a
 /// lever of 0.1 m, held by an arm of some 500 N/m.
-inline constexpr PlantConfig plant_of_sliders{
+inline constexpr JointPlant plant_of_sliders{
     .inertia = 0.1, .damping = 1, .friction = 0.01, .hand_stiffness = 500, .hand_damping = 10};
 
-inline bool all_sliders(const std::vector<DeviceJoint>& joints) {
-  return !joints.empty() && std::ranges::all_of(joints, [](const DeviceJoint& joint) {
-    return joint.kind == DeviceJointKind::slider;
-  });
+inline bool is_slider(const DeviceJoint& joint) { return joint.kind == DeviceJointKind::slider; }
+
+/// otherwise: a text for each of the five keys.
+template <class V>
+void visit_joint_plant(V& v, const std::array<std::string_view, 5>& otherwise, JointPlant& p) {
+  std::size_t i = 0;
+  const auto value = [&](std::string_view name, std::string_view unit, std::string_view meaning, Range range,
+                         double& x) {
+    v.value(Key{.name = name, .unit = unit, .meaning = meaning, .range = range, .otherwise = otherwise[i++]},
+            x);
+  };
+  value("inertia", "kg m^2 or kg", "of a turn or a slide, seen at the joint", positive, p.inertia);
+  value("damping", "N m s/rad or N s/m",
+        "viscous, of a turn or a slide, without the hand; the margins that `godobject check` prints rest on "
+        "it: state it of a device that exists, too",
+        not_negative, p.damping);
+  value("friction", "N m or N", "Coulomb, of a turn or a slide", not_negative, p.friction);
+  value("hand_stiffness", "N m/rad or N/m", "of the user's arm, at a turn or a slide", not_negative,
+        p.hand_stiffness);
+  value("hand_damping", "N m s/rad or N s/m", "of the user's arm, at a turn or a slide", not_negative,
+        p.hand_damping);
 }
 
+/// What a device has that states nothing of its mechanics: slides have their own numbers.
+inline PlantConfig default_plant(const std::vector<DeviceJoint>& joints) {
+  PlantConfig plant;
+  if (!joints.empty() && std::ranges::all_of(joints, is_slider)) {
+    static_cast<JointPlant&>(plant) = plant_of_sliders;
+    return plant;
+  }
+  for (const DeviceJoint& joint : joints)
+    if (is_slider(joint)) plant.joints.push_back({.joint = joint.name, .plant = plant_of_sliders});
+  return plant;
+}
+
+/// A number of the table that is for all joints is for those with numbers of their kind, too.
 template <class V>
-void visit_plant(V& v, PlantConfig& p) {
-  const auto value = [&](std::string_view name, std::string_view unit, std::string_view meaning, Range range,
-                         std::string_view otherwise, double& x) {
-    v.value(Key{.name = name, .unit = unit, .meaning = meaning, .range = range, .otherwise = otherwise}, x);
+void take_numbers_of_all(const V& v, PlantConfig& p) {
+  const auto take = [&](std::string_view key, double JointPlant::*x) {
+    if (!v.has(key)) return;
+    for (PlantConfig::OfJoint& of_slide : p.joints) of_slide.plant.*x = p.*x;
   };
-  value("inertia", "kg m^2 or kg", "per joint, seen at the joint", positive,
-        "0.001; where all joints are sliders 0.1", p.inertia);
-  value("damping", "N m s/rad or N s/m",
-        "viscous, per joint, without the hand; the margins that `godobject check` prints rest on it: state "
-        "it of "
-        "a device that exists, too",
-        not_negative, "0.01; where all joints are sliders 1.0", p.damping);
-  value("friction", "N m or N", "Coulomb, per joint", not_negative,
-        "0.001; where all joints are sliders 0.01", p.friction);
-  value("hand_stiffness", "N m/rad or N/m", "of the user's arm, per joint", not_negative,
-        "20.0; where all joints are sliders 500.0", p.hand_stiffness);
-  value("hand_damping", "N m s/rad or N s/m", "of the user's arm, per joint", not_negative,
-        "0.5; where all joints are sliders 10.0", p.hand_damping);
+  take("inertia", &JointPlant::inertia);
+  take("damping", &JointPlant::damping);
+  take("friction", &JointPlant::friction);
+  take("hand_stiffness", &JointPlant::hand_stiffness);
+  take("hand_damping", &JointPlant::hand_damping);
+}
+
+/// A number for turns and slides has two units. own: joints with a table of their own.
+template <class V>
+void advise_on_units(V& v, const std::vector<DeviceJoint>& joints,
+                     const std::vector<PlantConfig::OfJoint>& own) {
+  if (std::ranges::all_of(joints, is_slider)) return;
+  for (const DeviceJoint& joint : joints) {
+    if (!is_slider(joint) || std::ranges::find(own, joint.name, &PlantConfig::OfJoint::joint) != own.end())
+      continue;
+    for (const char* const key : {"inertia", "damping", "friction"})
+      v.advise(!v.has(key), key,
+               "is one number for turns and for slide '" + joint.name +
+                   "', which has another unit: give the slide a [[device.plant.joint]] table");
+  }
+}
+
+/// p: default_plant(), or that of an earlier visit.
+template <class V>
+void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
+  visit_joint_plant(v,
+                    {"0.001; of a slide 0.1", "0.01; of a slide 1.0", "0.001; of a slide 0.01",
+                     "20.0; of a slide 500.0", "0.5; of a slide 10.0"},
+                    p);
+  take_numbers_of_all(v, p);
+  std::vector<std::string> names;
+  for (const DeviceJoint& joint : joints) names.push_back(joint.name);
+  std::vector<PlantConfig::OfJoint> own = p.joints;
+  v.tables(
+      TableKey{"joint",
+               "Mechanics of one joint of the device, turn or slide, and of the hand at it. A key without a "
+               "number has that of `[device.plant]`."},
+      own, [&](auto& t, PlantConfig::OfJoint& j) {
+        choose(t, Key{.name = "joint", .unit = "", .meaning = "name of the joint", .required = true}, names,
+               j.joint);
+        j.plant = p.of(j.joint);
+        constexpr std::string_view as_all = "that of `[device.plant]`";
+        visit_joint_plant(t, {as_all, as_all, as_all, as_all, as_all}, j.plant);
+        t.check(j.joint.empty() || std::ranges::count(own, j.joint, &PlantConfig::OfJoint::joint) == 1,
+                "joint", "has an earlier table");
+      });
+  advise_on_units(v, joints, own);
+  for (const PlantConfig::OfJoint& j : p.joints)
+    if (std::ranges::find(own, j.joint, &PlantConfig::OfJoint::joint) == own.end()) own.push_back(j);
+  p.joints = own;
 }
 
 template <class V>
@@ -428,9 +497,10 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   const bool is_new = !d.rig;
   if (is_new) rig.stale_after_s = default_stale_steps * scene.step;
   if (visit_rig(v, d.rig.has_value(), scene, holdable_bodies(scene, d), rig)) d.rig = rig;
-  if (is_new && d.rig && all_sliders(d.rig->tree.joints)) d.plant = plant_of_sliders;
+  const std::vector<DeviceJoint> joints = d.rig ? d.rig->tree.joints : std::vector<DeviceJoint>{};
+  if (is_new) d.plant = default_plant(joints);
   plain_table(v, TableKey{"plant", "The simulated mechanics of the device and the hand that holds it."},
-              [&](auto& t) { visit_plant(t, d.plant); });
+              [&](auto& t) { visit_plant(t, joints, d.plant); });
   visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);
   optional_table(v,
                  TableKey{"spacemouse",

@@ -30,15 +30,19 @@ inline std::string rounded(double x) {
 
 template <class V>
 void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
-  const bool only_one = j.coordinates.size() == 1;
+  const bool only_one = j.coordinates.size() == 1, none = num_coordinates(j.kind) == 0;
   if (s.coordinate.empty() && only_one) s.coordinate = j.coordinates.front();
-  choose(v,
-         Key{.name = "coordinate",
-             .unit = "",
-             .meaning = "of the joint",
-             .required = !only_one,
-             .otherwise = "the joint's only one"},
-         j.coordinates, s.coordinate);
+  const Key coordinate{.name = "coordinate",
+                       .unit = "",
+                       .meaning = "name of one of the joint's coordinates",
+                       .required = !only_one && !none,
+                       .otherwise = "the joint's only one"};
+  if (none) v.value(coordinate, s.coordinate);
+  else choose(v, coordinate, j.coordinates, s.coordinate);
+  v.check(!none, "",
+          "joint '" + j.name +
+              "' has no coordinate that a stop could bound: remove the [[joint.stop]] table, "
+              "or take another kind of joint");
   v.value(Key{"lower", "rad or m", "end of travel; turns are counted, and may go on beyond +-pi"}, s.lower);
   v.value(Key{"upper", "rad or m", "the other end, above `lower`"}, s.upper);
   v.check(s.lower || s.upper, "", "the stop has no end: give lower, upper or both");
@@ -122,12 +126,11 @@ void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig&
   visit_joint_frames(v, j);
   visit_coordinates(v, j);
   std::set<std::string> stopped;
-  v.tables(TableKey{"stop", "Springs at the ends of one coordinate (19)."}, j.stops,
-           [&](auto& t, StopConfig& s) {
-             visit_stop(t, j, s);
-             t.check(stopped.insert(s.coordinate).second, "coordinate", "has an earlier stop");
-             t.check(!j.imposed, "", "the joint is imposed: a stop does nothing; remove one of them");
-           });
+  v.tables(TableKey{"stop", "Springs at the ends of one coordinate."}, j.stops, [&](auto& t, StopConfig& s) {
+    visit_stop(t, j, s);
+    t.check(stopped.insert(s.coordinate).second, "coordinate", "has an earlier stop");
+    t.check(!j.imposed, "", "the joint is imposed: a stop does nothing; remove one of them");
+  });
 }
 
 /// Rules between joints, and between a joint and the bodies as they are placed.

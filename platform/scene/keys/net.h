@@ -9,6 +9,7 @@
 #include "platform/scene/net/make.h"
 #include "platform/scene/net/params.h"
 #include "platform/scene/net/physics.h"
+#include "platform/scene/plausible.h"
 
 namespace godobject {
 
@@ -251,6 +252,10 @@ void visit_net(V& v, const SceneConfig& scene, const std::vector<std::string>& b
   visit_net_anchors(v, n);
   advise_on_iterations(v, scene.step, n);
   visit_net_touch(v, n);
+  const std::string of_density = doubt_of_density(n.surface_density, n.thickness.value_or(0)),
+                    of_size = doubt_of_size(n.surface, "net '" + n.name + "'");
+  v.advise(of_density.empty(), v.has("mass") ? "mass" : "surface_density", of_density);
+  v.advise(of_size.empty(), "", of_size);
   visit_net_held(v, n);
   visit_net_attached(v, bodies, n);
 }

@@ -15,6 +15,7 @@
 #include "platform/scene/keys/hold.h"
 #include "platform/scene/keys/joint.h"
 #include "platform/scene/keys/net.h"
+#include "platform/scene/plausible.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/visit.h"
 
@@ -46,21 +47,22 @@ template <class V>
 void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, CouplingConfig& c) {
   const auto fallback = [&](double unit, double gain) { return ratio ? *ratio * unit : gain; };
   const bool required = ratio.has_value();
-  v.value(Key{"stiffness", "N/m", "k of (2)", {0, 1e13}, required}, c.stiffness);
+  v.value(Key{"stiffness", "N/m", "translational spring stiffness k", {0, 1e13}, required}, c.stiffness);
   const double g_unit = critical(body.mass, c.stiffness);
   v.either(
-      Key{"damping", "N s/m", "g of (2); or give `damping_ratio`", not_negative},
+      Key{"damping", "N s/m", "translational damping g; or give `damping_ratio`", not_negative},
       Key{"damping_ratio", "", "g / sqrt(m k); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}},
       g_unit, fallback(g_unit, c.damping), c.damping);
-  v.value(Key{"rotational_stiffness", "N m/rad", "k_r of (2)", {0, 1e13}, required}, c.rotational_stiffness);
+  v.value(Key{"rotational_stiffness", "N m/rad", "rotational spring stiffness k_r", {0, 1e13}, required},
+          c.rotational_stiffness);
   const double g_r_unit = critical(body.inertia, c.rotational_stiffness);
-  v.either(
-      Key{"rotational_damping", "N m s/rad", "g_r of (2); or give `rotational_damping_ratio`", not_negative},
-      Key{"rotational_damping_ratio",
-          "",
-          "g_r / sqrt(I_max k_r); 1.4 by default in a coupling, advised 1.4 to 2",
-          {0, 1e3}},
-      g_r_unit, fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
+  v.either(Key{"rotational_damping", "N m s/rad",
+               "rotational damping g_r; or give `rotational_damping_ratio`", not_negative},
+           Key{"rotational_damping_ratio",
+               "",
+               "g_r / sqrt(I_max k_r); 1.4 by default in a coupling, advised 1.4 to 2",
+               {0, 1e3}},
+           g_r_unit, fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
 }
 
 template <class V>
@@ -133,6 +135,11 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
                    visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
                  });
   visit_spheres_and_shapes(v, b);
+  const auto doubt = [&](std::string_view key, const std::string& text) {
+    v.advise(text.empty(), key, text);
+  };
+  doubt("inertia", doubt_of_gyration(b));
+  doubt("mass", doubt_of_density(b));
 }
 
 template <class V>

@@ -60,6 +60,7 @@ class TomlWriter {
 
   bool has(std::string_view) const { return false; }
   bool understood(std::string_view) const { return true; }
+  unsigned line_of(std::string_view) const { return 0; }
   void check(bool, std::string_view, const std::string&) {}
   void advise(bool, std::string_view, const std::string&) {}
 

@@ -120,6 +120,31 @@ TEST_F(CliCheck, ABodyFarFromItsTargetAtTheStartIsAWarningAndThenAnError) {
   EXPECT_THAT(near.output, Not(HasSubstr("begins")));
 }
 
+/// Steady, sinusoidal and of the device's joints: faster than 5 m/s, and just not.
+TEST_F(CliCheck, AMotionFasterThanAHandIsAWarning) {
+  const std::string q = ",1,0,0,0\n";
+  const auto moved_by = [&](double distance) {
+    return rigid + " --bus direct --motion " +
+           write("m.csv", pose_columns + "0,0.05,0.04,0.03" + q + "0.5," +
+                              std::to_string(0.05 + distance / 2) + ",0.04,0.03" + q + "1," +
+                              std::to_string(0.05 + distance) + ",0.04,0.03" + q);
+  };
+  EXPECT_THAT(run_program("check " + moved_by(9)).output,
+              HasSubstr("m.csv: the motion moves the target of 'tool' at "));
+  EXPECT_THAT(run_program("check " + moved_by(2)).output, Not(HasSubstr("m/s at")));
+  const auto with_amplitude = [&](const std::string& amplitude) {
+    const std::string scene = read_file(GODOBJECT_SOURCE_DIR "/sim/scenes/s1.toml");
+    const std::size_t at = scene.find("\namplitude");
+    EXPECT_NE(at, std::string::npos);
+    return write("s.toml",
+                 scene.substr(0, at) + "\namplitude = " + amplitude + scene.substr(scene.find('\n', at + 1)));
+  };
+  EXPECT_THAT(run_program("check " + with_amplitude("[50.0, 0.0, 0.0]")).output,
+              HasSubstr("expected are at most 5 m/s, the speed of a hand"));
+  EXPECT_THAT(run_program("check " + with_amplitude("[0.05, 0.0, 0.0]")).output,
+              Not(HasSubstr("speed of a hand")));
+}
+
 TEST_F(CliCheck, AMisspeltMotionColumnIsNamedWithTheRightOne) {
   const std::string misspelt = write("m.csv",
                                      "t,tool.x,tool_y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz,tool.engagd\n"

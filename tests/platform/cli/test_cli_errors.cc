@@ -1,6 +1,8 @@
 // Wrong input of every kind: exit code 2, the place in the message, nothing written over.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "tests/support/program.h"
 
 namespace godobject::test::test_cli_errors {
@@ -35,7 +37,12 @@ TEST_F(CliErrors, OptionsAreNamedWithWhatIsAdmissible) {
        "--bus "
        "can1=ADDRESS"},
       {"run " + rigid + " --bus socketcam:can0",
-       "no kind of bus is called 'socketcam'; did you mean 'socketcan'?"},
+       "unknown bus kind 'socketcam'; did you mean 'socketcan'? expected socketcan:, slcan:, "},
+      {"run " + rigid + " --bus nosuch:1", "unknown bus kind 'nosuch'; expected socketcan:, slcan:, "},
+      {"chek " + rigid, "did you mean 'check' in place of 'chek'?"},
+      {"simulte " + rigid, "did you mean 'simulate' in place of 'simulte'?"},
+      {"run " + rigid + " --durtion=1", "did you mean '--duration' in place of '--durtion'?"},
+      {"check --ful " + rigid, "did you mean '--full' in place of '--ful'?"},
       {"run " + rigid + " --bus can0=socketcan:a",
        "--bus: bus 'can1' of the scene has no address: give --bus"},
       {"run " + rigid + " --bus can9=socketcan:a --bus can1=socketcan:b",
@@ -172,6 +179,34 @@ TEST_F(CliErrors, AMotionOutOfTheDevicesReachIsAFault) {
   const ProgramResult result = run_program("run " + rigid + " --motion " + motion);
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.output, HasSubstr("unreachable"));
+}
+
+TEST_F(CliErrors, AProfileThatIsNotThereIsToldWithItsLine) {
+  std::string text = rigid_with("profile = \"generic-402\"", "profile = \"nosuch\"");
+  const auto line =
+      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("nosuch")), '\n');
+  const std::string file = write("p.toml", text);
+  const ProgramResult result = run_program("check " + file);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr(file + ":" + std::to_string(line) + ": drive of joint "));
+}
+
+/// Fixed, ball: neither has a coordinate with a name.
+TEST_F(CliErrors, AStopNeedsACoordinate) {
+  for (const std::string kind : {"fixed", "ball"})
+    for (const std::string coordinate : {"", "coordinate = \"q\"\n"}) {
+      const std::string file =
+          write("s.toml",
+                "[scene]\nname = \"s\"\n[[body]]\nname = \"b\"\nmass = 1.0\ninertia = [1e-3, 1e-3, 1e-3]\n"
+                "[[joint]]\nname = \"j\"\nkind = \"" +
+                    kind + "\"\nchild = \"b\"\n[[joint.stop]]\n" + coordinate +
+                    "lower = -1.0\nupper = 1.0\nstiffness = 1.0\nwidth = 0.1\n");
+      const ProgramResult result = run_program("check " + file);
+      EXPECT_EQ(result.exit_code, 2);
+      EXPECT_THAT(result.output,
+                  HasSubstr(file + ":11:1: joint 'j' has no coordinate that a stop could bound"));
+      EXPECT_THAT(result.output, testing::Not(HasSubstr("coordinate' is")));
+    }
 }
 
 }  // namespace

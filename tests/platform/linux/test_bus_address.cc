@@ -37,18 +37,19 @@ TEST(BusAddress, EveryKindIsParsedAndMade) {
 }
 
 TEST(BusAddress, WhatIsWrongIsSaid) {
-  for (const auto& [text, expected] : {std::pair{"socketcam:can0", "did you mean 'socketcan'?"},
-                                       {"scan:/dev/ttyACM0", "did you mean 'slcan'?"},
-                                       {"", "socketcan:, slcan:, pty:, board:, replay:"},
-                                       {"kvaser:0", "no kind of bus is called 'kvaser'"},
-                                       {"can0", "say what it is: socketcan:can0"},
-                                       {"/dev/ttyACM0", "slcan:/dev/ttyACM0"},
-                                       {"socketcan", "followed by INTERFACE"},
-                                       {"slcan:", "followed by PATH"},
-                                       {"board:", "followed by PATH"},
-                                       {"replay:", "followed by FILE"},
-                                       {"pty:/dev/pts/3", "nothing follows pty"},
-                                       {"socketcan:a-name-of-16-ch.", "at most 15"}}) {
+  for (const auto& [text, expected] :
+       {std::pair{"socketcam:can0", "did you mean 'socketcan'?"},
+        {"scan:/dev/ttyACM0", "did you mean 'slcan'?"},
+        {"", "socketcan:, slcan:, pty:, board:, replay:"},
+        {"kvaser:0", "unknown bus kind 'kvaser'; expected socketcan:, slcan:, pty:, board:, replay:"},
+        {"can0", "say what it is: socketcan:can0"},
+        {"/dev/ttyACM0", "slcan:/dev/ttyACM0"},
+        {"socketcan", "followed by INTERFACE"},
+        {"slcan:", "followed by PATH"},
+        {"board:", "followed by PATH"},
+        {"replay:", "followed by FILE"},
+        {"pty:/dev/pts/3", "nothing follows pty"},
+        {"socketcan:a-name-of-16-ch.", "at most 15"}}) {
     std::string error;
     EXPECT_FALSE(parse_bus_address(text, error).has_value()) << text;
     EXPECT_THAT(error, HasSubstr(expected)) << text;

@@ -125,13 +125,13 @@ TEST(ContactScene, LikeTakesAllButNamePlaceAndVelocity) {
 
 TEST(ContactScene, LikeReplacesWhatIsGiven) {
   const std::string like =
-      "\n[[body]]\nname = \"b2\"\nlike = \"brick\"\nmass = 1\n\n[[body.sphere]]\nradius = 0.5\n"
+      "\n[[body]]\nname = \"b2\"\nlike = \"brick\"\nmass = 0.003\n\n[[body.sphere]]\nradius = 0.005\n"
       "material = \"plastic\"\n";
   const SceneConfig scene = loaded(replaced(brick_on_board, "\n[[obstacle]]", like + "\n[[obstacle]]") +
                                    contact("plastic", "plastic"));
-  EXPECT_EQ(scene.bodies[1].mass, 1);
+  EXPECT_EQ(scene.bodies[1].mass, 0.003);
   ASSERT_EQ(scene.bodies[1].spheres.size(), 1u);
-  EXPECT_EQ(scene.bodies[1].spheres[0].radius, 0.5);
+  EXPECT_EQ(scene.bodies[1].spheres[0].radius, 0.005);
   EXPECT_EQ(scene.bodies[1].shapes.size(), 1u);
 }
 

@@ -218,5 +218,63 @@ TEST(DeviceKeys, ButtonsHaveAnInputOfTheirOwn) {
               ElementsAre(HasSubstr("'node_id' is taken by the host or by another device")));
 }
 
+/// a turns, b and c slide.
+std::string mixed(const std::string& plant) {
+  std::string text = scene("[device.plant]\n" + plant + joint("a") + joint("b", "kind = \"slider\"\n") +
+                           joint("c", "kind = \"slider\"\n"));
+  for (const std::string slide : {"b", "c"}) {
+    const std::string counts = "counts_per_turn = 4096\njoint = \"" + slide;
+    text.replace(text.find(counts), counts.size(), "counts_per_unit = 1e5\njoint = \"" + slide);
+  }
+  return text;
+}
+
+TEST(DeviceKeys, TurnsAndSlidesHaveMechanicsOfTheirOwn) {
+  const PlantConfig plant = load(mixed("")).scene.value().device->plant;
+  EXPECT_EQ(plant.of("a").inertia, 1e-3);
+  EXPECT_EQ(plant.of("a").hand_stiffness, 20);
+  for (const char* slide : {"b", "c"}) {
+    EXPECT_EQ(plant.of(slide).inertia, 0.1);
+    EXPECT_EQ(plant.of(slide).damping, 1);
+    EXPECT_EQ(plant.of(slide).hand_stiffness, 500);
+  }
+}
+
+TEST(DeviceKeys, AJointHasMechanicsOfItsOwn) {
+  const LoadResult result =
+      load(mixed("damping = 0.3\nhand_damping = 2\n[[device.plant.joint]]\njoint = \"b\"\ninertia = 0.7\n"
+                 "damping = 5\nfriction = 0.2\n"));
+  ASSERT_THAT(result.errors, IsEmpty());
+  const PlantConfig& plant = result.scene->device->plant;
+  EXPECT_EQ(plant.of("a").damping, 0.3);
+  EXPECT_EQ(plant.of("a").inertia, 1e-3);
+  EXPECT_EQ(plant.of("b").inertia, 0.7);
+  EXPECT_EQ(plant.of("b").damping, 5);
+  EXPECT_EQ(plant.of("b").friction, 0.2);
+  EXPECT_EQ(plant.of("b").hand_damping, 2);
+  EXPECT_EQ(plant.of("c").damping, 0.3);
+  EXPECT_EQ(plant.of("c").inertia, 0.1);
+  // N m s/rad for a are N s/m for c
+  EXPECT_THAT(result.warnings, ElementsAre(AllOf(HasSubstr("'damping'"), HasSubstr("slide 'c'"))));
+  const LoadResult again = parse_scene(effective_config_toml(*result.scene), "b.toml");
+  ASSERT_THAT(again.errors, IsEmpty());
+  for (const char* name : {"a", "b", "c"}) {
+    const JointPlant &was = plant.of(name), &is = again.scene->device->plant.of(name);
+    EXPECT_EQ(is.inertia, was.inertia) << name;
+    EXPECT_EQ(is.damping, was.damping) << name;
+    EXPECT_EQ(is.friction, was.friction) << name;
+    EXPECT_EQ(is.hand_stiffness, was.hand_stiffness) << name;
+    EXPECT_EQ(is.hand_damping, was.hand_damping) << name;
+  }
+}
+
+TEST(DeviceKeys, MechanicsAreOfAJointThatIsThereAndOnce) {
+  const std::string of_b = "[[device.plant.joint]]\njoint = \"b\"\n";
+  EXPECT_THAT(load(mixed("[[device.plant.joint]]\njoint = \"d\"\n")).errors,
+              ElementsAre(HasSubstr("'joint' is \"d\"; admissible is \"a\", \"b\", \"c\"")));
+  EXPECT_THAT(load(mixed(of_b + of_b)).errors, ElementsAre(HasSubstr("has an earlier table")));
+  EXPECT_THAT(load(mixed(of_b + "inertia = 0\n")).errors, ElementsAre(HasSubstr("inertia")));
+}
+
 }  // namespace
 }  // namespace godobject::test_device_keys

@@ -1,0 +1,137 @@
+#include "platform/scene/plausible.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "platform/scene/keys/joint.h"
+
+namespace godobject {
+namespace {
+
+using Box = Eigen::AlignedBox3d;
+
+Vec3 principal_moments(const BodyConfig& body) {
+  return Eigen::SelfAdjointEigenSolver<Mat3>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+/// The point of a solid that is farthest from its centre, m.
+double reach_of(const ShapeConfig& shape) {
+  return shape.half_extents.value_or(Vec3::Zero()).norm() + shape.radius.value_or(0) +
+         shape.half_length.value_or(0);
+}
+
+double volume_of(const ShapeConfig& shape) {
+  if (shape.half_extents) return 8 * shape.half_extents->prod();
+  const double r = shape.radius.value_or(0);
+  return std::numbers::pi * r * r * (4 * r / 3 + 2 * shape.half_length.value_or(0));
+}
+
+/// Calls f(centre, radius) for each sphere of a row's ends, between which the others are.
+template <class F>
+void for_ends(const BodyConfig& body, F f) {
+  for (const SphereConfig& row : body.spheres) {
+    f(row.p_B, row.radius);
+    f(Vec3(row.p_B + (row.count - 1) * row.spacing), row.radius);
+  }
+}
+
+/// R: the point of spheres and shapes that is farthest from the centre of mass, m.
+double reach_of(const BodyConfig& body) {
+  double R = 0;
+  for_ends(body, [&](const Vec3& p_B, double radius) { R = std::max(R, p_B.norm() + radius); });
+  for (const ShapeConfig& shape : body.shapes) R = std::max(R, shape.X.p.norm() + reach_of(shape));
+  return R;
+}
+
+/// r_g^2 = I_max / m
+double gyration_of(const BodyConfig& body) {
+  return std::sqrt(principal_moments(body).maxCoeff() / body.mass);
+}
+
+bool gyrates_near(const BodyConfig& body, double R) {
+  const double r_g = gyration_of(body);
+  return r_g >= min_gyration * R && r_g <= max_gyration * R;
+}
+
+/// Semi-axes a_i^2 = 5 (I_j + I_k - I_i) / (2 m); 0 without the triangle inequality, which has a warning of its own.
+double volume_of_ellipsoid(const BodyConfig& body) {
+  const Vec3 I = principal_moments(body);
+  const Vec3 squares = 5 / (2 * body.mass) * (Vec3::Constant(I.sum()) - 2 * I);
+  return squares.minCoeff() <= 0 ? 0 : 4 * std::numbers::pi / 3 * std::sqrt(squares.prod());
+}
+
+/// Bounds of the volume in which a body's mass may be, m^3; 0: unknown.
+struct Volumes {
+  double least = 0, most = 0;
+};
+
+Volumes volumes_of(const BodyConfig& body) {
+  double of_shapes = 0;
+  for (const ShapeConfig& shape : body.shapes) of_shapes += volume_of(shape);
+  Box box;
+  for_ends(body, [&](const Vec3& p_B, double radius) {
+    box.extend(Vec3(p_B + Vec3::Constant(radius)));
+    box.extend(Vec3(p_B - Vec3::Constant(radius)));
+  });
+  const double drawn = std::max(of_shapes, box.isEmpty() ? 0 : box.volume());
+  const double R = reach_of(body), r_g = gyration_of(body);
+  const bool is_shaped = of_shapes > 0 && r_g <= R;  // no mass is beyond its shapes
+  if (is_shaped || (R > 0 && !gyrates_near(body, R))) return {drawn, drawn};
+  return {.least = std::max(drawn, volume_of_ellipsoid(body)),
+          .most = std::max(drawn, 4 * std::numbers::pi / 3 * r_g * r_g * r_g)};
+}
+
+std::string expected(double least, double most, const char* unit) {
+  return "expected are " + shortest_plain(least) + " to " + shortest_plain(most) + " " + unit;
+}
+
+}  // namespace
+
+std::string doubt_of_gyration(const BodyConfig& body) {
+  const double R = reach_of(body);
+  if (R == 0 || gyrates_near(body, R)) return "";
+  return "gives body '" + body.name + "' a radius of gyration of " + rounded(gyration_of(body)) +
+         " m, and its spheres and shapes reach " + rounded(R) + " m; " +
+         expected(min_gyration, max_gyration, "times their reach") +
+         ": give inertia in kg m^2, mass in kg, lengths in m";
+}
+
+std::string doubt_of_density(const BodyConfig& body) {
+  const Volumes V = volumes_of(body);
+  const bool light = V.least > 0 && body.mass < min_density * V.least;
+  const bool heavy = V.most > 0 && body.mass > max_density * V.most;
+  if (!light && !heavy) return "";
+  const double volume = light ? V.least : V.most;
+  return "gives body '" + body.name + "' a density of " + rounded(body.mass / volume) + " kg/m^3, " +
+         rounded(body.mass) + " kg in " + rounded(volume) + " m^3; " +
+         expected(min_density, max_density, "kg/m^3") + ": give mass in kg, lengths in m, inertia in kg m^2";
+}
+
+std::string doubt_of_density(double surface_density, double thickness) {
+  if (surface_density > max_surface_density)
+    return "is " + rounded(surface_density) + " kg/m^2 of surface density; expected are at most " +
+           shortest_plain(max_surface_density) + " kg/m^2: give mass in kg, lengths in m";
+  const double density = surface_density / thickness;
+  if (!(thickness > 0 && surface_density > 0) || (density >= min_density && density <= max_density))
+    return "";
+  return "is a density of " + rounded(density) + " kg/m^3, " + rounded(surface_density) +
+         " kg/m^2 over a thickness of " + rounded(thickness) + " m; " +
+         expected(min_density, max_density, "kg/m^3") + ": give mass in kg, lengths in m";
+}
+
+std::string doubt_of_size(const MeshData& mesh, const std::string& owner) {
+  Box box;
+  for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
+  if (box.isEmpty()) return "";
+  const double size = box.sizes().maxCoeff();
+  if (size >= min_mesh_size && size <= max_mesh_size) return "";
+  return "mesh of " + owner + " is " + rounded(size) + " m long; " +
+         expected(min_mesh_size, max_mesh_size, "m") +
+         ": 'scale' is the length of one unit of its file in m, 0.001 for mm";
+}
+
+}  // namespace godobject

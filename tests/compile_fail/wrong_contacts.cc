@@ -1,0 +1,15 @@
+// Must not compile: a device is no contacts.
+#include "core/godobject.h"
+
+using namespace godobject;
+
+struct Mixed {
+  static constexpr int max_bodies = 1;
+  using Integrator = TrBdf2;
+  using Device = PoseDevice;
+  using Coupling = DampedSpring;
+  using Joints = None;
+  using Feedback = None;
+  using Contacts = PoseDevice;
+};
+static_assert(Scene<Mixed>);
