@@ -63,8 +63,8 @@ class RecallDeepPairs {
 /// the nearest one.
 template <std::size_t max_contacts>
 SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>* of_step,
-                                const ContactMemories<max_contacts>* of_stage, const ShapeParams& box,
-                                const Mat3& R_WS, const Vec3& p_W, const SurfacePoint& nearest) noexcept {
+                                const ContactMemories<max_contacts>* of_stage, const PlacedShape& box,
+                                const Vec3& p_W, const SurfacePoint& nearest) noexcept {
   const ContactMemory* at = nullptr;
   for (const auto* memories : {of_step, of_stage}) {
     if (memories == nullptr) continue;
@@ -74,8 +74,8 @@ SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_con
     if (one != end && one->key == key) at = one;
   }
   if (at == nullptr) return nearest;
-  const Vec3 n_S = face_along(R_WS, at->n_W.vec()), n_W = R_WS * n_S;
-  return {.distance = n_W.dot(p_W - box.X_WS.p) - box.half_extents.dot(n_S.cwiseAbs()), .n = n_W};
+  const Vec3 n_S = face_along(box.R_WS(), at->n_W.vec()), n_W = box.R_WS() * n_S;
+  return {.distance = n_W.dot(p_W - box.p_W()) - box.half_extents().dot(n_S.cwiseAbs()), .n = n_W};
 }
 
 }  // namespace godobject

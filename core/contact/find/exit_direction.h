@@ -32,8 +32,14 @@ inline Real lowest_along(const Vec3& n_W, const SpherePack* packs, std::uint32_t
   return std::min({lowest[0], lowest[1], lowest[2], lowest[3]});
 }
 /// How far a shape reaches in a direction.
-inline Real reach_along(const Vec3& n_W, const ShapeParams& shape, const Mat3& R_WS) noexcept {
-  return n_W.dot(shape.X_WS.p) + (R_WS.transpose() * n_W).cwiseAbs().dot(half_extents(shape));
+inline Real reach_along(const Vec3& n_W, const PlacedShape& shape) noexcept {
+  const Vec3 n_S = shape.R_WS().transpose() * n_W;
+  return n_W.dot(shape.p_W()) + n_S.cwiseAbs().dot(half_extents(shape.in_world()));
+}
+/// The outward normal of a face of a box: those along x, -x, y, -y, z, -z.
+inline Vec3 face_normal(const PlacedShape& box, int face) noexcept {
+  const Vec3 n_W = box.R_WS().col(face / 2);
+  return face % 2 == 0 ? n_W : Vec3(-n_W);
 }
 
 /// The shortest way by which all spheres of a body leave the surfaces [first, end) through a face of a box of theirs.
@@ -44,10 +50,10 @@ WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::ui
   const auto& owned = w.owned[body];
   const SpherePack* const packs = w.packs.data() + owned.first_pack;
   for (std::uint32_t o = first; o < end; ++o) {
-    for (int face = 0; face < 6 && w.posed[o].kind == ShapeKind::box; ++face) {
-      const Vec3 n_W = face % 2 == 0 ? w.R_WS[o].col(face / 2) : Vec3(-w.R_WS[o].col(face / 2));
+    for (int face = 0; face < 6 && w.placed[o].kind() == ShapeKind::box; ++face) {
+      const Vec3 n_W = face_normal(w.placed[o], face);
       Real up = -std::numeric_limits<Real>::infinity();
-      for (std::uint32_t k = first; k < end; ++k) up = std::max(up, reach_along(n_W, w.posed[k], w.R_WS[k]));
+      for (std::uint32_t k = first; k < end; ++k) up = std::max(up, reach_along(n_W, w.placed[k]));
       const Real distance = up - lowest_along(n_W, packs, owned.num_packs());
       if (distance < shortest.distance) shortest = {.n_W = n_W, .distance = distance};
     }
@@ -84,7 +90,7 @@ Real reach_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const 
   const auto& owned = w.owned[body];
   Real reach = -lowest_along(-n_W, w.packs.data() + owned.first_pack, owned.num_packs());
   for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o)
-    reach = std::max(reach, reach_along(n_W, w.posed[o], w.R_WS[o]));
+    reach = std::max(reach, reach_along(n_W, w.placed[o]));
   return reach;
 }
 
@@ -96,11 +102,10 @@ SinkingAxis sinking_axis(const ContactFinder<Contacts, N>& w, std::uint32_t a, s
   for (const bool of_a : {true, false}) {
     const auto& owned = w.owned[of_a ? a : b];
     for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o) {
-      for (int face = 0; face < 6 && w.posed[o].kind == ShapeKind::box; ++face) {
+      for (int face = 0; face < 6 && w.placed[o].kind() == ShapeKind::box; ++face) {
         const std::uint32_t one = SinkingAxis::of(o - owned.first_surface, of_a, face);
         if (number != SinkingAxis::none && one != number) continue;
-        const bool positive = (face % 2 == 0) != of_a;
-        const Vec3 n_W = positive ? w.R_WS[o].col(face / 2) : Vec3(-w.R_WS[o].col(face / 2));
+        const Vec3 n_W = face_normal(w.placed[o], of_a ? face ^ 1 : face);
         const Real depth = reach_along(w, b, n_W) + reach_along(w, a, -n_W);
         if (depth < least.depth) least = {.number = one, .n_W = n_W, .depth = depth};
       }

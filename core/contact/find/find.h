@@ -18,7 +18,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
                         NearContacts<Contacts::max_contacts>& near) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real travel = w.owned[a].travel + (b < N ? w.owned[b].travel : 0),
-             reach = reach_of_edges(w.posed[o], w.posed[q]);
+             reach = reach_of_edges(w.placed[o], w.placed[q]);
   // the world alone: among bodies grippers gained energy (decision 042)
   const bool sweeps = b >= N && travel > reach;
   const std::size_t before = near.size;
@@ -42,7 +42,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
     add_near(w, at, infinity, near);
   };
   const auto add_end = [&](bool may_be_sunk) noexcept {
-    return each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], may_be_sunk, add);
+    return each_crossing(w.placed[o], w.placed[q], may_be_sunk, add);
   };
   const BoxesAre at_end = add_end(true);
   if (!sweeps || was_apart || (at_end == BoxesAre::in_touch && !(travel > sunk_depth / edge_reach * reach)))
@@ -50,8 +50,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
   before_end = time_from_touch(w, a, o, b, q, travel, reach);
   if (!(before_end > 0)) return at_end;
   near.forget_from(before);
-  const EarlierBox on_a(w, a, o, before_end), on_b(w, b, q, before_end);
-  each_crossing(on_a.shape, on_a.R_WS, on_b.shape, on_b.R_WS, false, add);
+  each_crossing(earlier(w, a, o, before_end), earlier(w, b, q, before_end), false, add);
   before_end = 0;
   if (near.size == before) add_end(false);
   return BoxesAre::deep;
@@ -66,7 +65,7 @@ bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::ui
   bool are_sunk = false;
   for (std::uint32_t o = on_a.first_surface; o < on_a.end_surface; ++o) {
     for (std::uint32_t q = first; q < end; ++q) {
-      if (w.posed[o].kind != ShapeKind::box || w.posed[q].kind != ShapeKind::box) continue;
+      if (w.placed[o].kind() != ShapeKind::box || w.placed[q].kind() != ShapeKind::box) continue;
       const std::uint64_t key = pair | edges_key(o - on_a.first_surface, q - first, 0);
       are_sunk |= find_crossings(w, a, o, b, q, key, near) == BoxesAre::sunk;
     }
