@@ -1,12 +1,15 @@
 #include "platform/scene/top_speed.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "core/contact/candidates.h"
 #include "platform/scene/contact/pairs.h"
 #include "platform/scene/contact/params.h"
+#include "platform/scene/contact/spheres_alone.h"
 
 namespace godobject {
 namespace {
@@ -61,6 +64,7 @@ class Search {
         contacts_(scene_contacts(scene)),
         tools_(tools_of(scene)),
         sums_(tool_sums(scene, tools_)) {
+    for (const BodyConfig& body : scene.bodies) covers_.push_back(shape_cover(body));
     for (const std::unique_ptr<MeshSolid>& solid : contacts_.meshes)
       if (solid) thinnest_.emplace_back(&solid->mesh(), thinnest(solid->data()));
   }
@@ -79,7 +83,7 @@ class Search {
  private:
   void against_surface(const BodySphere& sphere, std::size_t s) {
     const Surface& surface = contacts_.surfaces[s];
-    if (surface.body != world && tools_[surface.body] == tools_[sphere.body]) return;
+    if (!meets(sphere.body, surface)) return;
     double T = half_thickness(surface.shape, sphere.radius);
     for (const auto& [mesh, thickness] : thinnest_)
       if (surface.shape.mesh == mesh) T = std::min(T, thickness / 2);
@@ -103,6 +107,12 @@ class Search {
           .travel = held_in_a_step * T / scene_.step,
           .energy = infinite,
           .hand = infinite});
+  }
+
+  /// True if a body and what has this surface touch, but for obstacles that its shapes meet by its spheres alone.
+  bool meets(std::size_t body, const Surface& surface) const {
+    if (surface.body == world) return meets_obstacle(covers_[body], surface.shape.kind);
+    return tools_[surface.body] != tools_[body];
   }
 
   /// Placed at its target, whatever is in the way.
@@ -146,6 +156,7 @@ class Search {
   SceneContacts contacts_;
   std::vector<std::size_t> tools_;
   std::vector<ToolSums> sums_;
+  std::vector<ShapeCover> covers_;  // of each body
   std::vector<std::pair<const TriangleMesh*, double>> thinnest_;
   std::optional<SpeedBound> slowest_;
 };
@@ -170,7 +181,27 @@ double thinnest(const MeshData& mesh) {
 }
 
 const char* what_does_not_pass(const SceneConfig& scene) {
-  return scene.nets.empty() ? "nothing" : "nothing but nodes of nets, of which it does not say,";
+  const bool nets = !scene.nets.empty();
+  if (spheres_alone(scene).empty())
+    return nets ? "nothing but nodes of nets, of which it does not say," : "nothing";
+  return nets ? "nothing but nodes of nets and shapes that meet others by their spheres alone, of which it "
+                "does not say,"
+              : "nothing but shapes that meet others by their spheres alone, of which it does not say,";
+}
+
+std::string top_speed_text(const SceneConfig& scene) {
+  const std::optional<SpeedBound> bound = top_speed(scene);
+  if (!bound) {
+    const std::vector<SpheresAlone> alone = spheres_alone(scene);
+    if (alone.empty()) return "";
+    return "none is promised: the shape of body '" + alone[0].body + "' meets " + alone[0].other +
+           " by its spheres alone";
+  }
+  if (std::isinf(bound->top())) return "no limit: what is touched are planes, which have no other side";
+  std::array<char, 32> top{};
+  std::snprintf(top.data(), top.size(), "%.3g", bound->top());
+  return std::string(top.data()) + " m/s: up to it " + what_does_not_pass(scene) + " passes anything, " +
+         bound->what;
 }
 
 std::optional<SpeedBound> top_speed(const SceneConfig& scene) {

@@ -20,6 +20,8 @@
 // contact at less than r + T, x_H < (r + T) (1 + k / k_c). A body placed at its target by coupling = "imposed" is
 // stopped by nothing: of it only the travel counts, and only against bodies that it can push.
 //
+// Shapes that meet others by the spheres of their body alone are not in it: platform/scene/contact/spheres_alone.h.
+//
 // Nodes of nets are not in it. Obstacles stop them on their way, as fast as they may be, but the carrier and the other nodes go on
 // pulling by springs, and how hard depends on how far the whole net is deformed.
 #pragma once
@@ -40,11 +42,15 @@ struct SpeedBound {
   double top() const { return travel < energy ? travel : energy; }
 };
 
-/// That of the pair with the lowest top speed; none in a scene without contacts.
+/// That of the pair with the lowest top speed; none in a scene without contacts, or of whose pairs nothing is promised.
 std::optional<SpeedBound> top_speed(const SceneConfig& scene);
 
-/// What that is true of: the subject of "... passes anything".
+/// Subject of "... passes anything": nets and shapes that the bound leaves out are named.
 const char* what_does_not_pass(const SceneConfig& scene);
+
+/// The bound in a line: "1.5 m/s: up to it nothing passes anything, ...", or that there is no limit or no promise; empty
+/// where nothing may touch.
+std::string top_speed_text(const SceneConfig& scene);
 
 /// The shortest way through the solid along inward normals, sampled at up to 2000 of its triangles, m.
 double thinnest(const MeshData& mesh);
