@@ -102,14 +102,15 @@ class Search {
       return;
     if (imposed(a.body) && imposed(b.body)) return;
     const double T = std::min(a.shape.half_extents.minCoeff(), b.shape.half_extents.minCoeff());
+    const Springs springs = springs_between(a.body, b.body, contacts_.laws[a.material][b.material].k);
     keep({.what =
               "boxes of bodies '" + scene_.bodies[a.body].name + "' and '" + scene_.bodies[b.body].name + "'",
           .travel = held_in_a_step * T / scene_.step,
-          .energy = infinite,
-          .hand = infinite});
+          .energy = springs.speed_within(sunk_depth * T),
+          .hand = springs.hand_within(sunk_depth * T)});
   }
 
-  /// True if a body and what has this surface touch, but for obstacles that its shapes meet by its spheres alone.
+  /// True if a body may touch a surface, and not an obstacle that its shapes meet by its spheres alone.
   bool meets(std::size_t body, const Surface& surface) const {
     if (surface.body == world) return meets_obstacle(covers_[body], surface.shape.kind);
     return tools_[surface.body] != tools_[body];
@@ -118,6 +119,28 @@ class Search {
   /// Placed at its target, whatever is in the way.
   bool imposed(std::size_t body) const {
     return scene_.coupling == CouplingMode::imposed && sums_[body].k_c > 0;
+  }
+
+  /// A contact of two tools, or of a tool and the world, and the couplings that press it.
+  struct Springs {
+    double k = 0, mass = 0, k_c = 0;  // N/m; kg; N/m, infinite for a body placed at its target
+    /// Speed that the contact stops within a depth.
+    double speed_within(double depth) const {
+      return k_c < infinite ? depth * std::sqrt(k / mass) : infinite;
+    }
+    /// How far beyond the surface a hand may lead a tool that is to stay within a depth.
+    double hand_within(double depth) const {
+      return k_c > 0 && k_c < infinite ? depth * (1 + k / k_c) : infinite;
+    }
+  };
+  Springs springs_between(std::size_t body, std::size_t other, double k) const {
+    Springs springs{.k = k, .mass = sums_[body].mass, .k_c = sums_[body].k_c};
+    if (other != world) {
+      springs.mass = springs.mass * sums_[other].mass / (springs.mass + sums_[other].mass);
+      springs.k_c = std::max(springs.k_c, sums_[other].k_c);
+    }
+    if (imposed(body) || (other != world && imposed(other))) springs.k_c = infinite;
+    return springs;
   }
 
   /// Nothing stops an imposed body: obstacles let it through at any speed, and what it can push aside it must
@@ -138,18 +161,13 @@ class Search {
   void take(const BodySphere& sphere, MaterialId material, std::size_t other, double T,
             const std::string& name) {
     const double k = contacts_.laws[sphere.material][material].k, depth = sphere.radius + T;
-    const ToolSums& tool = sums_[sphere.body];
     if (imposed(sphere.body) || (other != world && imposed(other)))
       return take_imposed(sphere, other, depth, name);
-    double mass = tool.mass, k_c = tool.k_c;
-    if (other != world) {
-      mass = mass * sums_[other].mass / (mass + sums_[other].mass);
-      k_c = std::max(k_c, sums_[other].k_c);
-    }
+    const Springs springs = springs_between(sphere.body, other, k);
     keep({.what = what(sphere, name),
           .travel = depth / scene_.step,
-          .energy = depth * std::sqrt(k / mass),
-          .hand = k_c > 0 ? depth * (1 + k / k_c) : infinite});
+          .energy = springs.speed_within(depth),
+          .hand = springs.hand_within(depth)});
   }
 
   const SceneConfig& scene_;

@@ -1,11 +1,11 @@
-// Shapes that touch others by the spheres of their body alone: what is narrower passes between these at any speed.
+// Shapes that touch others by the spheres of their body alone: narrower solids pass between these at any speed.
 //
-// A shape is touched by spheres and nodes of nets; boxes of two bodies also touch at their edges. No two shapes are
-// compared otherwise (core/contact/find/find.h). So a body that has shapes misses
+// A shape is touched by spheres and nodes of nets; boxes of two bodies also touch at their edges. No two shapes
+// are compared otherwise (core/contact/find/find.h). So a body that has shapes misses
 //
 //   obstacles, other than planes, unless one of its spheres holds the shape;
 //   planes, unless a sphere is set at each corner and end of the shape;
-//   shapes of other bodies, unless a sphere holds one of the two, or both are boxes with a sphere at each corner.
+//   shapes of other bodies, unless a sphere holds one of the two, or both are boxes with all corners held.
 #pragma once
 
 #include <string>
