@@ -42,16 +42,20 @@ inline Vec3 face_normal(const PlacedShape& box, int face) noexcept {
   return face % 2 == 0 ? n_W : Vec3(-n_W);
 }
 
-/// The shortest way by which all spheres of a body leave the surfaces [first, end) through a face of a box of theirs.
+/// Returns the shortest way by which all spheres of a body leave the surfaces [first, end), through a face of a box
+/// of theirs. pushed_W: force on the body by these surfaces in the step before, N; if there is one, the face looks
+/// along it.
 template <class Contacts, std::size_t N>
 WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::uint32_t end,
-               std::uint32_t body) noexcept {
+               std::uint32_t body, const Vec3& pushed_W) noexcept {
   WayOut shortest;
+  const Real least_along = same_contact * pushed_W.norm();
   const auto& owned = w.owned[body];
   const SpherePack* const packs = w.packs.data() + owned.first_pack;
   for (std::uint32_t o = first; o < end; ++o) {
     for (int face = 0; face < 6 && w.placed[o].kind() == ShapeKind::box; ++face) {
       const Vec3 n_W = face_normal(w.placed[o], face);
+      if (n_W.dot(pushed_W) < least_along) continue;
       Real up = -std::numeric_limits<Real>::infinity();
       for (std::uint32_t k = first; k < end; ++k) up = std::max(up, reach_along(n_W, w.placed[k]));
       const Real distance = up - lowest_along(n_W, packs, owned.num_packs());
@@ -61,13 +65,16 @@ WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::ui
   return shortest;
 }
 
-/// The shortest way of body a out of body b: of its spheres out of b's surfaces, or of b's spheres out of its own.
+/// Returns the shortest way of body a out of body b: of its spheres out of b's surfaces, or of b's spheres out of
+/// its own. pushed_W: force on a by b in the step before, N. Bodies go on leaving each other along it, because
+/// nearer faces would let them through each other's sides (test_tunnelling.cc).
 template <class Contacts, std::size_t N>
-Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b) noexcept {
-  const auto out_of = [&](std::uint32_t of, std::uint32_t body) noexcept {
-    return way_out(w, w.owned[of].first_surface, w.owned[of].end_surface, body);
+Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+             const Vec3& pushed_W) noexcept {
+  const auto out_of = [&](std::uint32_t of, std::uint32_t body, const Vec3& pushed) noexcept {
+    return way_out(w, w.owned[of].first_surface, w.owned[of].end_surface, body, pushed);
   };
-  const WayOut a_moves = out_of(b, a), b_moves = out_of(a, b);
+  const WayOut a_moves = out_of(b, a, pushed_W), b_moves = out_of(a, b, -pushed_W);
   return a_moves.distance <= b_moves.distance ? a_moves.n_W : Vec3(-b_moves.n_W);
 }
 

@@ -98,13 +98,12 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
   const auto &on_a = w.owned[a], &on_b = w.owned[b];
   const auto find = [&](const Vec3* a_leaves, const Vec3* b_leaves) noexcept {
     return find_on_surfaces(w, a, b, pair, on_b.first_surface, on_b.end_surface, a_leaves, near) ||
-           find_on_surfaces(w, b, a, pair | std::uint64_t(1) << 31, on_a.first_surface, on_a.end_surface,
-                            b_leaves, near);
+           find_on_surfaces(w, b, a, pair | of_second, on_a.first_surface, on_a.end_surface, b_leaves, near);
   };
   const std::size_t before = near.size;
   if (were_deep.spheres || find(nullptr, nullptr)) {
     near.forget_from(before);
-    const Vec3 a_leaves = parting(w, a, b), b_leaves = -a_leaves;
+    const Vec3 a_leaves = parting(w, a, b, were_deep.pushed_W), b_leaves = -a_leaves;
     find(&a_leaves, &b_leaves);
   }
   if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;
@@ -159,14 +158,20 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
   if constexpr (Contacts::between_bodies)
     find_overlaps(num_bodies, w.broad,
                   [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
-  RecallDeepPairs<Contacts> were_deep(par, before);
+  RecallDeepPairs<Contacts> of_step(par, before), of_stage(par, w.of_stage == nullptr ? before : *w.of_stage);
+  const auto were_deep = [&](std::uint64_t pair) noexcept {
+    DeepPair deep = of_step.find(pair);
+    if (const Vec3 pushed_W = of_stage.find(pair).pushed_W; pushed_W.squaredNorm() > 0)
+      deep.pushed_W = pushed_W;
+    return deep;
+  };
   const auto num_fixed = static_cast<std::uint32_t>(w.num_fixed);
   for (std::uint32_t a = 0; a < num_bodies; ++a) {
     if constexpr (Contacts::between_bodies)
       w.broad.near[a].each(static_cast<std::uint32_t>(num_bodies), [&](std::uint32_t b) noexcept {
         const std::uint64_t pair = pair_key(a, b);
         if (w.owned[a].has_surfaces() || w.owned[b].has_surfaces())
-          find_on_bodies(w, a, b, pair, were_deep.find(pair), near);
+          find_on_bodies(w, a, b, pair, were_deep(pair), near);
         else find_on_spheres(w, a, b, pair, near);
       });
     if (num_fixed > 0)

@@ -92,13 +92,13 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           hits = sought & near_box(shape, pack, travel, nullptr, d, n_W);
           // it may have come in over another face, or be through
           const std::uint32_t past = shape.half_extents().minCoeff() < travel ? 15 : bits(Pack(0) < d);
-          std::uint32_t fast = b < N ? 0 : hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
+          std::uint32_t fast = hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
           for (; fast != 0; fast &= fast - 1) {
             const auto j = static_cast<std::uint32_t>(std::countr_zero(fast));
             const SweptContact touch = first_touch(j);
             if (touch.touches) {
               found(j, touch.depth, touch.n_W);
-            } else if (touch.was_inside && d[j] < pack.r[j]) {
+            } else if (b >= N && touch.was_inside && d[j] < pack.r[j]) {
               const SurfacePoint behind = before(j, {.distance = pack.r[j] - d[j], .n = lane(n_W, j)});
               found(j, pack.r[j] - behind.distance, behind.n);
             } else {
@@ -108,7 +108,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           }
           if ((hits & bits(pack.r <= d)) != 0) {
             if (b < N) return true;
-            const Vec3 face = face_along(shape.R_WS(), way_out(w, o, o + 1, a).n_W);
+            const Vec3 face = face_along(shape.R_WS(), way_out(w, o, o + 1, a, Vec3::Zero()).n_W);
             hits = sought & near_box(shape, pack, travel, &face, d, n_W);
           }
         }
@@ -120,7 +120,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
         SurfacePoint surface = nearest(shape.in_world(), lane(pack.p_W, j), radius + reach);
-        if (b >= N && (travel > radius || surface.distance < 0)) {
+        if (travel > radius || surface.distance < 0) {
           const SweptContact touch = first_touch(j);
           if (touch.touches) {
             found(j, touch.depth, touch.n_W);
