@@ -65,8 +65,7 @@ class NetFinder {
   }
 
   void find_on_surface(std::uint32_t o, std::uint32_t num_packs) noexcept {
-    const ShapeParams& shape = bodies_.posed[o];
-    const Mat3& R_WS = bodies_.R_WS[o];
+    const PlacedShape& shape = bodies_.placed[o];
     const std::size_t body = contacts_.surfaces[o].body;
     const std::uint32_t b = body == world ? on_world : static_cast<std::uint32_t>(body);
     const Real body_travel = b == on_world ? 0 : bodies_.owned[b].travel;
@@ -77,29 +76,29 @@ class NetFinder {
       Pack d;
       Vector3<Pack> n_W;
       std::uint32_t hits = bits(Pack(0) < pack.r);
-      if (shape.kind == ShapeKind::plane) {
-        hits &= near_plane(shape, R_WS, pack, travel, d, n_W);
+      if (shape.kind() == ShapeKind::plane) {
+        hits &= near_plane(shape, pack, travel, d, n_W);
         for (; hits != 0; hits &= hits - 1) {
           const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
           add(4 * k + j, b, o, d[j], lane(n_W, j));
         }
         continue;
       }
-      hits &= may_touch(shape, R_WS, ball, pack, travel);
+      hits &= may_touch(shape, ball, pack, travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const std::uint32_t n = 4 * k + j;
         const Vec3 p_W = w_.p[n].vec();
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
-        SurfacePoint surface = nearest_of(shape, R_WS, p_W, radius + reach);
+        SurfacePoint surface = nearest_of(shape, p_W, radius + reach);
         if (b == on_world && (travel > radius || surface.distance < 0)) {
-          const SweptContact touch = swept(shape, R_WS, p_W, -bodies_.since() * w_.v[n].vec(), radius);
+          const SweptContact touch = swept(shape, p_W, -bodies_.since() * w_.v[n].vec(), radius);
           if (touch.touches) {
             add(n, b, o, touch.depth, touch.n_W);
             continue;
           }
-          if (shape.kind == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
-            surface = behind_face_before(key_of(n, o), &of_step_, of_stage_, shape, R_WS, p_W, surface);
+          if (shape.kind() == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
+            surface = behind_face_before(key_of(n, o), &of_step_, of_stage_, shape, p_W, surface);
         }
         if (radius - surface.distance > -reach) add(n, b, o, radius - surface.distance, surface.n);
       }

@@ -103,9 +103,8 @@ void add_contacts(const SceneConfig& scene, const Composition& c, std::vector<st
     lines.push_back(line("contacts", "%zu of %zu spheres, %zu of %zu surfaces, at most %zu at a time",
                          counts.spheres, c.max_spheres, counts.surfaces, c.max_surfaces, c.max_contacts));
   }
-  if (const std::optional<SpeedBound> bound = top_speed(scene))
-    lines.push_back(line("top speed", "%.3g m/s: up to it %s passes anything, %s", bound->top(),
-                         what_does_not_pass(scene), bound->what.c_str()));
+  if (const std::string text = top_speed_text(scene); !text.empty())
+    lines.push_back(line("top speed", "%s", text.c_str()));
 }
 
 void add_nets(const Session& session, std::vector<std::string>& lines) {

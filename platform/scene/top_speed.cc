@@ -1,12 +1,15 @@
 #include "platform/scene/top_speed.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "core/contact/candidates.h"
 #include "platform/scene/contact/pairs.h"
 #include "platform/scene/contact/params.h"
+#include "platform/scene/contact/spheres_alone.h"
 
 namespace godobject {
 namespace {
@@ -61,6 +64,7 @@ class Search {
         contacts_(scene_contacts(scene)),
         tools_(tools_of(scene)),
         sums_(tool_sums(scene, tools_)) {
+    for (const BodyConfig& body : scene.bodies) covers_.push_back(shape_cover(body));
     for (const std::unique_ptr<MeshSolid>& solid : contacts_.meshes)
       if (solid) thinnest_.emplace_back(&solid->mesh(), thinnest(solid->data()));
   }
@@ -79,7 +83,7 @@ class Search {
  private:
   void against_surface(const BodySphere& sphere, std::size_t s) {
     const Surface& surface = contacts_.surfaces[s];
-    if (surface.body != world && tools_[surface.body] == tools_[sphere.body]) return;
+    if (!meets(sphere.body, surface)) return;
     double T = half_thickness(surface.shape, sphere.radius);
     for (const auto& [mesh, thickness] : thinnest_)
       if (surface.shape.mesh == mesh) T = std::min(T, thickness / 2);
@@ -98,16 +102,45 @@ class Search {
       return;
     if (imposed(a.body) && imposed(b.body)) return;
     const double T = std::min(a.shape.half_extents.minCoeff(), b.shape.half_extents.minCoeff());
+    const Springs springs = springs_between(a.body, b.body, contacts_.laws[a.material][b.material].k);
     keep({.what =
               "boxes of bodies '" + scene_.bodies[a.body].name + "' and '" + scene_.bodies[b.body].name + "'",
           .travel = held_in_a_step * T / scene_.step,
-          .energy = infinite,
-          .hand = infinite});
+          .energy = springs.speed_within(sunk_depth * T),
+          .hand = springs.hand_within(sunk_depth * T)});
+  }
+
+  /// True if a body may touch a surface, and not an obstacle that its shapes meet by its spheres alone.
+  bool meets(std::size_t body, const Surface& surface) const {
+    if (surface.body == world) return meets_obstacle(covers_[body], surface.shape.kind);
+    return tools_[surface.body] != tools_[body];
   }
 
   /// Placed at its target, whatever is in the way.
   bool imposed(std::size_t body) const {
     return scene_.coupling == CouplingMode::imposed && sums_[body].k_c > 0;
+  }
+
+  /// A contact of two tools, or of a tool and the world, and the couplings that press it.
+  struct Springs {
+    double k = 0, mass = 0, k_c = 0;  // N/m; kg; N/m, infinite for a body placed at its target
+    /// Speed that the contact stops within a depth.
+    double speed_within(double depth) const {
+      return k_c < infinite ? depth * std::sqrt(k / mass) : infinite;
+    }
+    /// How far beyond the surface a hand may lead a tool that is to stay within a depth.
+    double hand_within(double depth) const {
+      return k_c > 0 && k_c < infinite ? depth * (1 + k / k_c) : infinite;
+    }
+  };
+  Springs springs_between(std::size_t body, std::size_t other, double k) const {
+    Springs springs{.k = k, .mass = sums_[body].mass, .k_c = sums_[body].k_c};
+    if (other != world) {
+      springs.mass = springs.mass * sums_[other].mass / (springs.mass + sums_[other].mass);
+      springs.k_c = std::max(springs.k_c, sums_[other].k_c);
+    }
+    if (imposed(body) || (other != world && imposed(other))) springs.k_c = infinite;
+    return springs;
   }
 
   /// Nothing stops an imposed body: obstacles let it through at any speed, and what it can push aside it must
@@ -128,24 +161,20 @@ class Search {
   void take(const BodySphere& sphere, MaterialId material, std::size_t other, double T,
             const std::string& name) {
     const double k = contacts_.laws[sphere.material][material].k, depth = sphere.radius + T;
-    const ToolSums& tool = sums_[sphere.body];
     if (imposed(sphere.body) || (other != world && imposed(other)))
       return take_imposed(sphere, other, depth, name);
-    double mass = tool.mass, k_c = tool.k_c;
-    if (other != world) {
-      mass = mass * sums_[other].mass / (mass + sums_[other].mass);
-      k_c = std::max(k_c, sums_[other].k_c);
-    }
+    const Springs springs = springs_between(sphere.body, other, k);
     keep({.what = what(sphere, name),
           .travel = depth / scene_.step,
-          .energy = depth * std::sqrt(k / mass),
-          .hand = k_c > 0 ? depth * (1 + k / k_c) : infinite});
+          .energy = springs.speed_within(depth),
+          .hand = springs.hand_within(depth)});
   }
 
   const SceneConfig& scene_;
   SceneContacts contacts_;
   std::vector<std::size_t> tools_;
   std::vector<ToolSums> sums_;
+  std::vector<ShapeCover> covers_;  // of each body
   std::vector<std::pair<const TriangleMesh*, double>> thinnest_;
   std::optional<SpeedBound> slowest_;
 };
@@ -170,7 +199,27 @@ double thinnest(const MeshData& mesh) {
 }
 
 const char* what_does_not_pass(const SceneConfig& scene) {
-  return scene.nets.empty() ? "nothing" : "nothing but nodes of nets, of which it does not say,";
+  const bool nets = !scene.nets.empty();
+  if (spheres_alone(scene).empty())
+    return nets ? "nothing but nodes of nets, of which it does not say," : "nothing";
+  return nets ? "nothing but nodes of nets and shapes that meet others by their spheres alone, of which it "
+                "does not say,"
+              : "nothing but shapes that meet others by their spheres alone, of which it does not say,";
+}
+
+std::string top_speed_text(const SceneConfig& scene) {
+  const std::optional<SpeedBound> bound = top_speed(scene);
+  if (!bound) {
+    const std::vector<SpheresAlone> alone = spheres_alone(scene);
+    if (alone.empty()) return "";
+    return "none is promised: the shape of body '" + alone[0].body + "' meets " + alone[0].other +
+           " by its spheres alone";
+  }
+  if (std::isinf(bound->top())) return "no limit: what is touched are planes, which have no other side";
+  std::array<char, 32> top{};
+  std::snprintf(top.data(), top.size(), "%.3g", bound->top());
+  return std::string(top.data()) + " m/s: up to it " + what_does_not_pass(scene) + " passes anything, " +
+         bound->what;
 }
 
 std::optional<SpeedBound> top_speed(const SceneConfig& scene) {

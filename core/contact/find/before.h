@@ -27,11 +27,17 @@ inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 
 inline std::uint64_t sinking_key(std::uint32_t axis) noexcept { return std::uint64_t(1) << 30 | axis; }
 inline bool is_of_sinking(std::uint64_t key) noexcept { return (key >> 30 & 3) == 1; }
 
+/// Bit of the key of a contact of the pair's second body with a surface of the first.
+inline constexpr std::uint64_t of_second = std::uint64_t(1) << 31;
+/// True if a sphere of the pair's second body touches the first.
+inline bool is_of_second(std::uint64_t key) noexcept { return (key & of_second) != 0 && !is_of_edges(key); }
+
 /// How a pair of bodies was in each other in the step before.
 struct DeepPair {
   bool spheres = false;                    // some by their rest penetration
   bool pressed = false;                    // pressed together, each contact by itself
   std::uint32_t axis = SinkingAxis::none;  // along which they were sunk
+  Vec3 pushed_W = Vec3::Zero();            // normal force on the first by the second, N
 };
 
 /// Says of pairs of bodies that come in rising order how deep in each other they were.
@@ -46,6 +52,7 @@ class RecallDeepPairs {
     for (; at_ < of_.size && of_.list[at_].key >> 32 == pair >> 32; ++at_) {
       const ContactMemory& m = of_.list[at_];
       deep.pressed |= m.pressed > 0 && !is_of_sinking(m.key);
+      deep.pushed_W += (is_of_second(m.key) ? -1 : 1) * dot(m.F_W, m.n_W) * m.n_W.vec();
       if (is_of_edges(m.key)) continue;
       if (is_of_sinking(m.key)) deep.axis = static_cast<std::uint32_t>(m.key) & ((1u << 30) - 1);
       else deep.spheres |= m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
@@ -63,8 +70,8 @@ class RecallDeepPairs {
 /// the nearest one.
 template <std::size_t max_contacts>
 SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>* of_step,
-                                const ContactMemories<max_contacts>* of_stage, const ShapeParams& box,
-                                const Mat3& R_WS, const Vec3& p_W, const SurfacePoint& nearest) noexcept {
+                                const ContactMemories<max_contacts>* of_stage, const PlacedShape& box,
+                                const Vec3& p_W, const SurfacePoint& nearest) noexcept {
   const ContactMemory* at = nullptr;
   for (const auto* memories : {of_step, of_stage}) {
     if (memories == nullptr) continue;
@@ -74,8 +81,8 @@ SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_con
     if (one != end && one->key == key) at = one;
   }
   if (at == nullptr) return nearest;
-  const Vec3 n_S = face_along(R_WS, at->n_W.vec()), n_W = R_WS * n_S;
-  return {.distance = n_W.dot(p_W - box.X_WS.p) - box.half_extents.dot(n_S.cwiseAbs()), .n = n_W};
+  const Vec3 n_S = face_along(box.R_WS(), at->n_W.vec()), n_W = box.R_WS() * n_S;
+  return {.distance = n_W.dot(p_W - box.p_W()) - box.half_extents().dot(n_S.cwiseAbs()), .n = n_W};
 }
 
 }  // namespace godobject

@@ -40,14 +40,14 @@ struct BoxOnBox {
   Pack p_A, p_B;             // from a to b: in the frame of a; of b
   std::array<Pack, 3> R, E;  // rows of R_AB, and their absolute values
 
-  BoxOnBox(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB) noexcept
-      : h_a(a.half_extents), h_B(Column(b.half_extents).p) {
-    const std::array<Pack, 3> a_W = rows(R_WA), b_W = rows(R_WB);
-    const Vec3 p_W = b.X_WS.p - a.X_WS.p;
+  BoxOnBox(const PlacedShape& a, const PlacedShape& b) noexcept
+      : h_a(a.half_extents()), h_B(Column(b.half_extents()).p) {
+    const std::array<Pack, 3> a_W = rows(a.R_WS()), b_W = rows(b.R_WS());
+    const Vec3 p_W = b.p_W() - a.p_W();
     p_A = a_W[0] * p_W[0] + a_W[1] * p_W[1] + a_W[2] * p_W[2];
     p_B = b_W[0] * p_W[0] + b_W[1] * p_W[1] + b_W[2] * p_W[2];
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto axis = R_WA.col(static_cast<int>(k));
+      const auto axis = a.R_WS().col(static_cast<int>(k));
       R[k] = b_W[0] * axis[0] + b_W[1] * axis[1] + b_W[2] * axis[2];
       E[k] = abs(R[k]);
     }
@@ -194,15 +194,14 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
 /// How two boxes are in each other: in touch, no deeper than the reach of their edges.
 enum class BoxesAre { in_touch, deep, sunk };
 
-inline Real reach_of_edges(const ShapeParams& a, const ShapeParams& b) noexcept {
-  return edge_reach * std::min(a.half_extents.minCoeff(), b.half_extents.minCoeff());
+inline Real reach_of_edges(const PlacedShape& a, const PlacedShape& b) noexcept {
+  return edge_reach * std::min(a.half_extents().minCoeff(), b.half_extents().minCoeff());
 }
 
 /// f(crossing) for the edges of box a that touch edges of box b, or are near to; none where the boxes are sunk, if they may be.
 template <class F>
-BoxesAre each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams& b, const Mat3& R_WB,
-                       bool may_be_sunk, F f) noexcept {
-  const BoxOnBox w(a, R_WA, b, R_WB);
+BoxesAre each_crossing(const PlacedShape& a, const PlacedShape& b, bool may_be_sunk, F f) noexcept {
+  const BoxOnBox w(a, b);
   const Real reach = reach_of_edges(a, b), too_deep = sunk_depth / edge_reach * reach;
   const LeastFace face = least_face(w);
   if (face.depth <= -reach) return BoxesAre::in_touch;
@@ -212,7 +211,7 @@ BoxesAre each_crossing(const ShapeParams& a, const Mat3& R_WA, const ShapeParams
     each_crossing_along(
         w, i, reach, most, face.n_A,
         [&](std::uint32_t edges, Real d, const Vec3& p_A, const Vec3& n_A) noexcept {
-          f(EdgeCrossing{.edges = edges, .d = d, .p_W = a.X_WS.p + R_WA * p_A, .n_W = R_WA * n_A});
+          f(EdgeCrossing{.edges = edges, .d = d, .p_W = a.p_W() + a.R_WS() * p_A, .n_W = a.R_WS() * n_A});
         });
   return face.depth > reach ? BoxesAre::deep : BoxesAre::in_touch;
 }

@@ -32,22 +32,32 @@ inline Real lowest_along(const Vec3& n_W, const SpherePack* packs, std::uint32_t
   return std::min({lowest[0], lowest[1], lowest[2], lowest[3]});
 }
 /// How far a shape reaches in a direction.
-inline Real reach_along(const Vec3& n_W, const ShapeParams& shape, const Mat3& R_WS) noexcept {
-  return n_W.dot(shape.X_WS.p) + (R_WS.transpose() * n_W).cwiseAbs().dot(half_extents(shape));
+inline Real reach_along(const Vec3& n_W, const PlacedShape& shape) noexcept {
+  const Vec3 n_S = shape.R_WS().transpose() * n_W;
+  return n_W.dot(shape.p_W()) + n_S.cwiseAbs().dot(half_extents(shape.in_world()));
+}
+/// The outward normal of a face of a box: those along x, -x, y, -y, z, -z.
+inline Vec3 face_normal(const PlacedShape& box, int face) noexcept {
+  const Vec3 n_W = box.R_WS().col(face / 2);
+  return face % 2 == 0 ? n_W : Vec3(-n_W);
 }
 
-/// The shortest way by which all spheres of a body leave the surfaces [first, end) through a face of a box of theirs.
+/// Returns the shortest way by which all spheres of a body leave the surfaces [first, end), through a face of a box
+/// of theirs. pushed_W: force on the body by these surfaces in the step before, N; if there is one, the face looks
+/// along it.
 template <class Contacts, std::size_t N>
 WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::uint32_t end,
-               std::uint32_t body) noexcept {
+               std::uint32_t body, const Vec3& pushed_W) noexcept {
   WayOut shortest;
+  const Real least_along = same_contact * pushed_W.norm();
   const auto& owned = w.owned[body];
   const SpherePack* const packs = w.packs.data() + owned.first_pack;
   for (std::uint32_t o = first; o < end; ++o) {
-    for (int face = 0; face < 6 && w.posed[o].kind == ShapeKind::box; ++face) {
-      const Vec3 n_W = face % 2 == 0 ? w.R_WS[o].col(face / 2) : Vec3(-w.R_WS[o].col(face / 2));
+    for (int face = 0; face < 6 && w.placed[o].kind() == ShapeKind::box; ++face) {
+      const Vec3 n_W = face_normal(w.placed[o], face);
+      if (n_W.dot(pushed_W) < least_along) continue;
       Real up = -std::numeric_limits<Real>::infinity();
-      for (std::uint32_t k = first; k < end; ++k) up = std::max(up, reach_along(n_W, w.posed[k], w.R_WS[k]));
+      for (std::uint32_t k = first; k < end; ++k) up = std::max(up, reach_along(n_W, w.placed[k]));
       const Real distance = up - lowest_along(n_W, packs, owned.num_packs());
       if (distance < shortest.distance) shortest = {.n_W = n_W, .distance = distance};
     }
@@ -55,13 +65,16 @@ WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::ui
   return shortest;
 }
 
-/// The shortest way of body a out of body b: of its spheres out of b's surfaces, or of b's spheres out of its own.
+/// Returns the shortest way of body a out of body b: of its spheres out of b's surfaces, or of b's spheres out of
+/// its own. pushed_W: force on a by b in the step before, N. Bodies go on leaving each other along it, because
+/// nearer faces would let them through each other's sides (test_tunnelling.cc).
 template <class Contacts, std::size_t N>
-Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b) noexcept {
-  const auto out_of = [&](std::uint32_t of, std::uint32_t body) noexcept {
-    return way_out(w, w.owned[of].first_surface, w.owned[of].end_surface, body);
+Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+             const Vec3& pushed_W) noexcept {
+  const auto out_of = [&](std::uint32_t of, std::uint32_t body, const Vec3& pushed) noexcept {
+    return way_out(w, w.owned[of].first_surface, w.owned[of].end_surface, body, pushed);
   };
-  const WayOut a_moves = out_of(b, a), b_moves = out_of(a, b);
+  const WayOut a_moves = out_of(b, a, pushed_W), b_moves = out_of(a, b, -pushed_W);
   return a_moves.distance <= b_moves.distance ? a_moves.n_W : Vec3(-b_moves.n_W);
 }
 
@@ -84,7 +97,7 @@ Real reach_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const 
   const auto& owned = w.owned[body];
   Real reach = -lowest_along(-n_W, w.packs.data() + owned.first_pack, owned.num_packs());
   for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o)
-    reach = std::max(reach, reach_along(n_W, w.posed[o], w.R_WS[o]));
+    reach = std::max(reach, reach_along(n_W, w.placed[o]));
   return reach;
 }
 
@@ -96,11 +109,10 @@ SinkingAxis sinking_axis(const ContactFinder<Contacts, N>& w, std::uint32_t a, s
   for (const bool of_a : {true, false}) {
     const auto& owned = w.owned[of_a ? a : b];
     for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o) {
-      for (int face = 0; face < 6 && w.posed[o].kind == ShapeKind::box; ++face) {
+      for (int face = 0; face < 6 && w.placed[o].kind() == ShapeKind::box; ++face) {
         const std::uint32_t one = SinkingAxis::of(o - owned.first_surface, of_a, face);
         if (number != SinkingAxis::none && one != number) continue;
-        const bool positive = (face % 2 == 0) != of_a;
-        const Vec3 n_W = positive ? w.R_WS[o].col(face / 2) : Vec3(-w.R_WS[o].col(face / 2));
+        const Vec3 n_W = face_normal(w.placed[o], of_a ? face ^ 1 : face);
         const Real depth = reach_along(w, b, n_W) + reach_along(w, a, -n_W);
         if (depth < least.depth) least = {.number = one, .n_W = n_W, .depth = depth};
       }

@@ -18,7 +18,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
                         NearContacts<Contacts::max_contacts>& near) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real travel = w.owned[a].travel + (b < N ? w.owned[b].travel : 0),
-             reach = reach_of_edges(w.posed[o], w.posed[q]);
+             reach = reach_of_edges(w.placed[o], w.placed[q]);
   // the world alone: among bodies grippers gained energy (decision 042)
   const bool sweeps = b >= N && travel > reach;
   const std::size_t before = near.size;
@@ -42,7 +42,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
     add_near(w, at, infinity, near);
   };
   const auto add_end = [&](bool may_be_sunk) noexcept {
-    return each_crossing(w.posed[o], w.R_WS[o], w.posed[q], w.R_WS[q], may_be_sunk, add);
+    return each_crossing(w.placed[o], w.placed[q], may_be_sunk, add);
   };
   const BoxesAre at_end = add_end(true);
   if (!sweeps || was_apart || (at_end == BoxesAre::in_touch && !(travel > sunk_depth / edge_reach * reach)))
@@ -50,8 +50,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
   before_end = time_from_touch(w, a, o, b, q, travel, reach);
   if (!(before_end > 0)) return at_end;
   near.forget_from(before);
-  const EarlierBox on_a(w, a, o, before_end), on_b(w, b, q, before_end);
-  each_crossing(on_a.shape, on_a.R_WS, on_b.shape, on_b.R_WS, false, add);
+  each_crossing(earlier(w, a, o, before_end), earlier(w, b, q, before_end), false, add);
   before_end = 0;
   if (near.size == before) add_end(false);
   return BoxesAre::deep;
@@ -66,7 +65,7 @@ bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::ui
   bool are_sunk = false;
   for (std::uint32_t o = on_a.first_surface; o < on_a.end_surface; ++o) {
     for (std::uint32_t q = first; q < end; ++q) {
-      if (w.posed[o].kind != ShapeKind::box || w.posed[q].kind != ShapeKind::box) continue;
+      if (w.placed[o].kind() != ShapeKind::box || w.placed[q].kind() != ShapeKind::box) continue;
       const std::uint64_t key = pair | edges_key(o - on_a.first_surface, q - first, 0);
       are_sunk |= find_crossings(w, a, o, b, q, key, near) == BoxesAre::sunk;
     }
@@ -99,13 +98,12 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
   const auto &on_a = w.owned[a], &on_b = w.owned[b];
   const auto find = [&](const Vec3* a_leaves, const Vec3* b_leaves) noexcept {
     return find_on_surfaces(w, a, b, pair, on_b.first_surface, on_b.end_surface, a_leaves, near) ||
-           find_on_surfaces(w, b, a, pair | std::uint64_t(1) << 31, on_a.first_surface, on_a.end_surface,
-                            b_leaves, near);
+           find_on_surfaces(w, b, a, pair | of_second, on_a.first_surface, on_a.end_surface, b_leaves, near);
   };
   const std::size_t before = near.size;
   if (were_deep.spheres || find(nullptr, nullptr)) {
     near.forget_from(before);
-    const Vec3 a_leaves = parting(w, a, b), b_leaves = -a_leaves;
+    const Vec3 a_leaves = parting(w, a, b, were_deep.pushed_W), b_leaves = -a_leaves;
     find(&a_leaves, &b_leaves);
   }
   if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;
@@ -160,14 +158,20 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
   if constexpr (Contacts::between_bodies)
     find_overlaps(num_bodies, w.broad,
                   [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
-  RecallDeepPairs<Contacts> were_deep(par, before);
+  RecallDeepPairs<Contacts> of_step(par, before), of_stage(par, w.of_stage == nullptr ? before : *w.of_stage);
+  const auto were_deep = [&](std::uint64_t pair) noexcept {
+    DeepPair deep = of_step.find(pair);
+    if (const Vec3 pushed_W = of_stage.find(pair).pushed_W; pushed_W.squaredNorm() > 0)
+      deep.pushed_W = pushed_W;
+    return deep;
+  };
   const auto num_fixed = static_cast<std::uint32_t>(w.num_fixed);
   for (std::uint32_t a = 0; a < num_bodies; ++a) {
     if constexpr (Contacts::between_bodies)
       w.broad.near[a].each(static_cast<std::uint32_t>(num_bodies), [&](std::uint32_t b) noexcept {
         const std::uint64_t pair = pair_key(a, b);
         if (w.owned[a].has_surfaces() || w.owned[b].has_surfaces())
-          find_on_bodies(w, a, b, pair, were_deep.find(pair), near);
+          find_on_bodies(w, a, b, pair, were_deep(pair), near);
         else find_on_spheres(w, a, b, pair, near);
       });
     if (num_fixed > 0)

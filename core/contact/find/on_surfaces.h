@@ -29,7 +29,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
   Real travel = on_a.travel;
   if (b < N) travel += w.owned[b].travel;
   for (std::uint32_t o = first; o < end; ++o) {
-    const Real ball = ball_round(w.posed[o]);
+    const Real ball = ball_round(w.placed[o]);
     for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
       const SpherePack& pack = w.packs[k];
       std::uint32_t sought = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
@@ -37,8 +37,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         if (b < N) sought &= reaching(pack, on_a.travel, w.broad.boxes[b]);
         if (sought == 0) continue;
       }
-      const ShapeParams& shape = w.posed[o];
-      const Mat3& R_WS = w.R_WS[o];
+      const PlacedShape& shape = w.placed[o];
       const auto found = [&](std::uint32_t j, Real d, const Vec3& n_W) noexcept {
         add_near(w,
                  {.key = pair | touch_key(s + j, o),
@@ -72,35 +71,34 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       };
       const auto first_touch = [&](std::uint32_t j) noexcept {
         const Vec3 p_W = lane(pack.p_W, j);
-        return swept(shape, R_WS, p_W, -w.since() * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)),
-                     pack.r[j]);
+        return swept(shape, p_W, -w.since() * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)), pack.r[j]);
       };
       const auto before = [&](std::uint32_t j, const SurfacePoint& nearest) noexcept {
-        return behind_face_before(pair | touch_key(s + j, o), w.before, w.of_stage, shape, R_WS,
-                                  lane(pack.p_W, j), nearest);
+        return behind_face_before(pair | touch_key(s + j, o), w.before, w.of_stage, shape, lane(pack.p_W, j),
+                                  nearest);
       };
       Pack d;
       Vector3<Pack> n_W;
-      if (shape.kind == ShapeKind::plane) {
-        const std::uint32_t hits = sought & near_plane(shape, R_WS, pack, travel, d, n_W);
+      if (shape.kind() == ShapeKind::plane) {
+        const std::uint32_t hits = sought & near_plane(shape, pack, travel, d, n_W);
         found_all(hits, d, n_W);
         continue;
       }
-      if (Contacts::between_bodies && on_a.has_surfaces() && shape.kind == ShapeKind::box) {
+      if (Contacts::between_bodies && on_a.has_surfaces() && shape.kind() == ShapeKind::box) {
         std::uint32_t hits = 0;
         if (leaving_W != nullptr) {
-          hits = sought & behind_face(shape, R_WS, pack, face_along(R_WS, *leaving_W), d, n_W);
+          hits = sought & behind_face(shape, pack, face_along(shape.R_WS(), *leaving_W), d, n_W);
         } else {
-          hits = sought & near_box(shape, R_WS, pack, travel, nullptr, d, n_W);
+          hits = sought & near_box(shape, pack, travel, nullptr, d, n_W);
           // it may have come in over another face, or be through
-          const std::uint32_t past = shape.half_extents.minCoeff() < travel ? 15 : bits(Pack(0) < d);
-          std::uint32_t fast = b < N ? 0 : hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
+          const std::uint32_t past = shape.half_extents().minCoeff() < travel ? 15 : bits(Pack(0) < d);
+          std::uint32_t fast = hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
           for (; fast != 0; fast &= fast - 1) {
             const auto j = static_cast<std::uint32_t>(std::countr_zero(fast));
             const SweptContact touch = first_touch(j);
             if (touch.touches) {
               found(j, touch.depth, touch.n_W);
-            } else if (touch.was_inside && d[j] < pack.r[j]) {
+            } else if (b >= N && touch.was_inside && d[j] < pack.r[j]) {
               const SurfacePoint behind = before(j, {.distance = pack.r[j] - d[j], .n = lane(n_W, j)});
               found(j, pack.r[j] - behind.distance, behind.n);
             } else {
@@ -110,25 +108,25 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           }
           if ((hits & bits(pack.r <= d)) != 0) {
             if (b < N) return true;
-            const Vec3 face = face_along(R_WS, way_out(w, o, o + 1, a).n_W);
-            hits = sought & near_box(shape, R_WS, pack, travel, &face, d, n_W);
+            const Vec3 face = face_along(shape.R_WS(), way_out(w, o, o + 1, a, Vec3::Zero()).n_W);
+            hits = sought & near_box(shape, pack, travel, &face, d, n_W);
           }
         }
         found_all(hits, d, n_W);
         continue;
       }
-      std::uint32_t hits = sought & may_touch(shape, R_WS, ball, pack, travel);
+      std::uint32_t hits = sought & may_touch(shape, ball, pack, travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
-        SurfacePoint surface = nearest(shape, lane(pack.p_W, j), radius + reach);
-        if (b >= N && (travel > radius || surface.distance < 0)) {
+        SurfacePoint surface = nearest(shape.in_world(), lane(pack.p_W, j), radius + reach);
+        if (travel > radius || surface.distance < 0) {
           const SweptContact touch = first_touch(j);
           if (touch.touches) {
             found(j, touch.depth, touch.n_W);
             continue;
           }
-          if (shape.kind == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
+          if (shape.kind() == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
             surface = before(j, surface);
         }
         const Real depth = radius - surface.distance;

@@ -8,12 +8,12 @@
 
 namespace godobject {
 
-/// A box whose attitude is R_WS, or any other shape.
-inline SurfacePoint nearest_of(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W,
-                               Real reach) noexcept {
-  if (shape.kind != ShapeKind::box) return nearest(shape, p_W, reach);
-  const SurfacePoint s = BoxShape::nearest(shape, R_WS.transpose() * (p_W - shape.X_WS.p), reach);
-  return {.distance = s.distance, .n = R_WS * s.n};
+/// Returns nearest(), of a box by its matrix: to rounding the same, and sooner.
+inline SurfacePoint nearest_of(const PlacedShape& shape, const Vec3& p_W, Real reach) noexcept {
+  if (shape.kind() != ShapeKind::box) return nearest(shape.in_world(), p_W, reach);
+  const Vec3 p_S = shape.R_WS().transpose() * (p_W - shape.p_W());
+  const SurfacePoint s = BoxShape::nearest(shape.in_world(), p_S, reach);
+  return {.distance = s.distance, .n = shape.R_WS() * s.n};
 }
 
 /// Where a sphere is against the surface that it touched first.
@@ -51,10 +51,9 @@ Real left_at_touch(Real way, Real in_touch, Depth deep) noexcept {
 }
 
 /// A sphere of radius r that comes from p + back to p, against the shape.
-inline SweptContact swept(const ShapeParams& shape, const Mat3& R_WS, const Vec3& p_W, const Vec3& back_W,
-                          Real r) noexcept {
+inline SweptContact swept(const PlacedShape& shape, const Vec3& p_W, const Vec3& back_W, Real r) noexcept {
   const Real way = back_W.norm(), reach = r + way;
-  const auto at = [&](Real left) noexcept { return nearest_of(shape, R_WS, p_W + left * back_W, reach); };
+  const auto at = [&](Real left) noexcept { return nearest_of(shape, p_W + left * back_W, reach); };
   const SurfacePoint start = at(1);
   if (!(start.distance > 0)) return {.was_inside = true};
   Real left =
@@ -76,20 +75,15 @@ inline Real depth_of(const BoxOnBox& w) noexcept {
   return depth;
 }
 
-/// A box of a body a while before the end of the stage.
-struct EarlierBox {
-  ShapeParams shape;
-  Mat3 R_WS;
-
-  template <class Contacts, std::size_t N>
-  EarlierBox(const ContactFinder<Contacts, N>& w, std::uint32_t body, std::uint32_t o, Real before) noexcept {
-    shape.kind = ShapeKind::box;
-    shape.half_extents = w.posed[o].half_extents;
-    shape.X_WS.p = w.posed[o].X_WS.p - before * velocity_at(w, body, w.posed[o].X_WS.p);
-    R_WS = w.R_WS[o];
-    if (body < N) R_WS = exp_so3(Vec3(-before * w.at[body].V.w)).toRotationMatrix() * R_WS;
-  }
-};
+/// Surface o of a body, so many seconds before the end of the stage.
+template <class Contacts, std::size_t N>
+PlacedShape earlier(const ContactFinder<Contacts, N>& w, std::uint32_t body, std::uint32_t o,
+                    Real before) noexcept {
+  PlacedShape shape = w.placed[o];
+  if (body < N)
+    shape.move(-before * velocity_at(w, body, shape.p_W()), exp_so3(Vec3(-before * w.at[body].V.w)));
+  return shape;
+}
 
 /// How long before the end of the stage boxes o of body a and q of body b touch. Not positive: not before it, or they have
 /// been sunk in each other where it starts.
@@ -97,8 +91,7 @@ template <class Contacts, std::size_t N>
 [[gnu::noinline]] Real time_from_touch(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o,
                                        std::uint32_t b, std::uint32_t q, Real travel, Real reach) noexcept {
   const auto deep = [&](Real left) noexcept {
-    const EarlierBox on_a(w, a, o, left * w.since()), on_b(w, b, q, left * w.since());
-    return depth_of(BoxOnBox(on_a.shape, on_a.R_WS, on_b.shape, on_b.R_WS));
+    return depth_of(BoxOnBox(earlier(w, a, o, left * w.since()), earlier(w, b, q, left * w.since())));
   };
   if (deep(1) > sunk_depth / edge_reach * reach) return -1;
   return w.since() * left_at_touch(travel, edge_touch * reach, deep);

@@ -3,17 +3,9 @@
 
 #include "core/contact/candidates.h"
 #include "core/contact/find/broad_phase.h"
-#include "core/joint/tree.h"
+#include "core/contact/find/placed_shape.h"
 
 namespace godobject {
-
-/// Half the extents of a shape that bodies carry, about the origin of its frame.
-inline Vec3 half_extents(const ShapeParams& shape) noexcept {
-  if (shape.kind == ShapeKind::sphere) return Vec3::Constant(shape.radius);
-  if (shape.kind == ShapeKind::capsule)
-    return Vec3(shape.radius, shape.radius, shape.radius + shape.half_length);
-  return shape.half_extents;
-}
 
 /// Scratch: undefined between steps.
 template <class Contacts, std::size_t N>
@@ -45,8 +37,7 @@ struct ContactFinder {
   bool strays = false;        // a body is pulled from where its contacts are sought, unless they hold it
   std::array<TreePlace, N> at;
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
-  std::array<ShapeParams, max_surfaces> posed;              // surfaces in the world
-  std::array<Mat3, max_surfaces> R_WS;                      // and their attitudes
+  std::array<PlacedShape, max_surfaces> placed;             // surfaces in the world
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
 
@@ -116,21 +107,6 @@ inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real tra
   return box;
 }
 
-/// A shape of a body in the world. Of a box, whose attitude is R_WS, no more than find_on_surfaces() asks for.
-inline void place_shape(const ShapeParams& shape, const TreePlace& at, ShapeParams& posed,
-                        Mat3& R_WS) noexcept {
-  R_WS = at.R_WB * shape.X_WS.q.toRotationMatrix();
-  const Vec3 p = at.p_W + at.R_WB * shape.X_WS.p;
-  if (shape.kind == ShapeKind::box) {
-    posed.kind = shape.kind;
-    posed.half_extents = shape.half_extents;
-  } else {
-    posed = shape;
-    posed.X_WS.q = Quat(at.R_WB) * shape.X_WS.q;
-  }
-  posed.X_WS.p = p;
-}
-
 /// The surfaces of a body in the world, from number o on, and the box round all that it touches with: the broad phase's
 /// entry of the body. Returns the number after them.
 template <class Contacts, std::size_t N>
@@ -141,10 +117,10 @@ std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t
       box_round(w.packs.data() + owned.first_pack, owned.num_packs(), owned.travel);
   owned.first_surface = o;
   for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
-    place_shape(par.surfaces[o].shape, w.at[i], w.posed[o], w.R_WS[o]);
-    const Vec3 half = w.R_WS[o].cwiseAbs() * half_extents(par.surfaces[o].shape);
-    box.lo = box.lo.cwiseMin(w.posed[o].X_WS.p - half);
-    box.hi = box.hi.cwiseMax(w.posed[o].X_WS.p + half);
+    const PlacedShape& shape = w.placed[o] = PlacedShape(par.surfaces[o].shape, w.at[i]);
+    const Vec3 half = shape.R_WS().cwiseAbs() * half_extents(par.surfaces[o].shape);
+    box.lo = box.lo.cwiseMin(shape.p_W() - half);
+    box.hi = box.hi.cwiseMax(shape.p_W() + half);
   }
   owned.end_surface = o;
   if (!owned.empty() && box.lo.sum() - box.hi.sum() <= 0) w.broad.entries[w.broad.num_entries++].body = i;
@@ -167,10 +143,8 @@ template <class Contacts, std::size_t N>
 void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
                   ContactFinder<Contacts, N>& w) noexcept {
   std::uint32_t s = 0, o = 0, num_packs = 0;
-  for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o) {
-    w.posed[o] = par.surfaces[o].shape;
-    w.R_WS[o] = w.posed[o].X_WS.q.toRotationMatrix();
-  }
+  for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o)
+    w.placed[o] = PlacedShape(par.surfaces[o].shape);
   w.num_fixed = o;
   w.strays = false;
   if constexpr (Contacts::between_bodies) w.broad.num_entries = 0;

@@ -1,5 +1,6 @@
 // godobject check: what a scene file means, before anything moves.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -10,6 +11,7 @@
 #include "platform/cli/verbs.h"
 #include "platform/rig/load_advice.h"
 #include "platform/scene/contact/params.h"
+#include "platform/scene/contact/spheres_alone.h"
 #include "platform/scene/toml.h"
 #include "platform/scene/top_speed.h"
 
@@ -54,7 +56,11 @@ void print_capacities(const SceneConfig& scene, const Engine& engine) {
 
 void print_top_speed(const SceneConfig& scene) {
   const std::optional<SpeedBound> bound = top_speed(scene);
-  if (!bound) return;
+  if (!bound || std::isinf(bound->top())) {
+    if (const std::string text = top_speed_text(scene); !text.empty())
+      std::printf("\n# top speed: %s\n", text.c_str());
+    return;
+  }
   std::printf("\n# top speed at which %s passes anything: %.3g m/s, %s\n", what_does_not_pass(scene),
               bound->top(), bound->what.c_str());
   std::printf(
@@ -69,6 +75,27 @@ void warn_of_top_speed(const std::string& path, const SceneConfig& scene) {
                  "warning: %s: above %.3g m/s %s may pass each other, and a hand reaches %g m/s: make the "
                  "solid thicker or the contact stiffer, or the step shorter\n",
                  path.c_str(), bound->top(), bound->what.c_str(), advised_top_speed);
+}
+
+void warn_of_contacts_at_start(const std::string& path, const SceneConfig& scene) {
+  for (const SpheresAlone& one : spheres_alone(scene)) {
+    const std::string more =
+        one.num_others > 1 ? " (and " + std::to_string(one.num_others - 1) + " more)" : "";
+    std::fprintf(
+        stderr,
+        "warning: %s: the shape of body '%s' meets %s%s by its spheres alone: between these it passes at "
+        "any speed; set a sphere at each corner, and more of them than are between the edges of what "
+        "it meets\n",
+        path.c_str(), one.body.c_str(), one.other.c_str(), more.c_str());
+  }
+  const BuriedSpheres buried = buried_spheres(scene);
+  if (buried.num == 0) return;
+  std::fprintf(
+      stderr,
+      "warning: %s: %zu %s with the centre inside a solid, the deepest %.3g mm, %s: it is pushed out "
+      "slowly, and by the nearest face; move the body or the solid\n",
+      path.c_str(), buried.num, buried.num == 1 ? "sphere begins" : "spheres begin", 1e3 * buried.depth,
+      buried.deepest.c_str());
 }
 
 void print_passivity(const Passivity& passivity) {
@@ -122,6 +149,7 @@ ExitCode check(RunOptions options, bool full) {
     std::printf("all of it: godobject check --full\n");
   }
   warn_of_top_speed(path, prepared.session->scene());
+  warn_of_contacts_at_start(path, prepared.session->scene());
   for (const BusLoad& load : prepared.bus_loads)
     if (const std::string advice = load_advice(load); !advice.empty())
       std::fprintf(stderr, "%s: %s\n", path.c_str(), advice.c_str());

@@ -95,6 +95,42 @@ bool passes(unsigned seed) {
   return false;
 }
 
+/// The same at a box that a body carries, which is too heavy to move. cover: the ball has a shape of its own.
+template <class I>
+bool passes_body(unsigned seed, bool cover) {
+  BallAndBox<I> drawn(seed, 5e-4);
+  const auto pile = std::make_unique<Pile<FewBodies<I>>>();
+  const Real heavy = 1e6 * drawn.m, k = drawn.k, m = drawn.m * heavy / (drawn.m + heavy);
+  pile->par.h = drawn.h;
+  set_law(pile->par, drawn.run->par.contacts.laws[0][0]);
+  const Real promised = (drawn.r + drawn.thin) * std::min(1 / drawn.h, std::sqrt(k / m)),
+             speed = drawn.random.log_uniform(0.01, 0.95) * promised;
+  const FaceHit face(drawn.random, drawn.half);
+  const Vec3 start = face.before(drawn.r + speed * drawn.h * drawn.random.uniform(0.01, 3));
+  const std::size_t box = pile->add(solid_box(heavy, drawn.half), {.X_WB = drawn.box, .V_WB = {}});
+  pile->carry(box, {.kind = ShapeKind::box, .half_extents = drawn.half});
+  const std::size_t ball =
+      pile->add_ball({.X_WB = drawn.placed(start), .V_WB = {.w = {}, .v = drawn.box.q * face.inward * speed}},
+                     drawn.m, drawn.r);
+  if (cover) pile->carry(ball, {.kind = ShapeKind::sphere, .radius = drawn.r});
+  for (int n = drawn.steps_for(k); n > 0; --n) {
+    pile->step();
+    const Vec3 p = pile->p(ball) - pile->p(box);
+    if (face.depth(pile->at(box).X_WB.q.conjugate() * p) > drawn.thin) return true;
+  }
+  return false;
+}
+
+TYPED_TEST(Tunnelling, NoBallPassesABoxOfABodyBelowThePromisedSpeed) {
+  int num_passed = 0;
+  for (unsigned seed = 0; seed < num_throws; ++seed) {
+    const bool passed = passes_body<TypeParam>(seed, seed % 2 == 0);
+    EXPECT_FALSE(passed) << "seed " << seed;
+    num_passed += passed ? 1 : 0;
+  }
+  std::printf("%s: %u balls at bodies, %d pass\n", TypeParam::name, num_throws, num_passed);
+}
+
 TYPED_TEST(Tunnelling, NoBallPassesABoxBelowThePromisedSpeed) {
   int num_passed = 0;
   for (unsigned seed = 0; seed < num_throws; ++seed) {
@@ -221,6 +257,91 @@ TYPED_TEST(Tunnelling, BoxesOfBodiesDoNotCutEachOtherBelowThePromisedSpeed) {
   }
   std::printf("%s: boxes are %.2f of their half thickness deep in each other at most\n", TypeParam::name,
               deepest);
+}
+
+/// A brick that comes at another one beside its middle: their sides overlap.
+template <class I>
+class SideMeeting {
+ public:
+  explicit SideMeeting(unsigned seed) : random_(seed) {
+    for (Real& extent : half_a_) extent = random_.log_uniform(0.004, 0.03);
+    for (Real& extent : half_b_) extent = random_.log_uniform(0.004, 0.03);
+    const Real thin = std::min(half_a_.minCoeff(), half_b_.minCoeff()), h = random_.log_uniform(2e-4, 4e-3),
+               k = random_.log_uniform(0.01, 8) * brick_mass / (h * h),
+               m_a = random_.integer(0, 1) * 1e6 * brick_mass + brick_mass;
+    r_ = thin * random_.log_uniform(0.02, 0.3);
+    // 97 % of what `check` promises at most (platform/scene/top_speed.h)
+    speed_ = random_.uniform(0.1, 0.97) *
+             std::min(0.3 * thin / h, 0.5 * thin * std::sqrt(k * (m_a + brick_mass) / (m_a * brick_mass)));
+    pile_->par.h = h;
+    set_law(pile_->par, law_of(k, random_.integer(0, 1) == 0 ? 0.05 : 0.7, 0.3 * random_.integer(0, 1)));
+    axis_ = random_.integer(0, 2);
+    const int side = (axis_ + 1 + random_.integer(0, 1)) % 3, other = 3 - axis_ - side;
+    const Vec3 both = half_a_ + half_b_;
+    Vec3 p;
+    p[axis_] = both[axis_] + 0.05 * thin + random_.uniform(0, speed_ * h);
+    p[side] = both[side] - random_.uniform(2 * r_, std::max(2 * r_, 0.5 * thin));
+    p[other] = random_.integer(0, 1) * random_.uniform(-0.8, 0.8) * both[other];
+    q_ = random_.rotation();
+    const std::array turns{Vec3(Vec3::Zero()), Vec3(0.01 * random_.vector()),
+                           Vec3(random_.uniform(-3, 3) * Vec3::Unit(axis_))};
+    const Quat q_b = q_ * exp_so3(turns[static_cast<std::size_t>(random_.integer(0, 2))]);
+    add_cornered_brick(*pile_, {.X_WB = {.p = Vec3::Zero(), .q = q_}, .V_WB = {}}, m_a, half_a_, r_);
+    add_cornered_brick(*pile_, {.X_WB = {.p = q_ * p, .q = q_b}, .V_WB = {.w = {}, .v = velocity()}},
+                       brick_mass, half_b_, r_);
+  }
+
+  /// How deep they are in each other at most if nothing stops them, m; < 0: where they start.
+  Real overlap() const {
+    if (deep(pile_->at(1).X_WB) > 0) return -1;
+    Pose X = pile_->at(1).X_WB;
+    Real most = 0;
+    for (int n = 0; n < 400; ++n) {
+      X.p += velocity() * (way() / speed_ / 400);
+      most = std::max(most, deep(X));
+    }
+    return most;
+  }
+  Real corner() const { return r_; }
+  /// Runs until the brick would be through; true if it is, nearly as fast as before and without a turn.
+  bool passes() {
+    const Vec3 n_W = q_ * Vec3::Unit(axis_);
+    for (int n = std::min(20000, static_cast<int>(way() / (speed_ * pile_->par.h))); n > 0; --n) {
+      pile_->step();
+      EXPECT_FALSE(any(pile_->out.fault));
+    }
+    const Vec3 v = pile_->at(1).v_W - pile_->at(0).v_W;
+    return n_W.dot(pile_->p(1) - pile_->p(0)) < -way() / 6 && -n_W.dot(v) > 0.9 * speed_ &&
+           pile_->at(1).w_B.norm() * half_b_.norm() < 0.1 * speed_;
+  }
+
+ private:
+  Vec3 velocity() const { return -speed_ * (q_ * Vec3::Unit(axis_)); }
+  Real way() const { return 3 * (half_a_[axis_] + half_b_[axis_]); }
+  Real deep(const Pose& X_WB) const {
+    return boxes_overlap({.p = Vec3::Zero(), .q = q_}, half_a_, X_WB, half_b_);
+  }
+
+  Random random_;
+  std::unique_ptr<Pile<FewBodies<I>>> pile_ = std::make_unique<Pile<FewBodies<I>>>();
+  Vec3 half_a_, half_b_;
+  Real r_ = 0, speed_ = 0;
+  int axis_ = 0;
+  Quat q_;
+};
+
+TYPED_TEST(Tunnelling, BricksDoNotPassThroughEachOthersSides) {
+  unsigned meetings = 0, num_passed = 0;
+  for (unsigned seed = 0; seed < num_throws; ++seed) {
+    SideMeeting<TypeParam> meeting(seed);
+    if (meeting.overlap() < 2 * meeting.corner()) continue;
+    ++meetings;
+    const bool passed = meeting.passes();
+    EXPECT_FALSE(passed) << "seed " << seed;
+    num_passed += passed ? 1 : 0;
+  }
+  EXPECT_GT(meetings, num_throws / 2);
+  std::printf("%s: %u pairs of bricks, %u pass\n", TypeParam::name, meetings, num_passed);
 }
 
 }  // namespace

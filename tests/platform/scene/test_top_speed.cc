@@ -123,6 +123,12 @@ TEST(TopSpeed, OfBoxesOnTwoBodiesIsThatOfTheirEdges) {
   const SpeedBound bound = top_speed(scene).value();
   EXPECT_NEAR(bound.top(), 0.3 * 0.004 / scene.step, 1e-9);
   EXPECT_EQ(bound.what, "boxes of bodies 'tool' and 'brick'");
+  // as deep as half a half thickness they have no way back
+  scene.contacts[0].stiffness = 1e3;
+  scene.bodies[1].mass = 0.3;
+  const SpeedBound soft = top_speed(scene).value();
+  EXPECT_EQ(soft.what, bound.what);
+  EXPECT_NEAR(soft.top(), 0.002 * std::sqrt(1e3 / 0.075), 1e-9);
 }
 
 TEST(TopSpeed, OfAMeshKnowsItsThinnestPlace) {

@@ -20,11 +20,11 @@ constexpr int draws = 300;  // builds with assertions and sanitizers take a hund
 
 std::vector<EdgeCrossing> crossings(const PosedBox& a, const PosedBox& b) {
   const auto shape = [](const PosedBox& box) {
-    return ShapeParams{.kind = ShapeKind::box, .X_WS = {.p = box.p, .q = Quat(box.R)}, .half_extents = box.h};
+    return PlacedShape(
+        {.kind = ShapeKind::box, .X_WS = {.p = box.p, .q = Quat(box.R)}, .half_extents = box.h});
   };
   std::vector<EdgeCrossing> all;
-  each_crossing(shape(a), a.R, shape(b), b.R, false,
-                [&](const EdgeCrossing& crossing) { all.push_back(crossing); });
+  each_crossing(shape(a), shape(b), false, [&](const EdgeCrossing& crossing) { all.push_back(crossing); });
   return all;
 }
 
