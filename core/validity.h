@@ -44,7 +44,7 @@ constexpr const char* text_of(Invalid rule) noexcept {
     case Invalid::parent_not_before: return "the joint's parent must be the world or an earlier body";
     case Invalid::joint_frame: return "the joint's frames must be finite, their matrices rotations";
     case Invalid::stop:
-      return "a stop needs lower below upper, ends of a turn within half a turn, gains of at least 0 and a "
+      return "a stop needs lower below upper, gains of at least 0 and a "
              "width";
     case Invalid::contact_sphere:
       return "the sphere needs a radius above 0 m, a body and a material, and the order of the bodies";
