@@ -125,6 +125,7 @@ struct TrBdf2 {
       next.x = moved(w.bases[g], V_2, last.h);
     }
     end_nodes(par, x, last.h, w);
+    add_to_means(par, last.h / h, w);
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
       if (ContactsOf<S>::between_bodies && smooth && !touch_alike(memories[0], memories[1]))
@@ -151,6 +152,8 @@ struct TrBdf2 {
       if constexpr (has_stages<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
     }
     extend_nodes(par, x, b * par.h, h_1, w);
+    add_to_means(par, h_1 / par.h, w);
+    scale_means(par, b / d, w);
   }
 
   /// (12), or where there is no K_0 an implicit Euler step of d h, or of c h.
@@ -175,6 +178,7 @@ struct TrBdf2 {
             gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), end, h);
     }
     start_nodes(par, x, dh, w);
+    begin_means(par, x, dh / h, w);
     lead_joints(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h, .ahead = dh}, w);

@@ -91,7 +91,7 @@ void add_stops(const Island& island, BodyContactScratch<Contacts, N>& w) noexcep
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
     const JointEdge& edge = all.edges[i];
     for (int k = 0; k < std::min(edge.num_axes, 2); ++k) {
-      const Real D = edge.stop_D[static_cast<std::size_t>(k)];
+      const Real D = edge.on_coordinate(k);
       if (!(D > 0)) continue;
       const SpatialVector e = axis_wrench(edge, k, all.p[i]), De = e * D;
       const SymmetricSpatialMatrix A{.ww = outer(De.w, e.w), .wv = outer(De.w, e.v), .vv = outer(De.v, e.v)};
@@ -134,13 +134,14 @@ JointTwists set_edge(const typename Joints::Params& par, const Led& led, std::si
   return twists;
 }
 
-/// (21), (40)  Into the stages of the bodies of joint i, V_P the parent's predicted twist. touched: something bore a contact in
+/// (21), (40)  Into the stages of the bodies of joint i, and into its edge. V_P: the parent's predicted twist; V_rel: of the joint.
+/// touched: something bore a contact in
 /// the step before. What joints bear jumps then, and the pull along their levers alone is taken.
 template <class Contacts, std::size_t N>
-void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Wrench& F_C, Real h, bool touched,
-             bool& is_stiff, BodyContactScratch<Contacts, N>& w) noexcept {
-  const auto& all = w.graph.joints;
-  const JointEdge& edge = all.edges[i];
+void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Twist& V_rel, const Wrench& F_C, Real h,
+             bool touched, bool& is_stiff, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& all = w.graph.joints;
+  JointEdge& edge = all.edges[i];
   const bool has_parent = edge.on_body();
   const Column d = has_parent ? edge.a_W - all.edges[edge.parent].a_W : Column(Pack(0));
   BodyStage &child = w.stages[i], &parent = w.stages[has_parent ? edge.parent : i];
@@ -154,8 +155,12 @@ void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Wrench& F_C,
   const StiffenedBody<Real> on_child{child.A_ww, child.M, child.b, w.finder.at[i].V},
       on_parent{parent.A_ww, parent.M, parent.b, V_P};
   with_joint(kind, [&](auto of_kind) noexcept {
-    stiffen<decltype(of_kind.motion(JointFrames{}))>(d, (all.p[i] - edge.a_W).vec(), F_C, h, has_parent,
-                                                     on_parent, on_child, is_stiff);
+    const Real K_slide = stiffen<decltype(of_kind.motion(JointFrames{}))>(
+        d, (all.p[i] - edge.a_W).vec(), F_C, h, has_parent, on_parent, on_child, is_stiff);
+    if (edge.num_axes == edge.num_turns) return;
+    const auto slide = static_cast<std::size_t>(edge.num_turns);
+    edge.slide_D = K_slide;
+    edge.stop_b[slide] += K_slide * dot(edge.s[slide], Column(V_rel.v));
   });
 }
 
@@ -182,7 +187,7 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
     all.joined[parent] = true;
     w.finder.owned[i].tree = w.finder.owned[parent].tree;
   }
-  stiffen(par.bodies[i].joint.kind, i, P.V, F_C, h, touched, tree.is_stiff, w);
+  stiffen(par.bodies[i].joint.kind, i, P.V, now.V, F_C, h, touched, tree.is_stiff, w);
   each_stop(i, all, [&](const SpatialVector& F) noexcept {
     w.stages[i].b += F;
     if (edge.on_body()) w.stages[parent].b -= moved_wrench(F, all.p[i] - all.p[parent]);
@@ -236,6 +241,17 @@ void shift_contacts(const std::array<SpatialVector, N>& V, Real h, const Island&
   });
 }
 
+/// Adds to the contacts of body i, on which others hang, what moves it beyond them and its joints.
+template <class Contacts, std::size_t N>
+void report_of_root(std::size_t i, const SpatialVector& F, BodyContactScratch<Contacts, N>& w) noexcept {
+  w.wrenches[i].tau += F.w.vec();
+  w.wrenches[i].f += F.v.vec();
+  std::array<Vec3, N> missing;
+  missing.fill(Vec3::Zero());
+  missing[i] = F.v.vec();
+  pass_on(missing, w);
+}
+
 /// V from V - V_p, and the wrenches that the joints bear: what a body's motion asks for beyond its contacts, and all that
 /// hangs on it.
 template <Scene S, class Contacts>
@@ -268,7 +284,11 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     if (all.joined[i]) w.x.V[i] = w.x.V[i] + all.V_p[i];
   for (std::size_t i = num_bodies(par); i-- > 0;) {
     const JointEdge& edge = all.edges[i];
-    if (edge.kind == JointKind::free) continue;
+    if (edge.kind == JointKind::free) {
+      if constexpr (Contacts::between_bodies)
+        if (w.is_unbalanced && all.joined[i]) report_of_root(i, F[i] * (1 / h), w);
+      continue;
+    }
     const Column r = all.p[i] - edge.a_W;
     each_stop(i, all, [&](const SpatialVector& stop) noexcept {
       F[i] = F[i] + stop;

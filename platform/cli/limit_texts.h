@@ -25,6 +25,17 @@ inline constexpr std::array<std::string_view, limit_names.size()> limit_remedies
     "look for what takes the samples away: bus load, cables, a tracker's view",
     "implicit Euler stages in place of TR-BDF2: bodies turn too fast for the step (godobject check says how "
     "fast they may), or contacts and stops come and go; a shorter step helps",
+    "the worst contact force misses its law by more than 10 % of the largest: a shorter step, or softer "
+    "contacts, "
+    "or fewer bodies in one heap",
+    "the iterations over sticking, slipping and opening contacts end before they converge: a shorter step, "
+    "or "
+    "softer contacts",
+    "stages are subdivided, to first order, since joints come apart in one piece: a shorter step, or less "
+    "contrast "
+    "of masses and inertias in the tool",
+    "the iteration of nets ends before its tolerance (residual_N of the report is what it leaves): raise "
+    "net_iterations, or a shorter step",
     "lower the feedback's gains or [device.limits], or raise torque_max_Nm as far as the motor bears it",
     "lower the feedback's damping and stiffness (godobject check prints the margins), or raise "
     "torque_rate_Nm_per_s",

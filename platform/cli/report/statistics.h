@@ -35,17 +35,10 @@ class PoseErrorStatistics {
 };
 
 /// Bounds that were met on purpose.
-inline constexpr std::array<std::string_view, 11> limit_names{"force",
-                                                              "torque",
-                                                              "force_rate",
-                                                              "torque_rate",
-                                                              "ramp",
-                                                              "held",
-                                                              "first_order",
-                                                              "drive_torque",
-                                                              "drive_torque_rate",
-                                                              "drive_internal_limit",
-                                                              "drive_command_not_sent"};
+inline constexpr std::array<std::string_view, 15> limit_names{
+    "force",   "torque",       "force_rate",        "torque_rate",          "ramp",
+    "held",    "first_order",  "contact_residual",  "newton_cap",           "substeps",
+    "net_cap", "drive_torque", "drive_torque_rate", "drive_internal_limit", "drive_command_not_sent"};
 
 /// The worst of a run.
 struct NetStatistics {
@@ -64,6 +57,21 @@ struct NetStatistics {
   }
 };
 
+/// The worst of a run.
+struct ContactStatistics {
+  double residual = 0, residual_share = 0, deepest = 0;  // N; of the largest normal force; m
+  std::size_t contacts = 0;
+  int most_newton_iterations = 0;  // in a step
+
+  void add(const ContactReport& step) noexcept {
+    residual = std::max(residual, static_cast<double>(step.residual));
+    residual_share = std::max(residual_share, static_cast<double>(step.residual_share));
+    deepest = std::max(deepest, static_cast<double>(step.deepest));
+    contacts = std::max(contacts, step.num_contacts);
+    most_newton_iterations = std::max(most_newton_iterations, step.newton_iterations);
+  }
+};
+
 struct RunStatistics {
   std::uint64_t cycles = 0;
   Histogram step_ns;  // the engine's step alone
@@ -76,6 +84,7 @@ struct RunStatistics {
   bool on_hold = false;
   bool force_oscillates = false;
   NetStatistics nets;
+  ContactStatistics contacts;
   EnergyReport gain;  // where the share gained of the energy at work was largest
 
   void add(const CycleRecord& record) noexcept {
@@ -87,7 +96,7 @@ struct RunStatistics {
       exact_following.add(record.exact_following);
       encoders.add(record.encoders);
     }
-    constexpr std::size_t num_core_limits = 7;
+    constexpr std::size_t num_core_limits = 11;
     for (std::size_t i = 0; i < num_core_limits; ++i)
       limit_cycles[i] += has(record.limited, Limited(1u << i)) ? 1 : 0;
     const CommandReport& drives = record.drives;
@@ -104,6 +113,7 @@ struct RunStatistics {
       gain = record.energy;
     force_oscillates = force_oscillates || record.force_oscillates;
     nets.add(record.nets, record.net_stretch);
+    contacts.add(record.contacts);
   }
 };
 
