@@ -283,7 +283,7 @@ template <class Contacts, std::size_t N>
   for (std::size_t i = 0; i < N; ++i) {
     const SpatialVector F = w.unbalanced[i] * (1 / h);
     w.wrenches[i].tau += F.w.vec();
-    w.wrenches[i].f += missing[i] = F.v.vec();
+    missing[i] = F.v.vec();
   }
   pass_on(missing, w);
 }

@@ -241,15 +241,38 @@ void shift_contacts(const std::array<SpatialVector, N>& V, Real h, const Island&
   });
 }
 
-/// Adds to the contacts of body i, on which others hang, what moves it beyond them and its joints.
-template <class Contacts, std::size_t N>
-void report_of_root(std::size_t i, const SpatialVector& F, BodyContactScratch<Contacts, N>& w) noexcept {
-  w.wrenches[i].tau += F.w.vec();
-  w.wrenches[i].f += F.v.vec();
-  std::array<Vec3, N> missing;
-  missing.fill(Vec3::Zero());
-  missing[i] = F.v.vec();
+/// Adds what moves tools that hang on nothing beyond their contacts to these, at a body of each, which passes it on. F: impulses
+/// that bodies get beyond their contacts, which are fewer then.
+template <class Contacts, std::size_t N, class Impulses>
+[[gnu::noinline]] void report_unbalanced_tools(std::size_t num_bodies, Real h, Impulses& F,
+                                               BodyContactScratch<Contacts, N>& w) noexcept {
+  const auto& all = w.graph.joints;
+  std::array<Vec3, N> missing, before;
+  std::array<bool, N> is_near{}, is_on_world{};
+  for (std::size_t k = 0; k < w.near.size; ++k) {
+    const NearContact& near = w.near.list[k];
+    is_near[near.a] = true;
+    if (near.b < N) is_near[near.b] = true;
+    else is_on_world[near.a] = true;
+  }
+  for (std::size_t i = 0; i < N; ++i) {
+    missing[i].setZero();
+    before[i] = w.wrenches[i].f;
+  }
+  for (std::size_t root = 0; root < num_bodies; ++root) {
+    if (!all.joined[root] || all.edges[root].kind != JointKind::free) continue;
+    Vec3 sum = Vec3::Zero();
+    std::size_t at = N;
+    for (std::size_t i = root; i < num_bodies; ++i) {
+      if (!all.joined[i] || w.finder.owned[i].tree != root) continue;
+      sum += F[i].v.vec();
+      if (is_near[i] && (at == N || (is_on_world[i] && !is_on_world[at]))) at = i;
+    }
+    if (at < N) missing[at] = sum * (1 / h);
+  }
   pass_on(missing, w);
+  for (std::size_t i = 0; i < num_bodies; ++i)
+    if (all.joined[i]) F[i].v -= Column(Vec3((w.wrenches[i].f - before[i]) * h));
 }
 
 /// V from V - V_p, and the wrenches that the joints bear: what a body's motion asks for beyond its contacts, and all that
@@ -280,15 +303,14 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
       if (all.joined[i]) F[i] = F[i] - J;
     });
   }
+  if constexpr (Contacts::between_bodies)
+    if (w.is_unbalanced) [[unlikely]]
+      report_unbalanced_tools(num_bodies(par), h, F, w);
   for (std::uint32_t i = 0; i < num_bodies(par); ++i)
     if (all.joined[i]) w.x.V[i] = w.x.V[i] + all.V_p[i];
   for (std::size_t i = num_bodies(par); i-- > 0;) {
     const JointEdge& edge = all.edges[i];
-    if (edge.kind == JointKind::free) {
-      if constexpr (Contacts::between_bodies)
-        if (w.is_unbalanced && all.joined[i]) report_of_root(i, F[i] * (1 / h), w);
-      continue;
-    }
+    if (edge.kind == JointKind::free) continue;
     const Column r = all.p[i] - edge.a_W;
     each_stop(i, all, [&](const SpatialVector& stop) noexcept {
       F[i] = F[i] + stop;
