@@ -130,12 +130,12 @@ void search_line(Real h, const Island& island, const System& system,
   each_pack(x.V, island, w, [](ContactPack& c, const auto& V) noexcept { move(c, V); });
 }
 
-/// True if nothing but the bodies themselves acts in an island: no contact, joint or term with the world.
+/// True if nothing but the bodies themselves acts in an island: no contact, joint or term with the world, and no device.
 template <class Contacts, std::size_t N>
 bool is_by_itself(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool is = !island.has_terms;
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
-    is = is && body.first_pack == body.end_pack;
+    is = is && body.first_pack == body.end_pack && !w.stages[i].is_held;
     if constexpr (Contacts::jointed) is = is && !w.graph.joints.edges[i].on_world();
   });
   return is;

@@ -62,6 +62,7 @@ struct BodyStage {
   Block A_ww;
   Real M = 0;
   SpatialVector b;
+  bool is_held = false;  // by a coupling
 };
 
 inline SpatialVector times(const BodyStage& stage, const SpatialVector& V) noexcept {
@@ -266,7 +267,8 @@ void pass_on(std::array<Vec3, N>& missing, BodyContactScratch<Contacts, N>& w) n
         }
         const NearContact& of = near[bearing_of(by[n], w)];
         const bool on_a = of.a == i;
-        ContactForces<1> more{.size = 1};
+        ContactForces<1> more;
+        more.size = 1;
         more.list[0] = {.key = of.key,
                         .on = of.on,
                         .a = of.a,
