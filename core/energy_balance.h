@@ -58,7 +58,7 @@ class EnergyBalance {
         // implicit Euler moves by the force at the end, TR-BDF2 by those of the whole step
         W += par.h * (S::Integrator::order == 1 ? power : std::max(power, Real(0.5) * (power + before)));
       }
-      if constexpr (imposes<S>) W += joint_work(par, x, out, i);
+      if constexpr (imposes<S>) W += joint_work(par, x, i);
     }
     Real may_give = 0;  // that is not known of this step, at most
     if constexpr (uses<ContactsOf<S>>) {
@@ -211,11 +211,11 @@ class EnergyBalance {
   }
 
   /// Work of a joint that the device leads, J: its power at the end, by which implicit Euler moves, or the mean over the step.
-  Real joint_work(const Params<S>& par, const State<S>& x, const Output<S>& out, std::size_t i) noexcept {
+  Real joint_work(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
     const auto& joint = par.bodies[i].joint;
     if (joint.kind == JointKind::free || !joint.lead.imposed) return 0;
     const TreePlace P = place_of(par, x, joint.parent), C = place_of(par, x, i);
-    const Wrench& F = out.bodies[i].joint.F_C;
+    const Wrench& F = x.bodies[i].joint.F_C;  // of the last stage
     const Vec3 v = C.V.v - P.V.v - P.V.w.cross(C.a_W - P.a_W);
     const Real power = F.f.dot(v) + F.tau.dot(C.V.w - P.V.w), before = std::exchange(led_[i], power);
     return par.h * std::max(power, Real(0.5) * (power + before));

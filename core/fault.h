@@ -31,6 +31,11 @@ enum class Limited : std::uint32_t {
   held = 1u << 5,         // no valid sample: the target rests where it was last seen
   first_order =
       1u << 6,  // TR-BDF2 has taken implicit Euler stages: a body turns too far, or forces have jumped
+  contact_residual =
+      1u << 7,           // a contact's force misses its law by more than doubtful_residual of the largest
+  newton_cap = 1u << 8,  // Newton's method over the modes of contacts (29) was stopped before it converged
+  substeps = 1u << 9,    // a stage was subdivided, since joints did not hold in one piece (39)
+  net_cap = 1u << 10,    // the iteration of nets was stopped at max_iterations, before its tolerance
 };
 
 constexpr Fault operator|(Fault a, Fault b) noexcept { return Fault(std::uint32_t(a) | std::uint32_t(b)); }

@@ -27,10 +27,12 @@ struct ImplicitEuler {
     lead_joints(par, 1, w);
     lead_forces(par, 1, w);
     begin_stage<S>({.relaxing = par.h}, w);
+    begin_means(par, x, 0, w);
     const StageEnd end = solve_stage(par, x, par.h, true, targets_at_the_end(par, w), w);
     for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(w.bases[g], w.velocities[g], end.h);
     end_coordinates(par, end.h, w);
     end_nodes(par, x, end.h, w);
+    add_to_means(par, end.h / par.h, w);
     return Limited::none;
   }
 };

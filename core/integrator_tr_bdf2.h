@@ -130,6 +130,7 @@ struct TrBdf2 {
                      .known = is_calm(w) && last.calm};
     }
     end_nodes(par, x, last.h, w);
+    add_to_means(par, last.h / h, w);
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
       if (ContactsOf<S>::between_bodies && smooth && !touch_alike(memories[0], memories[1]))
@@ -156,6 +157,8 @@ struct TrBdf2 {
       if constexpr (has_stages<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
     }
     extend_nodes(par, x, b * par.h, h_1, w);
+    add_to_means(par, h_1 / par.h, w);
+    scale_means(par, b / d, w);
   }
 
   /// (12), or where there is no K_0 an implicit Euler step of d h, or of c h.
@@ -181,6 +184,7 @@ struct TrBdf2 {
     }
     start_nodes(par, x, dh, w);
     start_coordinates(par, x, w);
+    begin_means(par, x, dh / h, w);
     lead_joints(par, end, w);
     lead_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;

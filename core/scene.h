@@ -22,6 +22,7 @@
 
 #include "core/body/node.h"
 #include "core/body/rigid_body.h"
+#include "core/contact/forces.h"
 #include "core/contact/memory.h"
 #include "core/fault.h"
 #include "core/net/net.h"
@@ -40,6 +41,7 @@ struct None {
   using Output = Empty;
   using BodyOutput = Empty;
   static constexpr std::size_t max = 0;  // of nodes
+  static constexpr std::size_t max_contacts = 0;
   static constexpr bool between_bodies = false;
 };
 
@@ -235,7 +237,12 @@ constexpr std::size_t end_of_numbers(const Params<S>& par) noexcept {
   return num_bodies(par);
 }
 
-/// All that carries over from step to step: hash it, log it, restore it.
+/// A step has more than one stage, and contacts that each carries over.
+template <class S>
+inline constexpr bool has_stages = uses<ContactsOf<S>>&& S::Integrator::order > 1;
+
+/// All that carries over from step to step: hash it, log it, restore it. Forces of the last stage, with which the means of the
+/// next step begin, are of outputs alone: no motion depends on them, and the hash is without.
 template <class S>
 struct BodyState {
   RigidBodyState x;
@@ -244,6 +251,7 @@ struct BodyState {
   [[no_unique_address]] Slot<typename S::Joints::State, 4> joint;
   [[no_unique_address]] Slot<typename S::Coupling::State, 1> coupling;
   [[no_unique_address]] Slot<typename S::Feedback::State, 2> feedback;
+  [[no_unique_address]] std::conditional_t<has_stages<S>, ContactWrench, Absent<26>> contact;  // last stage
 };
 
 template <class S>
@@ -256,6 +264,8 @@ template <class S>
 struct NetState {
   std::array<NodeState<S>, NetOf<S>::max_nodes> nodes;
   ContactMemories<NetOf<S>::max_contacts> contacts;
+  [[no_unique_address]] std::conditional_t<has_stages<S>, ContactForces<NetOf<S>::max_contacts>, Absent<27>>
+      forces;  // last stage
 };
 
 template <class S>
@@ -265,6 +275,9 @@ struct State {
   [[no_unique_address]] Slot<typename ContactsOf<S>::State, 10> contacts;
   [[no_unique_address]] NodeStates<S> nodes;
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetState<S>, Absent<21>> net;
+  [[no_unique_address]] std::conditional_t<has_stages<S>, ContactForces<ContactsOf<S>::max_contacts>,
+                                           Absent<27>>
+      forces;  // last stage
 };
 
 /// A part for every body, or nothing for all.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/node_stage.h"
+#include "core/step_means.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -111,9 +112,10 @@ class ContactParts {
   std::size_t last_ = 0, last_of_nets_ = 0;
 };
 
-/// The bases of another Euler step, or part: where the one before, of length h_1, has ended.
+/// The bases of another Euler step, or part: where the one before, of length h_1, has ended. Its forces go into the means.
 template <Scene S>
 void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
+  add_to_means(par, h_1 / par.h, w);
   for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(w.bases[g], w.velocities[g], h_1);
   follow_coordinates(
       par, h_1, [&w](std::size_t i) { return lane(w.bases[i / lanes<S>], i % lanes<S>); }, w);
@@ -128,6 +130,8 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
   const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
   w.iteration.starts = w.bases;
   w.iteration.coordinates = w.tree.q;
+  w.iteration.subdivides = true;
+  assign(w.means, w.iteration.means);
   keep_node_starts(par, x, w);
   ContactParts<S> contacts(w);
   constexpr int most = uses<NetOf<S>> ? max_parts_with_nets : max_parts;
@@ -148,6 +152,7 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
     if (hold || last_try) return t;
     w.bases = w.iteration.starts;
     w.tree.q = w.iteration.coordinates;
+    assign(w.iteration.means, w.means);
     restore_node_starts(par, x, w);
   }
 }

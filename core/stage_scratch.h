@@ -68,14 +68,29 @@ using JointScratchOf = std::conditional_t<
     std::conditional_t<uses<ContactsOf<S>>, TouchingJoints<S::max_bodies, typename S::Joints>,
                        Tree<S::max_bodies, typename S::Joints>>>;
 
-/// A step has more than one stage, and contacts that each carries over.
-template <class S>
-inline constexpr bool has_stages = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 /// (34)  How fast the bodies are expected to turn at the end of a stage, rad/s, body axes: where nothing jumps.
 template <class S>
 struct ExpectedTurns {
   bool known = false;
   std::array<Vector3<Lanes<S>>, max_groups<S>> w_B;
+};
+
+/// Means over a step of what contacts and joints bear, as far as its stages are solved. Contacts of a step are those of all its
+/// stages.
+template <class S>
+struct StepMeans {
+  static constexpr std::size_t num_stages = S::Integrator::order + 1;  // with the one before the step
+  struct OfBody {
+    [[no_unique_address]] Slot<typename ContactsOf<S>::BodyOutput, 10> contact;
+    [[no_unique_address]] Slot<typename S::Joints::Output, 4> joint;
+  };
+  std::array<OfBody, S::max_bodies> bodies;
+  [[no_unique_address]] std::conditional_t<
+      uses<ContactsOf<S>>, ContactForces<num_stages * ContactsOf<S>::max_contacts>, Absent<28>>
+      contacts;
+  [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, ContactForces<num_stages * NetOf<S>::max_contacts>,
+                                           Absent<29>>
+      of_nodes;
 };
 
 /// (39)  Stages of bodies on joints are iterated.
@@ -89,7 +104,9 @@ struct Iteration {
   std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;            // where the joints were taken
   [[no_unique_address]] typename JointScratchOf<S>::Coordinates coordinates;  // where the stage starts
   [[no_unique_address]] std::conditional_t<has_stages<S>, typename ContactsOf<S>::State, Absent<21>>
-      of_stage_before;  // contacts
+      of_stage_before;      // contacts
+  StepMeans<S> means;       // where the stage starts
+  bool subdivides = false;  // a stage of the step was subdivided
 };
 
 /// The nodes of nets: where the stage starts, and where it ends.
@@ -123,6 +140,9 @@ struct Scratch {
       nodes;
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetMotions<S>, Absent<21>> net;
   [[no_unique_address]] ContactScratchOf<S> contacts;
+  [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>> || uses<typename S::Joints>, StepMeans<S>,
+                                           Absent<30>>
+      means;
 };
 
 }  // namespace godobject

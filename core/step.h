@@ -77,6 +77,20 @@ void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
   }
 }
 
+/// Limits that the solver has met in a step that was taken.
+template <class S>
+Limited limits_of(const Scratch<S>& w) noexcept {
+  Limited limited = Limited::none;
+  const auto add = [&limited](bool is_met, Limited bit) noexcept { limited |= is_met ? bit : Limited::none; };
+  if constexpr (uses<ContactsOf<S>>) {
+    add(w.contacts.report.residual_share > doubtful_residual, Limited::contact_residual);
+    add(w.contacts.report.num_stopped > 0, Limited::newton_cap);
+  }
+  if constexpr (iterates_joints<S>) add(w.iteration.subdivides, Limited::substeps);
+  if constexpr (uses<NetOf<S>>) add(w.contacts.net.report.is_stopped, Limited::net_cap);
+  return limited;
+}
+
 template <class S>
 void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
@@ -90,12 +104,15 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
     if constexpr (counts_turns<S>) x.bodies[i].joint.q = w.tree.q[i];
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
+    if constexpr (has_stages<S>) x.bodies[i].contact.F_W = w.contacts.wrenches[i];
   }
   if constexpr (uses<NodesOf<S>>) std::copy_n(w.nodes.next.begin(), num_nodes(par), x.nodes.begin());
   if constexpr (uses<NetOf<S>>) {
     std::copy_n(w.net.next.begin(), num_net_nodes(par), x.net.nodes.begin());
     x.net.contacts.assign(w.contacts.net.memories[w.contacts.net.last]);
+    if constexpr (has_stages<S>) x.net.forces.assign(w.contacts.net.forces);
   }
+  if constexpr (has_stages<S>) x.forces.assign(w.contacts.forces);
   if constexpr (uses<ContactsOf<S>>) x.contacts.assign(w.contacts.memories[w.contacts.last]);
   x.tick += 1;
 }
@@ -129,13 +146,16 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
 
   // motion: (10), (11), by one or two stages (12), (13)
   if (!any(out.fault)) {
+    if constexpr (iterates_joints<S>) w.iteration.subdivides = false;
     out.limited |= S::Integrator::advance(par, x, w);
     if constexpr (uses<NetOf<S>>) keep_angular_momentum(par, x, w);
     if (!is_finite(par, w)) out.fault |= Fault::state_not_finite;
     else if (rises_out_of_measure(par, x, w)) out.fault |= Fault::energy_gained;
+    if (any(out.fault)) begin_means(par, x, 0, w);
   }
   if (!any(out.fault)) commit(par, w, x);
   const bool taken = !any(out.fault);
+  if (taken) out.limited |= limits_of(w);
   if constexpr (uses<ContactsOf<S>>) {
     if (taken) out.contacts = w.contacts.report;
   }
@@ -170,10 +190,10 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
     // after a fault the state is that of the step before, unless the caller damaged it: then the last pose stands
     if (any(out.fault) && !is_finite(sum(body.x.X_WB) + body.x.v_W.sum() + body.x.w_B.sum())) continue;
     if constexpr (uses<typename S::Joints>) {
-      if (!any(out.fault)) out.bodies[i].joint = {.F_C = w.tree.nodes[i].F_C};
+      if (!any(out.fault)) out.bodies[i].joint = w.means.bodies[i].joint;
     }
     if constexpr (uses<ContactsOf<S>>) {
-      if (!any(out.fault)) out.bodies[i].contact = {.F_W = w.contacts.wrenches[i]};
+      if (!any(out.fault)) out.bodies[i].contact = w.means.bodies[i].contact;
     }
     out.bodies[i].X_WB = body.x.X_WB;
     out.bodies[i].V_WB = {.w = to_world(body.x.X_WB.q, body.x.w_B), .v = body.x.v_W};

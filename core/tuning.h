@@ -122,6 +122,9 @@ inline constexpr std::size_t max_materials = 8;
 /// With fewer some piles gain energy. Bodies on joints need twice as many: what joints take back (18) presses stiff
 /// contacts together. test_touching_stability.cc, test_touching_joint_stability.cc; docs/decisions/022 and 023.
 inline constexpr int max_newton_iterations = 16, max_newton_iterations_on_joints = 32;
+/// Share of an island's largest normal force: a step whose contact forces miss their laws by more says so. No sweep: ten times what
+/// an iteration that converges may leave. tests/core/contact/bodies/test_solver_limits.cc.
+inline constexpr Real doubtful_residual = 0.1;
 /// Share of the slope at the beginning that a line search (29) may leave; the same of the search for the multiple of V.
 /// test_touching_stability.cc.
 inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;

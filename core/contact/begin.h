@@ -142,6 +142,20 @@ GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h
   }
 }
 
+/// Appends those of four contacts that bear a force.
+template <std::size_t max_contacts>
+void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack,
+                 ContactForces<max_contacts>& forces) noexcept {
+  const Vector3<Pack> F_W = pack.F * side;
+  const std::uint32_t bear = bits(Pack(0) < F_W.dot(F_W)) & ((1u << near.size) - 1);
+  for (std::uint32_t left = bear; left != 0; left &= left - 1) {
+    const auto j = static_cast<std::size_t>(std::countr_zero(left));
+    const NearContact& of = *near.of[j];
+    forces.list[forces.size++] = {
+        .key = of.key, .on = of.on, .a = of.a, .b = of.b, .p_W = of.p_W, .n_W = of.n_W, .F_W = lane(F_W, j)};
+  }
+}
+
 /// (24) of a group of near contacts, four to a pack, from pack `first` on.
 template <class Contacts, std::size_t N>
 std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,

@@ -150,6 +150,20 @@ struct Solving {
   }
 };
 
+/// A residual as a share of the largest normal force. Contacts that bear nothing have none.
+inline Real share_of(Real residual, Real F_n) noexcept { return F_n > 0 ? residual / F_n : 0; }
+
+/// Keeps the impulses that bodies of an island move by beyond their contacts' forces, unless their joints bear them.
+template <class Contacts, std::size_t N>
+void keep_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  w.is_unbalanced = true;
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+    if constexpr (Contacts::jointed)
+      if (w.graph.joints.joined[i]) return;
+    w.unbalanced[i] = w.x.r[i] * Real(-1);
+  });
+}
+
 /// The velocities of the bodies of an island; V_0: those they are predicted to have.
 template <class System, class Contacts, std::size_t N>
 GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving& how, System& system,
@@ -162,7 +176,8 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
   constexpr int most_iterations = Contacts::jointed ? max_newton_iterations_on_joints : max_newton_iterations;
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
-  for (bool done = false; !done && newton_iterations < most_iterations; ++newton_iterations) {
+  bool done = false;
+  for (; !done && newton_iterations < most_iterations; ++newton_iterations) {
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
     load_system(h, newton_iterations == 0, island, w);
     bool converged = true;
@@ -182,7 +197,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
       converged = taken.converged;
       iterations += taken.iterations;
       if constexpr (System::is_coupled) compute_residual(system, x);
-      left = largest_left(1, system, w);
+      left = largest_left(system, w);
     }
     if (move_contacts(island, w)) {
       // those predicted solve nothing that could be lost
@@ -198,13 +213,20 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
     }
     system.each([&](auto u) noexcept { x.V_0[u] = x.V[u]; });
   }
+  if constexpr (Contacts::between_bodies && !System::is_coupled)
+    if (left > 0) keep_unbalanced(island, w);
   const Real residual = std::max(left / h, most.worst());
   if constexpr (System::is_coupled) {
-    w.net.report = {.iterations = iterations, .newton_iterations = newton_iterations, .residual = residual};
+    w.net.report = {.iterations = iterations,
+                    .newton_iterations = newton_iterations,
+                    .residual = residual,
+                    .is_stopped = !w.net.is_solved};
     return;
   }
   w.report.num_without_room += w.system.is_complete ? 0 : 1;
   w.report.residual = std::max(w.report.residual, residual);
+  w.report.residual_share = std::max(w.report.residual_share, share_of(residual, most.F_n()));
+  w.report.num_stopped += done ? 0 : 1;
   w.report.newton_iterations = std::max(w.report.newton_iterations, newton_iterations);
   w.report.iterations = std::max(w.report.iterations, iterations);
 }
@@ -222,6 +244,10 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   find_pairs(num_bodies, w);
   const ContactReport stages_before = w.stage.goes_on ? w.report : ContactReport{};
   w.report = {.num_near = w.near.size, .found = w.stage.found};
+  if constexpr (Contacts::between_bodies) {
+    w.is_unbalanced = false;
+    w.unbalanced.fill(SpatialVector::zero());
+  }
   begin_contacts(par, before, num_bodies, h, w);
   (begin_net_contacts(par, net, h, w), ...);
   for (std::size_t n = 0; n < w.graph.num_islands; ++n) {
@@ -251,12 +277,25 @@ SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
   return {.w = sum(tau[0], tau[1], tau[2]), .v = sum(f[0], f[1], f[2])};
 }
 
+/// Adds what moves bodies beyond the forces that their contacts have by (22), (23) to the wrenches and forces that are reported: so
+/// these are the momentum that bodies get.
+template <class Contacts, std::size_t N>
+[[gnu::noinline]] void report_unbalanced(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+  std::array<Vec3, N> missing;
+  for (std::size_t i = 0; i < N; ++i) {
+    const SpatialVector F = w.unbalanced[i] * (1 / h);
+    w.wrenches[i].tau += F.w.vec();
+    missing[i] = F.v.vec();
+  }
+  pass_on(missing, w);
+}
+
 /// What the contacts carry over, and what they say.
 template <class Contacts, std::size_t N>
 void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   w.last = 1 - w.last;
   ContactMemories<Contacts::max_contacts>& next = w.memories[w.last];
-  next.size = 0;
+  next.size = w.forces.size = 0;
   for (Wrench& F : w.wrenches) F = {};
   const auto on = [&](std::uint32_t body, const SpatialVector& F) noexcept {
     w.wrenches[body].tau += F.w.vec();
@@ -278,9 +317,14 @@ void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     }
     for (std::uint32_t i = group.first; i < group.end; i += 4, ++first_pack) {
       const NearFour near(&w.near.list[i], group.end - i);
-      carry_over(near, near.sides(a), h, w.begun[first_pack], w.packs[first_pack], next);
+      const Pack sides = near.sides(a);
+      carry_over(near, sides, h, w.begun[first_pack], w.packs[first_pack], next);
+      add_bearing(near, sides, w.packs[first_pack], w.forces);
     }
   }
+  if constexpr (Contacts::between_bodies)
+    if (w.is_unbalanced) [[unlikely]]
+      report_unbalanced(h, w);
 }
 
 }  // namespace godobject

@@ -73,6 +73,8 @@ struct ContactReport {
   int iterations = 0;         // of conjugate gradients, in all of them, likewise
   int num_without_room = 0;   // islands whose blocks had no room: solved by these
   Real residual = 0;          // by how much the worst contact's force misses (22), (23), N
+  Real residual_share = 0;    // the same as a share of the largest normal force of its island
+  int num_stopped = 0;        // islands whose Newton iterations were stopped before they converged
   // of the step
   Real found =
       0;  // what contact springs were found with where stages began, beyond what they were left with, J
@@ -83,10 +85,12 @@ struct ContactReport {
     iterations = std::max(iterations, before.iterations);
     num_without_room = std::max(num_without_room, before.num_without_room);
     residual = std::max(residual, before.residual);
+    residual_share = std::max(residual_share, before.residual_share);
+    num_stopped = std::max(num_stopped, before.num_stopped);
   }
 };
 
-/// And of one body: the sum of its contact forces, about its centre of mass, world axes.
+/// And of one body: the sum of its contact forces, about its centre of mass, world axes. Of Output: mean over the step.
 struct ContactWrench {
   Wrench F_W;
 };

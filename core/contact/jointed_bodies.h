@@ -91,7 +91,7 @@ void add_stops(const Island& island, BodyContactScratch<Contacts, N>& w) noexcep
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
     const JointEdge& edge = all.edges[i];
     for (int k = 0; k < std::min(edge.num_axes, 2); ++k) {
-      const Real D = edge.stop_D[static_cast<std::size_t>(k)];
+      const Real D = edge.on_coordinate(k);
       if (!(D > 0)) continue;
       const SpatialVector e = axis_wrench(edge, k, all.p[i]), De = e * D;
       const SymmetricSpatialMatrix A{.ww = outer(De.w, e.w), .wv = outer(De.w, e.v), .vv = outer(De.v, e.v)};
@@ -137,13 +137,14 @@ JointTwists set_edge(const typename Joints::Params& par, JointsInStage<N, Joints
   return twists;
 }
 
-/// (21), (40)  Into the stages of the bodies of joint i, V_P the parent's predicted twist. touched: something bore a contact in
+/// (21), (40)  Into the stages of the bodies of joint i, and into its edge. V_P: the parent's predicted twist; V_rel: of the joint.
+/// touched: something bore a contact in
 /// the step before. What joints bear jumps then, and the pull along their levers alone is taken.
 template <class Contacts, std::size_t N>
-void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Wrench& F_C, Real h, bool touched,
-             bool& is_stiff, BodyContactScratch<Contacts, N>& w) noexcept {
-  const auto& all = w.graph.joints;
-  const JointEdge& edge = all.edges[i];
+void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Twist& V_rel, const Wrench& F_C, Real h,
+             bool touched, bool& is_stiff, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& all = w.graph.joints;
+  JointEdge& edge = all.edges[i];
   const bool has_parent = edge.on_body();
   const Column d = has_parent ? edge.a_W - all.edges[edge.parent].a_W : Column(Pack(0));
   BodyStage &child = w.stages[i], &parent = w.stages[has_parent ? edge.parent : i];
@@ -157,8 +158,12 @@ void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Wrench& F_C,
   const StiffenedBody<Real> on_child{child.A_ww, child.M, child.b, w.finder.at[i].V},
       on_parent{parent.A_ww, parent.M, parent.b, V_P};
   with_joint(kind, [&](auto of_kind) noexcept {
-    stiffen<decltype(of_kind.motion(JointFrames{}))>(d, (all.p[i] - edge.a_W).vec(), F_C, h, has_parent,
-                                                     on_parent, on_child, is_stiff);
+    const Real K_slide = stiffen<decltype(of_kind.motion(JointFrames{}))>(
+        d, (all.p[i] - edge.a_W).vec(), F_C, h, has_parent, on_parent, on_child, is_stiff);
+    if (edge.num_axes == edge.num_turns) return;
+    const auto slide = static_cast<std::size_t>(edge.num_turns);
+    edge.slide_D = K_slide;
+    edge.stop_b[slide] += K_slide * dot(edge.s[slide], Column(V_rel.v));
   });
 }
 
@@ -185,7 +190,7 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
     all.joined[parent] = true;
     w.finder.owned[i].tree = w.finder.owned[parent].tree;
   }
-  stiffen(par.bodies[i].joint.kind, i, P.V, F_C, h, touched, tree.is_stiff, w);
+  stiffen(par.bodies[i].joint.kind, i, P.V, now.V, F_C, h, touched, tree.is_stiff, w);
   each_stop(i, all, [&](const SpatialVector& F) noexcept {
     w.stages[i].b += F;
     if (edge.on_body()) w.stages[parent].b -= moved_wrench(F, all.p[i] - all.p[parent]);
@@ -239,6 +244,40 @@ void shift_contacts(const std::array<SpatialVector, N>& V, Real h, const Island&
   });
 }
 
+/// Adds what moves tools that hang on nothing beyond their contacts to these, at a body of each, which passes it on. F: impulses
+/// that bodies get beyond their contacts, which are fewer then.
+template <class Contacts, std::size_t N, class Impulses>
+[[gnu::noinline]] void report_unbalanced_tools(std::size_t num_bodies, Real h, Impulses& F,
+                                               BodyContactScratch<Contacts, N>& w) noexcept {
+  const auto& all = w.graph.joints;
+  std::array<Vec3, N> missing, before;
+  std::array<bool, N> is_near{}, is_on_world{};
+  for (std::size_t k = 0; k < w.near.size; ++k) {
+    const NearContact& near = w.near.list[k];
+    is_near[near.a] = true;
+    if (near.b < N) is_near[near.b] = true;
+    else is_on_world[near.a] = true;
+  }
+  for (std::size_t i = 0; i < N; ++i) {
+    missing[i].setZero();
+    before[i] = w.wrenches[i].f;
+  }
+  for (std::size_t root = 0; root < num_bodies; ++root) {
+    if (!all.joined[root] || all.edges[root].kind != JointKind::free) continue;
+    Vec3 sum = Vec3::Zero();
+    std::size_t at = N;
+    for (std::size_t i = root; i < num_bodies; ++i) {
+      if (!all.joined[i] || w.finder.owned[i].tree != root) continue;
+      sum += F[i].v.vec();
+      if (is_near[i] && (at == N || (is_on_world[i] && !is_on_world[at]))) at = i;
+    }
+    if (at < N) missing[at] = sum * (1 / h);
+  }
+  pass_on(missing, w);
+  for (std::size_t i = 0; i < num_bodies; ++i)
+    if (all.joined[i]) F[i].v -= Column(Vec3((w.wrenches[i].f - before[i]) * h));
+}
+
 /// V from V - V_p, and the wrenches that the joints bear: what a body's motion asks for beyond its contacts, and all that
 /// hangs on it.
 template <Scene S, class Contacts>
@@ -267,6 +306,9 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
       if (all.joined[i]) F[i] = F[i] - J;
     });
   }
+  if constexpr (Contacts::between_bodies)
+    if (w.is_unbalanced) [[unlikely]]
+      report_unbalanced_tools(num_bodies(par), h, F, w);
   for (std::uint32_t i = 0; i < num_bodies(par); ++i)
     if (all.joined[i]) w.x.V[i] = w.x.V[i] + all.V_p[i];
   for (std::size_t i = num_bodies(par); i-- > 0;) {

@@ -130,16 +130,71 @@ void search_line(Real h, const Island& island, const System& system,
   each_pack(x.V, island, w, [](ContactPack& c, const auto& V) noexcept { move(c, V); });
 }
 
-/// The multiple of V where (29) is least. Returns the largest force that is left unbalanced, times h.
+/// True if nothing but the bodies themselves acts in an island: no contact, joint or term with the world, and no device.
+template <class Contacts, std::size_t N>
+bool is_by_itself(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  bool is = !island.has_terms;
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
+    is = is && body.first_pack == body.end_pack && !w.stages[i].is_held;
+    if constexpr (Contacts::jointed) is = is && !w.graph.joints.edges[i].on_world();
+  });
+  return is;
+}
+
+/// Motion of an island as a whole, with its momentum. Zero where bodies touch the world, or nodes.
+template <class System, class Contacts, std::size_t N>
+struct MotionAsAWhole {
+  static constexpr bool is_zero = !Contacts::between_bodies || System::is_coupled;
+  const BodyContactScratch<Contacts, N>& w;
+  Column v = Column(Pack(0));
+
+  MotionAsAWhole(const Island& island, const System& system,
+                 BodyContactScratch<Contacts, N>& scratch) noexcept
+      : w(scratch) {
+    if constexpr (!is_zero) {
+      if (!is_by_itself(island, scratch)) return;
+      Real M = 0;
+      system.each([&](std::uint32_t u) noexcept {
+        v += system.b[u].v;
+        M += w.stages[u].M;
+      });
+      v = v * (1 / M);
+    }
+  }
+  /// V against it, and b less its momentum.
+  template <class U, class Vector>
+  auto off(U u, const Vector& V) const noexcept {
+    if constexpr (is_zero) return V[u];
+    else return V[u] - SpatialVector{.w = Column(Pack(0)), .v = v};
+  }
+  template <class U, class Vector>
+  auto less_momentum(U u, const Vector& b) const noexcept {
+    if constexpr (is_zero) return b[u];
+    else return b[u] - SpatialVector{.w = Column(Pack(0)), .v = v * w.stages[u].M};
+  }
+  /// The velocity s times as far off it.
+  template <class U, class Vector>
+  auto scaled(U u, const Vector& V, Real s) const noexcept {
+    if constexpr (is_zero) return V[u] * s;
+    else return off(u, V) * s + SpatialVector{.w = Column(Pack(0)), .v = v};
+  }
+};
+
+/// The multiple of V, against the motion c of the island as a whole, where (29) is least: so bodies that nothing else acts on keep
+/// their momentum. Returns the largest force that is left unbalanced, times h; r is all of them.
+///
+///   V = c + s (V - c),   r = (b - M c) (1 - s) + s r,   c = sum b / sum M
 template <class System, class Contacts, std::size_t N>
 Real scale_velocities(Real h, const Island& island, const System& system,
                       BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
   const auto& b = system.b;
+  const MotionAsAWhole<System, Contacts, N> whole(island, system, w);
   SpatialSum VAV, Vb;
   system.each([&](auto u) noexcept {
-    VAV.add(x.V[u], b[u] - x.r[u]);
-    Vb.add(x.V[u], b[u]);
+    const auto V = whole.off(u, x.V), b_off = whole.less_momentum(u, b);
+    VAV.add(V, b_off - x.r[u]);
+    Vb.add(V, b_off);
   });
   find_leaving(
       max_scale, island, w, [](const ContactPack&) noexcept { return Pack(0); },
@@ -147,9 +202,12 @@ Real scale_velocities(Real h, const Island& island, const System& system,
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
   const Real s = where_flat(max_scale, scale_tolerance * VAV,
                             [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
-  system.each([&](auto u) noexcept { x.V[u] = x.V[u] * s; });
+  system.each([&](auto u) noexcept {
+    x.V[u] = whole.scaled(u, x.V, s);
+    x.r[u] = whole.less_momentum(u, b) * (1 - s) + x.r[u] * s;
+  });
   each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
-  return largest_left(s, system, w);
+  return largest_left(system, w);
 }
 
 }  // namespace godobject

@@ -46,10 +46,10 @@ Real largest_unborne_sq(const System& system, const Stages& stages, Vector& F) n
   return most;
 }
 
-/// The largest impulse that b (1 - s) + r s leaves unbalanced.
+/// The largest impulse that r leaves unbalanced.
 template <class System, class Contacts, std::size_t N>
-Real largest_left(Real s, const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
-  system.each([&](auto u) noexcept { w.x.Ap[u] = system.b[u] * (1 - s) + w.x.r[u] * s; });
+Real largest_left(const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
+  system.each([&](auto u) noexcept { w.x.Ap[u] = w.x.r[u]; });
   return std::sqrt(largest_unborne_sq(system, w.stages, w.x.Ap));
 }
 

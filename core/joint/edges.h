@@ -16,11 +16,16 @@ struct JointEdge {
   int num_turns = 0, num_axes = 0;
   std::array<Column, 3> s;                 // axes, unit: turns, then slides
   std::array<Real, 2> stop_D{}, stop_b{};  // on the coordinates: effective mass, and impulse at rest
+  Real slide_D = 0;                        // more effective mass on the slide (40), its impulse in stop_b
   std::uint32_t stop_entry = 0;            // in the system of its island
 
   bool on_world() const noexcept { return kind != JointKind::free && parent == world; }
   bool on_body() const noexcept { return parent != world; }
-  bool has_stops() const noexcept { return stop_D[0] > 0 || stop_D[1] > 0; }
+  bool has_stops() const noexcept { return stop_D[0] > 0 || stop_D[1] > 0 || slide_D > 0; }
+  /// Effective mass on coordinate k.
+  Real on_coordinate(int k) const noexcept {
+    return stop_D[static_cast<std::size_t>(k)] + (k >= num_turns ? slide_D : 0);
+  }
 };
 
 /// Twist at p of a turn about, or a slide along, axis k.

@@ -69,11 +69,11 @@ void stiffen(const Vector3<T>& r, const Vector3<T>& F, const Vector3<T>& w, Matr
   b += K * w;
 }
 
-/// What a joint adds to the A of the stages of its bodies: K of any turn of the parent, and so much of any turn of the
-/// child and of any shift of its anchor.
+/// What a joint adds to the A of the stages of its bodies: K of any turn of the parent, so much of any turn of the child, and of
+/// the rate of its slide, which leaves the momentum of both as it is.
 struct JointStiffness {
   Block parent = Block::zero();
-  Real turn = 0, shift = 0;
+  Real turn = 0, slide = 0;
   bool is_stiff = false;  // the part that is left out may turn a body round within a stage
 };
 
@@ -94,7 +94,7 @@ template <class Motion>
   if constexpr (turns == 1 || turns == 2) of_parent = K.turn = h * h * F_C.tau.norm() / 2;
   if constexpr (slides > 0) {
     const Real lever = std::sqrt(A_child / M);
-    K.shift = size / (2 * lever);
+    K.slide = size / (2 * lever);
     of_parent += size * lever / 2;
   }
   K.parent += Block::identity() * of_parent;
@@ -124,26 +124,26 @@ struct StiffenedBody {
   const Twist& V;  // predicted
 };
 inline Real mean_of(Real M) noexcept { return M; }
-inline void add_to_all(Real shift, Real& M) noexcept { M += shift; }
-inline void add_to_all(Real shift, Block& A) noexcept { A += Block::identity() * shift; }
 
 /// (21), (40)  Into the stages of a joint's bodies: A is that much more than it would be, and b as much as that where the
-/// velocities are those predicted. has_parent: on a parent, not on the world.
+/// velocities are those predicted. has_parent: on a parent, not on the world. Returns the effective mass that a slide's
+/// coordinate gets likewise, kg.
 template <class Motion, class Mass>
-void stiffen(const Column& lever, const Vec3& r, const Wrench& F_C, Real h, bool has_parent,
-             const StiffenedBody<Mass>& parent, const StiffenedBody<Mass>& child, bool& is_stiff) noexcept {
+[[nodiscard]] Real stiffen(const Column& lever, const Vec3& r, const Wrench& F_C, Real h, bool has_parent,
+                           const StiffenedBody<Mass>& parent, const StiffenedBody<Mass>& child,
+                           bool& is_stiff) noexcept {
   const Column d = has_parent ? lever : Column(Pack(0));
   const Real A_child = mean_of(child.A_ww),
              A_parent = has_parent ? mean_of(parent.A_ww) : std::numeric_limits<Real>::max();
-  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return;
+  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return 0;
   const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, mean_of(child.A_vv));
   is_stiff |= K.is_stiff;
   child.A_ww += Block::identity() * K.turn;
-  add_to_all(K.shift, child.A_vv);
-  child.b += {.w = Column(child.V.w) * K.turn, .v = Column(child.V.v) * K.shift};
-  if (!has_parent) return;
+  child.b.w += Column(child.V.w) * K.turn;
+  if (!has_parent) return K.slide;
   parent.A_ww += K.parent;
   parent.b.w += K.parent * Column(parent.V.w);
+  return K.slide;
 }
 
 }  // namespace godobject

@@ -42,7 +42,7 @@ struct TreeJoints {
   };
   using Input = typename Imposed::Input;
   struct Output {
-    Wrench F_C;  // of the joint on the child at its anchor, world axes, mean of the step's last stage
+    Wrench F_C;  // of the joint on the child at its anchor, world axes, mean over the step
   };
 };
 
@@ -195,10 +195,12 @@ inline JointAt joint_at(const JointParams& par, const TreePlace& P, const TreePl
           .V = {.w = C.V.w - P.V.w, .v = C.V.v - V_P}};
 }
 
-/// A joint out of the system: what is left of the child hangs on the parent. q: predicted coordinates, for stops.
+/// A joint out of the system: what is left of the child hangs on the parent. q: predicted coordinates, for stops. on_slide: on the
+/// rate of a slide (40).
 template <class Joints, class Motion>
-void eliminate(const typename Joints::Params& par, const Motion& m, const JointCoordinates& q, Real h,
-               TreeNode& child, TreeNode& parent, bool& is_stiff, bool& stop_acts) noexcept {
+void eliminate(const typename Joints::Params& par, const Motion& m, const JointCoordinates& q,
+               const AxisTerms& on_slide, Real h, TreeNode& child, TreeNode& parent, bool& is_stiff,
+               bool& stop_acts) noexcept {
   ArticulatedBody& a = child.body;
   const bool has_parent = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
@@ -215,10 +217,12 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
       if constexpr (uses<typename Joints::Stops>)
         along =
             stop_terms(par.stop.stops[c], q[static_cast<Eigen::Index>(c)], s.dot(turns ? beta.w : beta.v), h);
+      const Real of_stop = along.D;
+      if constexpr (!turns) along = {.D = along.D + on_slide.D, .tau = along.tau + on_slide.tau};
       eliminate_axis<turns>(a, Column(s), along, child.axis[c], has_parent || c < last);
       if constexpr (uses<typename Joints::Stops>) {
-        is_stiff |= along.D * child.axis[c].D_inverse > stiff_stop_share;
-        stop_acts |= along.D > 0;
+        is_stiff |= of_stop * child.axis[c].D_inverse > stiff_stop_share;
+        stop_acts |= of_stop > 0;
       }
       ++c;
     };
@@ -284,9 +288,12 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& 
     ArticulatedBody &a = child.body, &p = parent.body;
     const StiffenedBody<Block> on_child{a.A.ww, a.A.vv, a.b, child.at.V},
         on_parent{p.A.ww, p.A.vv, p.b, parent.at.V};
-    stiffen<Motion>(child.d, child.at.p_W - child.at.a_W, F_C, h, has_parent, on_parent, on_child,
-                    tree.is_stiff);
-    eliminate<Joints>(par, m, q, h, child, parent, tree.is_stiff, tree.stop_acts);
+    const Real K_slide = stiffen<Motion>(child.d, child.at.p_W - child.at.a_W, F_C, h, has_parent, on_parent,
+                                         on_child, tree.is_stiff);
+    AxisTerms on_slide;
+    if constexpr (Motion::num_slides > 0)
+      on_slide = {.D = K_slide, .tau = K_slide * m.slide[0].dot(joint.V.v - beta.v)};
+    eliminate<Joints>(par, m, q, on_slide, h, child, parent, tree.is_stiff, tree.stop_acts);
   });
 }
 

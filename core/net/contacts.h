@@ -233,7 +233,7 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
   net.last = 1 - net.last;
   auto& next = net.memories[net.last];
-  next.size = 0;
+  next.size = net.forces.size = 0;
   NetReport& report = net.report;
   report.num_near = net.near.size;
   for (std::size_t i = 0; i < net.near.size; ++i) {
@@ -245,7 +245,12 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     report.deepest = std::max(report.deepest, depth);
     const bool bears = near.n_W.dot(F) > 0;
     if (bears) ++report.num_contacts;
-    if (bears && near.b != NetContactTerm::on_world) {
+    // what a joint bears has the rest: forces that pull, within the tolerance of the iterations
+    bool counts = bears;
+    if constexpr (Contacts::jointed)
+      counts = bears || near.b == NetContactTerm::on_world || !w.graph.joints.joined[near.b];
+    else counts = true;
+    if (counts && near.b != NetContactTerm::on_world) {
       Wrench& on_body = w.wrenches[near.b];
       on_body.f -= F;
       on_body.tau -= lane(pack.r, j).cross(F);
@@ -254,6 +259,7 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   for (std::size_t p = 0; p < net.num_packs; ++p) {
     const NearFour near(&net.near.list[4 * p], net.near.size - 4 * p);
     carry_over(near, near.live(), h, net.begun[p], net.packs[p], next);
+    add_bearing(near, near.live(), net.packs[p], net.forces);
   }
   each_carried(net, [&](const NetRun& run) noexcept {
     SpatialVector& sum = net.on_carriers[run.body] = SpatialVector::zero();

@@ -119,6 +119,7 @@ struct NetReport {
   int iterations = 0;         // of conjugate gradients
   int newton_iterations = 0;  // over the modes of their contacts
   Real residual = 0;          // the largest force on a node that is left unbalanced, N
+  bool is_stopped = false;    // the iteration ended at its most, before its tolerance
   // of its last stage
   bool majorised = false;        // (47) was needed for the springs
   std::size_t num_contacts = 0;  // of nodes, that bear a force
@@ -129,6 +130,7 @@ struct NetReport {
     iterations = std::max(iterations, before.iterations);
     newton_iterations = std::max(newton_iterations, before.newton_iterations);
     residual = std::max(residual, before.residual);
+    is_stopped = is_stopped || before.is_stopped;
   }
 };
 

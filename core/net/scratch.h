@@ -6,6 +6,7 @@
 
 #include "core/contact/candidates.h"
 #include "core/contact/find/sphere_pack.h"
+#include "core/contact/forces.h"
 #include "core/contact/stage.h"
 #include "core/math/symmetric.h"
 #include "core/net/net.h"
@@ -107,6 +108,7 @@ struct NetStage {
   std::size_t num_pairs = 0;
   std::array<ContactMemories<Net::max_contacts>, 2> memories;
   std::size_t last = 0;
+  ContactForces<Net::max_contacts> forces;  // of the stage
 
   // of the incomplete factor of the nodes: D but for their own contacts, and by group the inverse of all of it
   std::array<SymmetricBlock, max_nodes> D, of_contacts;

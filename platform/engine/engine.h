@@ -38,8 +38,8 @@ struct BodyView {
   Target target;      // target the body is pulled to (relative devices: built up so far)
   Wrench feedback_D;  // shown to the hand
   Wrench coupling_B;  // (2) at the end of the step; only from view()
-  Wrench joint_C;     // of its joint on the body, at the joint's anchor on it; mean of the step's last stage
-  Wrench contact_W;   // of all its contacts, about its centre of mass
+  Wrench joint_C;     // of its joint on the body, at the joint's anchor on it; mean over the step
+  Wrench contact_W;   // of all its contacts, about its centre of mass; mean over the step
 };
 
 /// A contact that bears a force: a sphere of body a, or an edge of its shape, or node a of the nets, on body b or on the
@@ -50,7 +50,7 @@ struct ContactView {
   std::size_t surface = 0;       // of SceneContacts::surfaces, where b is the world
   Vec3 p_W = Vec3::Zero();       // contact point, m
   Vec3 n_W = Vec3::UnitZ();      // normal, off b
-  Vec3 F_W = Vec3::Zero();       // force on a, N
+  Vec3 F_W = Vec3::Zero();       // force on a, N; mean over the step
 };
 
 /// J, after the last step.
@@ -105,7 +105,7 @@ class Engine {
   virtual BodyView view(std::size_t i) const noexcept = 0;
   virtual Wrench feedback(std::size_t i) const noexcept = 0;
   virtual EnergyReport energy() const noexcept = 0;
-  /// The contacts that bore a force at the end of the last step, in a lasting order, as far as there is room.
+  /// The contacts that bore a force in the last step, in a lasting order, as far as there is room.
   /// Their number; real-time.
   virtual std::size_t contacts(std::span<ContactView> out) const noexcept = 0;
   /// The scene's nets: nodes, springs, and the triangles between their nodes; constant. Empty without any.

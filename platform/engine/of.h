@@ -198,20 +198,22 @@ class EngineOf final : public Engine {
   std::size_t contacts(std::span<ContactView> out) const noexcept override {
     std::size_t n = 0;
     if constexpr (uses<ContactsOf<S>>) {
-      const auto add = [&](const NearContact& near, const ContactMemory& contact, bool is_node) {
-        if (n == out.size()) return;
-        const bool on_world =
-            near.on < par_.contacts.num_surfaces && par_.contacts.surfaces[near.on].body == world;
-        out[n++] = {.a = near.a,
-                    .b = on_world ? world : std::size_t{near.b},
-                    .is_node = is_node,
-                    .surface = on_world ? near.on : 0,
-                    .p_W = near.p_W,
-                    .n_W = near.n_W,
-                    .F_W = contact.F_W.vec()};
+      const auto add = [&](const auto& forces, bool is_node) {
+        for (std::size_t i = 0; i < forces.size && n < out.size(); ++i) {
+          const ContactForce& one = forces.list[i];
+          const bool on_world =
+              one.on < par_.contacts.num_surfaces && par_.contacts.surfaces[one.on].body == world;
+          out[n++] = {.a = one.a,
+                      .b = on_world ? world : std::size_t{one.b},
+                      .is_node = is_node,
+                      .surface = on_world ? one.on : 0,
+                      .p_W = one.p_W,
+                      .n_W = one.n_W,
+                      .F_W = one.F_W};
+        }
       };
-      each_contact(w_.contacts.near, x_.contacts, add, false);
-      if constexpr (uses<NetOf<S>>) each_contact(w_.contacts.net.near, x_.net.contacts, add, true);
+      add(w_.means.contacts, false);
+      if constexpr (uses<NetOf<S>>) add(w_.means.of_nodes, true);
     }
     return n;
   }
@@ -239,20 +241,6 @@ class EngineOf final : public Engine {
   std::uint64_t state_hash() const noexcept override { return godobject::state_hash(par_, x_); }
 
  private:
-  /// visit(near, memory, is_node) for every contact that bore a force at the end of the last step. Both lists are in the order
-  /// of their keys; before the first step there are none.
-  template <class NearList, class Memories, class Visit>
-  static void each_contact(const NearList& nears, const Memories& memories, const Visit& visit,
-                           bool is_node) noexcept {
-    Recall remembered(memories);
-    const std::size_t num_near = memories.size > 0 ? nears.size : 0;
-    for (std::size_t i = 0; i < num_near; ++i) {
-      const NearContact& near = nears.list[i];
-      const ContactMemory* const contact = remembered.find(near.key);
-      if (contact != nullptr && dot(contact->n_W, contact->F_W) > 0) visit(near, *contact, is_node);
-    }
-  }
-
   Composition composition_;
   [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>>, SceneContacts, Empty> contacts_;
   SceneNets nets_;

@@ -56,6 +56,21 @@ inline constexpr std::array run_limits{
              "shorten the step: TR-BDF2 falls back to implicit Euler where a body turns faster than "
              "godobject check allows, contacts "
              "or stops change, or a net needs more than net_iterations"},
+    RunLimit{"contact_residual", core_limited<Limited::contact_residual>,
+             "shorten the step, soften contacts, or put fewer bodies into one heap: a contact force misses "
+             "its law by more than 10 % "
+             "of the largest"},
+    RunLimit{"newton_cap", core_limited<Limited::newton_cap>,
+             "shorten the step or soften contacts: the iterations over sticking, slipping and opening "
+             "contacts end before they "
+             "converge"},
+    RunLimit{"substeps", core_limited<Limited::substeps>,
+             "shorten the step or lower the contrast of masses and inertias in the tool: stages are "
+             "subdivided, to first order, "
+             "because joints come apart otherwise"},
+    RunLimit{"net_cap", core_limited<Limited::net_cap>,
+             "raise net_iterations or shorten the step: the iteration of nets ends before its tolerance "
+             "(residual_N of the report)"},
     RunLimit{
         "drive_torque", drives_limited<&CommandReport::torque_limited>,
         "lower the feedback's gains or [device.limits], or raise torque_max_Nm as far as the motor bears it"},

@@ -4,6 +4,7 @@
 #include "platform/cli/report/report.h"
 #include "platform/cli/report/warnings.h"
 #include "platform/rt/machine.h"
+#include "platform/scene/contact/pairs.h"
 #include "platform/scene/joint/kinds.h"
 
 namespace godobject {
@@ -208,6 +209,14 @@ Json nets(const SceneNets& nets, const NetStatistics& n) {
           {"residual_N", n.residual}};
 }
 
+Json contacts(const ContactStatistics& c) {
+  return {{"most_contacts", c.contacts},
+          {"deepest_m", c.deepest},
+          {"most_newton_iterations", c.most_newton_iterations},
+          {"residual_N", c.residual},
+          {"residual_share", c.residual_share}};
+}
+
 Json machine(const std::vector<RtStep>& setup) {
   const Machine m = this_machine();
   return {{"cpu", m.cpu}, {"num_cpus", m.num_cpus}, {"kernel", m.kernel}, {"rt_setup", to_array(setup)}};
@@ -282,6 +291,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   if (report.session.rig()) json["answers"] = answers(report.session.rig_counters());
   json["events"] = to_array(report.result.events);
   json["recoveries"] = to_array(report.result.recoveries);
+  if (contact_scope(scene) != ContactScope::none) json["contacts"] = contacts(statistics.contacts);
   if (const SceneNets& n = report.session.engine().nets(); !n.nodes.empty())
     json["nets"] = nets(n, statistics.nets);
   json["bodies"] = bodies(scene, statistics);

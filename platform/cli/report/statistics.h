@@ -99,6 +99,21 @@ struct CoordinateStatistics {
   }
 };
 
+/// The worst of a run.
+struct ContactStatistics {
+  double residual = 0, residual_share = 0, deepest = 0;  // N; of the largest normal force; m
+  std::size_t contacts = 0;
+  int most_newton_iterations = 0;  // in a step
+
+  void add(const ContactReport& step) noexcept {
+    residual = std::max(residual, static_cast<double>(step.residual));
+    residual_share = std::max(residual_share, static_cast<double>(step.residual_share));
+    deepest = std::max(deepest, static_cast<double>(step.deepest));
+    contacts = std::max(contacts, step.num_contacts);
+    most_newton_iterations = std::max(most_newton_iterations, step.newton_iterations);
+  }
+};
+
 struct RunStatistics {
   std::vector<BodyStatistics> bodies{};  // all of the scene's, as prepare() makes them
   std::vector<JointStatistics> joints{};
@@ -125,6 +140,7 @@ struct RunStatistics {
   bool on_hold = false;
   bool force_oscillates = false;
   NetStatistics nets;
+  ContactStatistics contacts;
   EnergyReport gain;  // where the share gained of the energy at work was largest
 
   /// A run on a device that is held for a larger share of its cycles is a fault: too little of it was felt.
@@ -156,6 +172,7 @@ struct RunStatistics {
       gain = record.energy;
     force_oscillates = force_oscillates || record.force_oscillates;
     nets.add(record.nets, record.net_stretch);
+    contacts.add(record.contacts);
   }
 };
 

@@ -151,8 +151,9 @@ TEST(RunLimits, EachIsActiveAloneAndInItsBit) {
   records[5].limited = Limited::held;
   records[6].on_hold = true;
   records[7].limited = Limited::first_order;
-  records[8].drives.torque_limited = records[9].drives.rate_limited = 2;
-  records[10].drives.drive_limited = records[11].drives.not_sent = 4;
+  for (unsigned i = 8; i < 12; ++i) records[i].limited = Limited(1u << (i - 1));
+  records[12].drives.torque_limited = records[13].drives.rate_limited = 2;
+  records[14].drives.drive_limited = records[15].drives.not_sent = 4;
   for (std::size_t i = 0; i < records.size(); ++i)
     EXPECT_EQ(active_limits(records[i]), 1u << i) << run_limits[i].name;
 }
