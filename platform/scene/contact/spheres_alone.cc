@@ -11,7 +11,7 @@ namespace godobject {
 namespace {
 
 /// Share by which a sphere may be smaller than it has to be, for numbers that were rounded in a file.
-constexpr double rounding = 1e-3;
+constexpr double radius_tolerance = 1e-3;
 
 /// A corner of a box, or the ball at an end of a capsule, or a whole ball.
 struct Tip {
@@ -40,7 +40,7 @@ bool is_held(const BodyConfig& body, const Tip* first, const Tip* end, double ti
     for (int i = 0; i < row.count; ++i) {
       const Vec3 p_B = row.p_B + i * row.spacing;
       if (std::all_of(first, end, [&](const Tip& tip) {
-            return (tip.p_B - p_B).norm() + tip.radius <= times * (1 + rounding) * row.radius;
+            return (tip.p_B - p_B).norm() + tip.radius <= times * (1 + radius_tolerance) * row.radius;
           }))
         return true;
     }
