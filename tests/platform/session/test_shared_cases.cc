@@ -1,0 +1,170 @@
+// The scenes of ../shared/cases have their right values, with both integrators. Each stands for a kind of fault; cases of
+// contact memory (turntable, spatula, creep-grip, overhang, valley, order) belong to the contact pipeline to come.
+#include "tests/platform/session/attacked.h"
+
+#include <cmath>
+#include <string>
+
+namespace godobject::test_shared_cases {
+namespace {
+
+constexpr const char* no_cases = "no cases/ in the shared folder";
+constexpr Real g = 9.81;
+
+class SharedCases : public testing::TestWithParam<const char*> {
+ protected:
+  /// Returns cases/NAME.toml with the test's integrator; nothing where the folder is absent.
+  static std::optional<SceneConfig> scene(const std::string& name) {
+    const std::filesystem::path file = test::shared_file("cases/" + name + ".toml");
+    if (file.empty()) return std::nullopt;
+    LoadResult loaded = load_scene(file.string());
+    EXPECT_TRUE(loaded.scene) << name;
+    if (loaded.scene) loaded.scene->integrator = GetParam();
+    return loaded.scene;
+  }
+
+  static Motion motion_of(const std::string& name, const SceneConfig& scene) {
+    const std::filesystem::path file = test::shared_file("cases/" + name + ".csv");
+    if (file.empty()) return Motion(scene);
+    MotionResult read = Motion::read(file.string(), scene);
+    EXPECT_TRUE(read.motion) << name;
+    return read.motion ? *std::move(read.motion) : Motion(scene);
+  }
+
+  bool is_second_order() const { return std::string(GetParam()) == "tr-bdf2"; }
+};
+INSTANTIATE_TEST_SUITE_P(BothIntegrators, SharedCases, testing::Values("implicit-euler", "tr-bdf2"),
+                         [](const auto& of) {
+                           return std::string(of.param) == "tr-bdf2" ? "TrBdf2" : "ImplicitEuler";
+                         });
+
+TEST_P(SharedCases, ABallSlidesOnATiltedBoxOfABodyAsOnATiltedPlane) {
+  const auto read = scene("ball-on-tilted-box-body");
+  if (!read) GTEST_SKIP() << no_cases;
+  const std::size_t ball = *body_named(*read, "ball");
+  const Vec3 start = read->bodies[ball].X_WB.p;
+  const CycleRecord end = attacked(*read, Motion(*read), read->duration, [](const CycleRecord&) {});
+  const double slid = g * std::sin(M_PI / 6) * read->duration * read->duration / 2;
+  EXPECT_NEAR((end.bodies[ball].X_WB.p - start).norm(), slid, is_second_order() ? 1e-5 : 1e-3);
+}
+
+TEST_P(SharedCases, AStopNearHalfATurnGivesBackWhatItTook) {
+  const auto read = scene("stop-at-pi-gains");
+  if (!read) GTEST_SKIP() << no_cases;
+  double most = 0, first = -1, farthest = 0;
+  attacked(*read, Motion(*read), read->duration, [&](const CycleRecord& r) {
+    if (first < 0) first = r.energy.total;
+    most = std::max(most, r.energy.total);
+    farthest = std::max(farthest, r.joint_q.at(0));
+  });
+  EXPECT_LE(most, first * (1 + 1e-9));
+  EXPECT_NEAR(farthest, 3.26, 0.01) << "I w^2 / 2 = k (d - width / 2)^2 / 2";
+}
+
+TEST_P(SharedCases, AStopHoldsAgainstATargetBeyondHalfATurn) {
+  const auto read = scene("stop-passed-at-pi");
+  if (!read) GTEST_SKIP() << no_cases;
+  double farthest = 0;
+  const CycleRecord end =
+      attacked(*read, motion_of("stop-passed-at-pi", *read), read->duration,
+               [&](const CycleRecord& r) { farthest = std::max(farthest, r.joint_q.at(0)); });
+  EXPECT_LT(farthest, 3.3);
+  EXPECT_NEAR(end.joint_q.at(0), 3.254, 1e-3) << "statics";
+}
+
+TEST_P(SharedCases, AFreeSheetFallsFreely) {
+  const auto read = scene("sheet-falls");
+  if (!read) GTEST_SKIP() << no_cases;
+  Session::Made made = make_session(*read, Motion(*read), BusChoice::direct);
+  ASSERT_TRUE(made.session);
+  made.session->list_net_nodes();
+  CycleRecord record = made.session->at_start();
+  const auto height = [&] {
+    double sum = 0;
+    for (const Vec3& p : record.net_nodes) sum += p.z();
+    return sum / static_cast<double>(record.net_nodes.size());
+  };
+  ASSERT_FALSE(record.net_nodes.empty());
+  const double start = height();
+  while (record.t < 0.5 - read->step / 2) made.session->cycle(record);
+  EXPECT_NEAR(start - height(), g * 0.25 / 2, is_second_order() ? 1e-4 : g * 0.5 * read->step);
+}
+
+TEST_P(SharedCases, TheContactForceOfADropIsItsMomentum) {
+  const auto read = scene("drop-impulse");
+  if (!read) GTEST_SKIP() << no_cases;
+  for (const double step : {1e-3, 2e-3, 1e-2}) {
+    SceneConfig scene = *read;
+    scene.step = step;
+    Vec3 impulse = Vec3::Zero();
+    int steps = 0;
+    const CycleRecord end = attacked(scene, Motion(scene), 4, [&](const CycleRecord& r) {
+      impulse += step * r.bodies[0].contact_W.f;
+      ++steps;
+    });
+    const double m = scene.bodies[0].mass;
+    const Vec3 gained =
+        m * (end.bodies[0].V_WB.v - scene.bodies[0].V_WB.v) + Vec3(0, 0, m * g * step * steps);
+    EXPECT_LT((impulse - gained).norm(), 1e-9 * gained.norm()) << step;
+  }
+}
+
+TEST_P(SharedCases, BallsThatCollideKeepTheirMomentum) {
+  const auto read = scene("momentum-five-balls-trbdf2");
+  if (!read) GTEST_SKIP() << no_cases;
+  const auto momentum = [&](const CycleRecord& r) {
+    Vec3 p = Vec3::Zero();
+    for (std::size_t i = 0; i < read->bodies.size(); ++i) p += read->bodies[i].mass * r.bodies[i].V_WB.v;
+    return p;
+  };
+  Vec3 first = Vec3::Zero();
+  for (const BodyConfig& body : read->bodies) first += body.mass * body.V_WB.v;
+  attacked(*read, Motion(*read), read->duration, [&](const CycleRecord& r) {
+    ASSERT_LT((momentum(r) - first).norm(), 1e-12 * first.norm()) << r.t;
+  });
+}
+
+TEST_P(SharedCases, ABrickIsDeflectedByTheSideOfAnother) {
+  const auto read = scene("brick-cut-1mm");
+  if (!read) GTEST_SKIP() << no_cases;
+  const std::size_t brick = *body_named(*read, "b");
+  const Vec3 v = read->bodies[brick].V_WB.v;
+  const CycleRecord end = attacked(*read, Motion(*read), read->duration, [](const CycleRecord&) {});
+  EXPECT_GT((end.bodies[brick].V_WB.v - v).norm(), 0.1 * v.norm());
+}
+
+TEST_P(SharedCases, AdmittanceIsOfTheIntegratorsOrder) {
+  const auto read = scene("admittance-first-order");
+  if (!read) GTEST_SKIP() << no_cases;
+  const auto at_end = [&](double step) {
+    SceneConfig scene = *read;
+    scene.step = step;
+    return attacked(scene, Motion(scene), scene.duration, [](const CycleRecord&) {}).bodies[0].X_WB.p.x();
+  };
+  const double coarse = at_end(1e-3), middle = at_end(5e-4), fine = at_end(2.5e-4);
+  const double order = std::log2(std::abs((coarse - middle) / (middle - fine)));
+  EXPECT_NEAR(order, is_second_order() ? 2 : 1, 0.1);
+}
+
+TEST_P(SharedCases, ASheetCreepsNotBelowTheThresholdOfFriction) {
+  const auto read = scene("net-friction-incline");
+  if (!read) GTEST_SKIP() << no_cases;
+  double settled = 0;
+  const CycleRecord end = attacked(*read, Motion(*read), read->duration, [&](const CycleRecord& r) {
+    if (r.t < 1) settled = r.bodies[0].X_WB.p.x();
+  });
+  EXPECT_LT(end.bodies[0].V_WB.v.norm(), 1e-9);
+  EXPECT_NEAR(end.bodies[0].X_WB.p.x(), settled, 1e-9);
+}
+
+TEST_P(SharedCases, NoStepThatOneIterationEndsMakesEnergy) {
+  const auto read = scene("net-one-step-to-1e301");
+  if (!read) GTEST_SKIP() << no_cases;
+  attacked(*read, motion_of("net-one-step-to-1e301", *read), read->duration, [&](const CycleRecord& r) {
+    ASSERT_LT(std::abs(r.energy.total), 1e3) << r.t;
+    for (const BodyView& body : r.bodies) ASSERT_LT(body.V_WB.v.norm(), 1e2) << r.t;
+  });
+}
+
+}  // namespace
+}  // namespace godobject::test_shared_cases
