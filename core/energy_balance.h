@@ -87,16 +87,9 @@ class EnergyBalance {
   /// A gain that nobody gave.
   bool gains() const noexcept { return watch_.gains(); }
 
-  /// Energy in all springs but those of couplings, J; of contacts also what they may gain by being found
-  /// (35).
-  static Real springs(const Params<S>& par, const State<S>& x,
-                      [[maybe_unused]] const Scratch<S>& w) noexcept {
-    Real U = other_springs(par, x) + net_springs(par, x);
-    if constexpr (uses<ContactsOf<S>>) {
-      const Springs of_contacts = contact_springs(par, x, w);
-      U += of_contacts.energy + of_contacts.may_find + of_contacts.floor;
-    }
-    return U;
+  /// Energy in all springs but those of couplings and contacts, J.
+  static Real springs(const Params<S>& par, const State<S>& x) noexcept {
+    return other_springs(par, x) + net_springs(par, x);
   }
 
   static Real kinetic(const Params<S>& par, const State<S>& x) noexcept {

@@ -113,13 +113,41 @@ Real work_of_joint([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const
   return W;
 }
 
+/// (58)  U of contacts, J: a bound, since a contact that has opened in the step has no law any more. The stiffest law
+/// serves all; one that is found deeper (35) holds what pushes everything out.
+template <Scene S>
+Real energy_of_contacts([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
+                        [[maybe_unused]] const Whole& whole) noexcept {
+  Real U = 0;
+  if constexpr (uses<ContactsOf<S>>) {
+    Real k = 0, k_t = 0, push_out = 0;
+    for (const auto& row : par.contacts.laws)
+      for (const ContactLaw& law : row) {
+        k = std::max(k, law.k);
+        k_t = std::max(k_t, law.k_t);
+        push_out = std::max(push_out, law.push_out);
+      }
+    const auto add = [&](const auto& memories) noexcept {
+      for (std::size_t i = 0; i < memories.size; ++i) {
+        const ContactMemory& contact = memories.list[i];
+        U += k * contact.pressed * contact.pressed + Real(0.5) * k_t * contact.xi_W.vec().squaredNorm();
+      }
+    };
+    add(x.contacts);
+    if constexpr (uses<NetOf<S>>) add(x.net.contacts);
+    U += whole.mass() * push_out * push_out;
+  }
+  return U;
+}
+
 /// True if the step of w.next breaks (58).
 template <Scene S>
 [[gnu::noinline]] bool rises_out_of_measure(const Params<S>& par, const State<S>& x, const Scratch<S>& w,
                                             Real T, Real T_after) noexcept {
   const Whole whole(par, x);
   const Real v_g = par.h * par.gravity_W.norm();
-  Real at_hand = T + EnergyBalance<S>::springs(par, x, w) + whole.mass() * v_g * v_g;
+  Real at_hand =
+      T + EnergyBalance<S>::springs(par, x) + energy_of_contacts(par, x, whole) + whole.mass() * v_g * v_g;
   for (std::size_t i = 0; i < num_bodies(par); ++i)
     at_hand += work_of_device(par, x, w, whole, i) + work_of_joint(par, x, w, whole, i);
   return T_after > max_rise * (at_hand + gain_floor);

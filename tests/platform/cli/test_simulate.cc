@@ -60,7 +60,7 @@ class SimulateTest : public testing::Test {
                            .bus = std::move(bus)});
       }
     }
-    simulation_ = std::make_unique<Simulation>(scene_, motion_, std::move(offered), true);
+    simulation_ = std::make_unique<Simulation>(scene_, RigProfiles(), motion_, std::move(offered), true);
   }
 
   void run_until(Nanoseconds t) {

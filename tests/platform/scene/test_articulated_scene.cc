@@ -158,7 +158,10 @@ TEST(ArticulatedScene, JointsApartAtTheStartAreBroughtTogether) {
   const auto numbers = [&](int n, double size, bool unit) {
     std::vector<double> x(static_cast<std::size_t>(n));
     double sum = 0;
-    for (double& a : x) sum += (a = size * normal(random)) * a;
+    for (double& a : x) {
+      a = size * normal(random);
+      sum += a * a;
+    }
     std::ostringstream text;
     text.precision(17);
     for (std::size_t i = 0; i < x.size(); ++i)

@@ -79,7 +79,7 @@ TEST(ArticulatedEngine, ParametersTheCoreDoesNotTakeAreRefused) {
   std::string why_not;
   const std::vector<BodySample> samples(1);
   EXPECT_EQ(make_engine(scene, samples, why_not), nullptr);
-  EXPECT_THAT(why_not, HasSubstr("a mass is not above zero"));
+  EXPECT_THAT(why_not, HasSubstr("body 'rod': the mass must be finite and above 0 kg"));
 }
 
 /// At rest below its hinge a pendulum is held by its weight.

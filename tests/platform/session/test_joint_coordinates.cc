@@ -47,7 +47,11 @@ TEST(JointCoordinates, CountTheirTurns) {
       scene.bodies[1].name = "arm";
       scene.joints.resize(1);
       JointConfig& joint = scene.joints[0];
-      joint = {.name = "joint", .kind = kind, .parent = on_the_world ? world_name : "base", .child = "arm"};
+      joint = {};
+      joint.name = "joint";
+      joint.kind = kind;
+      joint.parent = on_the_world ? world_name : "base";
+      joint.child = "arm";
       joint.X_BP = random_pose(draw);
       joint.X_BC = random_pose(draw);
       const JointCoordinatesOf coordinates(scene);

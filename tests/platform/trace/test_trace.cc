@@ -167,7 +167,9 @@ TEST(Trace, JointsHaveTheirWrenchesBehindTheTargets) {
 
 TEST(Trace, DevicesHaveTheirColumnsBehindTheBits) {
   SceneConfig scene = coupled_and_free();
-  scene.device = DeviceConfig{.kind = DeviceKind::relative, .limits = {}, .rig = RigParams{}, .plant = {}};
+  scene.device.emplace();
+  scene.device->kind = DeviceKind::relative;
+  scene.device->rig.emplace();
   scene.device->rig->tree.joints.resize(1);
   scene.device->rig->tree.joints[0].name = "elbow";
   scene.device->rig->drives.resize(1);
