@@ -26,7 +26,8 @@ constexpr std::array<FaultVerbText, num_fault_verbs> texts{{
      .default_value = 1,
      .min = 0,
      .max = 1,
-     .remark = "the second copy is left out; both take bus time: where a cycle has no room for them samples are late "
+     .remark = "the second copy is left out; both take bus time: where a cycle has no room for them samples "
+               "are late "
                "and the pose is held"},
     {.verb = FaultVerb::delay,
      .name = "delay",

@@ -61,7 +61,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool as_nets = (choice & 2) != 0, with_header = (choice & 4) != 0;
   const auto bytes = in.bytes(size);
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (with_header) text = header_of(as_nets ? net_trace_columns(scene_nets(scene)) : trace_columns(scene)) + text;
+  if (with_header)
+    text = header_of(as_nets ? net_trace_columns(scene_nets(scene)) : trace_columns(scene)) + text;
   if (as_nets) read_as_nets(text, scene);
   else read_as_trace(text, scene);
   return 0;

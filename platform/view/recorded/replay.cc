@@ -49,7 +49,8 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
         ": the scene's device does not come up by these frames: does the log begin before the run's first?");
   else result.recording = std::move(recording);
   if (read.skipped() > 0)
-    result.notes.push_back(log + ": the host was silent for " + std::to_string(read.skipped() / 1'000'000'000) +
+    result.notes.push_back(log + ": the host was silent for " +
+                           std::to_string(read.skipped() / 1'000'000'000) +
                            " s in all: these were not played; what is shown stands still in them");
   return result;
 }
