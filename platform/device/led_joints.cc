@@ -9,7 +9,7 @@ LedJoints::LedJoints(const SceneConfig& scene) {
   if (!driven.empty()) first_driven_ = driven.front();
   for (const JointConfig& joint : scene.joints) {
     if (!joint.imposed) continue;
-    const std::vector<DeviceJoint>& device = scene.device->rig->tree.joints;
+    const std::vector<DeviceJoint>& device = device_tree(scene)->joints;
     Joint led{.body = *body_named(scene, joint.child), .num_coordinates = joint.coordinates.size()};
     led.driven = scene.bodies[led.body].coupling.has_value();
     for (std::size_t i = 0; i < led.num_coordinates; ++i)

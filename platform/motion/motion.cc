@@ -54,14 +54,15 @@ Motion::Motion(const SceneConfig& scene) : built_in_(scene.motion) {
   starts_.resize(motion_targets(scene).size());
   handles_.resize(starts_.size());
   if (takes_hold(scene)) take_holds(scene);
-  if (!scene.device || !scene.device->rig) return;
-  tree_.emplace(scene.device->rig->tree);
+  const KinematicTreeParams* const tree = device_tree(scene);
+  if (tree == nullptr) return;
+  tree_.emplace(*tree);
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t handle = 0; handle < tree_->num_handles(); ++handle)
     if (by_handle[handle]) handles_[*by_handle[handle]] = handle;
   if (!built_in_ || built_in_->joints.empty()) return;
   for (std::size_t joint = 0; joint < tree_->num_joints(); ++joint) {
-    const std::string& name = scene.device->rig->tree.joints[joint].name;
+    const std::string& name = tree->joints[joint].name;
     const auto moved = std::ranges::find(built_in_->joints, name, &CoordinateMotion::coordinate);
     joint_sines_.push_back(moved == built_in_->joints.end() ? CoordinateMotion{} : *moved);
   }

@@ -74,8 +74,8 @@ class MotionReader {
   }
   std::vector<std::string> joint_columns() const {
     std::vector<std::string> columns;
-    if (!scene_.device || !scene_.device->rig) return columns;
-    for (const DeviceJoint& joint : scene_.device->rig->tree.joints) columns.push_back(joint.name);
+    if (const KinematicTreeParams* const tree = device_tree(scene_))
+      for (const DeviceJoint& joint : tree->joints) columns.push_back(joint.name);
     return columns;
   }
   std::vector<std::string> columns_of(Content content) const {
@@ -303,7 +303,7 @@ class MotionReader {
     }
   }
   void fill_joints() {
-    for (const DeviceJoint& joint : scene_.device->rig->tree.joints) {
+    for (const DeviceJoint& joint : device_tree(scene_)->joints) {
       const std::vector<double> q = numbers(joint.name);
       const bool turns = joint.kind == DeviceJointKind::hinge;
       note_sudden_move(joint.name, joint.name, turns ? "rad" : "m", turns ? 10 : 1,

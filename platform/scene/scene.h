@@ -83,7 +83,8 @@ struct DeviceConfig {
   std::string holds{};                  // name of the body held at the start; empty: none
   std::optional<double> grab_radius{};  // m from the device to a centre of mass: how far nearest_body reaches
   LimitConfig limits;
-  std::optional<RigParams> rig;  // absent: the scene can only run with --bus direct
+  std::optional<RigParams> rig;                          // absent: the scene can only run with --bus direct
+  std::optional<KinematicTreeParams> unmeasured_tree{};  // without a rig: joints that only a motion moves
   PlantConfig plant;
   std::vector<TrackerParams> trackers{};
   std::optional<SpaceMouseConfig> spacemouse{};
@@ -208,13 +209,21 @@ inline std::vector<std::string> motion_targets(const SceneConfig& scene) {
   return names;
 }
 
-/// For each handle of the device's rig, in order: which of motion_targets() it is, if any.
+/// Joints and handles of the device, measured by its rig or moved by a motion alone; null without any.
+inline const KinematicTreeParams* device_tree(const SceneConfig& scene) {
+  if (!scene.device) return nullptr;
+  if (scene.device->rig) return &scene.device->rig->tree;
+  return scene.device->unmeasured_tree ? &*scene.device->unmeasured_tree : nullptr;
+}
+
+/// For each handle of the device, in order: which of motion_targets() it is, if any.
 inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConfig& scene) {
   std::vector<std::optional<std::size_t>> by_handle;
-  if (!scene.device || !scene.device->rig) return by_handle;
+  const KinematicTreeParams* const tree = device_tree(scene);
+  if (tree == nullptr) return by_handle;
   if (takes_hold(scene)) return {0};
   const std::vector<std::size_t> driven = driven_bodies(scene);
-  for (const HandleParams& handle : scene.device->rig->tree.handles) {
+  for (const HandleParams& handle : tree->handles) {
     by_handle.emplace_back();
     for (std::size_t i = 0; i < driven.size(); ++i)
       if (scene.bodies[driven[i]].name == handle.body) by_handle.back() = i;

@@ -113,4 +113,36 @@ std::array<std::uint8_t, pointer_bytes> encode(const PointerMessage& message) no
   return bytes;
 }
 
+ParseResult decode(std::span<const std::uint8_t> bytes, JointsMessage& out) noexcept {
+  if (const ParseResult size = check_size(bytes.size(), joints_bytes); size != ParseResult::ok) return size;
+  ByteReader from(bytes);
+  std::uint32_t magic = 0;
+  std::uint16_t version = 0, buttons = 0;
+  JointsMessage message;
+  from.get(magic).get(version).get(buttons).get(message.number).get(message.num_joints);
+  if (magic != pointer_magic) return ParseResult::other_message;
+  if (version != joints_version || buttons > pointer_holds || message.num_joints > max_joints)
+    return ParseResult::bad_value;
+  message.holds = (buttons & pointer_holds) != 0;
+  for (std::size_t i = 0; i < max_joints; ++i) {
+    float dq = 0;
+    from.get(dq);
+    message.dq[i] = static_cast<double>(dq);
+    const double largest = i < message.num_joints ? max_joint_shift : 0;
+    if (!(std::abs(message.dq[i]) <= largest)) return ParseResult::bad_value;  // NaN, too
+  }
+  out = message;
+  return ParseResult::ok;
+}
+
+std::array<std::uint8_t, joints_bytes> encode(const JointsMessage& message) noexcept {
+  std::array<std::uint8_t, joints_bytes> bytes{};
+  FrameWriter to(bytes);
+  const int buttons = message.holds ? pointer_holds : 0;
+  to.put(pointer_magic).put(joints_version).put(static_cast<std::uint16_t>(buttons));
+  to.put(message.number).put(message.num_joints);
+  for (const double dq : message.dq) to.put(static_cast<float>(dq));
+  return bytes;
+}
+
 }  // namespace godobject

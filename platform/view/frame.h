@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hal/base/codec.h"
+#include "hal/joint/kinematic_tree.h"
 #include "platform/view/tap.h"
 
 namespace godobject {
@@ -51,5 +52,21 @@ inline constexpr double max_pointer_shift = 1, max_pointer_turn = 3.2;
 
 ParseResult decode(std::span<const std::uint8_t> bytes, PointerMessage& out) noexcept;
 std::array<std::uint8_t, pointer_bytes> encode(const PointerMessage& message) noexcept;
+
+inline constexpr std::uint16_t joints_version = 2;
+inline constexpr std::size_t joints_bytes = 16 + 4 * max_joints;
+
+/// Shifts of the device's joints by a page: the pointer's message of version 2.
+struct JointsMessage {
+  std::uint32_t number = 0;             // rises with each message of a connection
+  bool holds = false;                   // the page moves the joints; others are refused meanwhile
+  std::uint32_t num_joints = 0;         // of the scene's `coordinates`
+  std::array<double, max_joints> dq{};  // since the message before, rad or m; 0 beyond num_joints
+};
+/// Largest shift of a joint in a message, rad or m.
+inline constexpr double max_joint_shift = 1;
+
+ParseResult decode(std::span<const std::uint8_t> bytes, JointsMessage& out) noexcept;
+std::array<std::uint8_t, joints_bytes> encode(const JointsMessage& message) noexcept;
 
 }  // namespace godobject

@@ -8,11 +8,13 @@ constexpr Nanoseconds frame_pause = 13'000'000;
 
 }  // namespace
 
-LiveView::LiveView(const Session& session, const ViewAbout& about, PointerDevice* pointer)
+LiveView::LiveView(const Session& session, const ViewAbout& about, PointerDevice* pointer,
+                   JointPointer* joints)
     : tap_(session),
       scene_(scene_json(session.scene(), about)),
       driven_(driven_bodies(session.scene())),
-      pointer_(pointer) {
+      pointer_(pointer),
+      joints_(joints) {
   for (const std::size_t body : driven_) places_.push_back(session.scene().bodies[body].X_WB.p);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "platform/rt/clock.h"
+#include "platform/view/joint_pointer.h"
 #include "platform/view/pointer.h"
 #include "platform/view/scene_json.h"
 #include "platform/view/server/server.h"
@@ -19,8 +20,9 @@ namespace godobject {
 
 class LiveView final : public ViewSource {
  public:
-  /// pointer: null where pages move nothing. Both outlive this.
-  LiveView(const Session& session, const ViewAbout& about, PointerDevice* pointer);
+  /// pointer, joints: null where pages move no bodies, no joints. All outlive this.
+  LiveView(const Session& session, const ViewAbout& about, PointerDevice* pointer,
+           JointPointer* joints = nullptr);
 
   /// For the loop.
   ViewTap& tap() noexcept { return tap_; }
@@ -28,8 +30,12 @@ class LiveView final : public ViewSource {
   std::string scene() override { return scene_; }
   ViewBytes frame() override;
   bool point(std::uint64_t client, const PointerMessage& message) override;
+  bool move_joints(std::uint64_t client, const JointsMessage& message) override {
+    return joints_ != nullptr && joints_->take(client, message);
+  }
   void leave(std::uint64_t client) override {
     if (pointer_ != nullptr) pointer_->leave(client);
+    if (joints_ != nullptr) joints_->leave(client);
   }
 
  private:
@@ -37,6 +43,7 @@ class LiveView final : public ViewSource {
   std::string scene_;
   std::vector<std::size_t> driven_;
   PointerDevice* pointer_;
+  JointPointer* joints_;
   std::vector<Vec3> places_;  // of the driven bodies, as last shown
   MonotonicClock clock_;
   Nanoseconds shown_ = 0;  // when the last frame was made

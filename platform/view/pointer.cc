@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "platform/view/joint_pointer.h"
+
 namespace godobject {
 namespace {
 
@@ -69,6 +71,7 @@ void PointerDevice::read(Period& period, std::span<BodySample> samples) noexcept
 }
 
 void lead_by_pointer(SceneConfig& scene) {
+  if (page_moves_joints(scene)) return lead_joints_by_page(scene);
   const bool shows = scene.device && shows_force(scene.device->kind);
   const LimitConfig limits = scene.device ? scene.device->limits : LimitConfig{};
   DeviceConfig pointer;

@@ -48,6 +48,7 @@ class PointerDevice final : public HandDevice {
 };
 
 /// The scene with the pointer as its device: it takes hold of any coupled body, wherever it is, and nothing else moves.
+/// An instrument that a motion moves by its joints is moved by them: see lead_joints_by_page().
 void lead_by_pointer(SceneConfig& scene);
 
 }  // namespace godobject

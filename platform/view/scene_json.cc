@@ -1,9 +1,11 @@
 #include "platform/view/scene_json.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "platform/scene/joint/kinds.h"
 #include "platform/view/frame.h"
+#include "platform/view/joint_pointer.h"
 #include "platform/view/nets.h"
 #include "platform/view/solids.h"
 
@@ -60,6 +62,36 @@ Json to_json(const JointConfig& joint, const SceneConfig& scene) {
           {"pose", to_json(joint.X_BP)}};
 }
 
+/// Coordinates that a page moves, with those of the links that carry them, and their ranges.
+Json coordinates_of(const SceneConfig& scene) {
+  Json list = Json::array();
+  const KinematicTreeParams& tree = *device_tree(scene);
+  const std::vector<CoordinateRange> ranges = page_ranges(scene);
+  for (std::size_t i = 0; i < tree.joints.size(); ++i) {
+    const std::size_t parent = parent_link(tree.joints, i).value_or(0);
+    list.push_back({{"name", tree.joints[i].name},
+                    {"turns", tree.joints[i].kind == DeviceJointKind::hinge},
+                    {"parent", parent > 0 ? Json(parent - 1) : Json(nullptr)},
+                    {"lower", ranges[i].lower},
+                    {"upper", ranges[i].upper}});
+  }
+  return list;
+}
+
+/// For each driven body: index of the coordinate that carries its handle, or null.
+Json carriers_of(const SceneConfig& scene) {
+  const KinematicTreeParams& tree = *device_tree(scene);
+  Json list = Json::array();
+  for (const std::size_t body : driven_bodies(scene)) {
+    const auto handle = std::ranges::find(tree.handles, scene.bodies[body].name, &HandleParams::body);
+    const auto joint = handle == tree.handles.end()
+                           ? tree.joints.end()
+                           : std::ranges::find(tree.joints, handle->joint, &DeviceJoint::name);
+    list.push_back(joint == tree.joints.end() ? Json(nullptr) : Json(joint - tree.joints.begin()));
+  }
+  return list;
+}
+
 Json to_json(const std::vector<BitText>& bits) {
   Json list = Json::array();
   for (const BitText& bit : bits) list.push_back({{"name", bit.name}, {"text", bit.text}});
@@ -94,7 +126,13 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
             {"faults", to_json(about.faults)},
             {"rig_faults", to_json(about.rig_faults)},
             {"limits", to_json(about.limits)},
+            {"coordinates", Json::array()},
+            {"carriers", Json::array()},
             {"buses", Json::array()}};
+  if (about.takes_pointer && scene.device && scene.device->unmeasured_tree) {
+    json["coordinates"] = coordinates_of(scene);
+    json["carriers"] = carriers_of(scene);
+  }
   for (const BodyConfig& body : scene.bodies)
     json["bodies"].push_back({{"name", body.name}, {"mass", body.mass}, {"pose", to_json(body.X_WB)}});
   for (const JointConfig& joint : scene.joints) json["joints"].push_back(to_json(joint, scene));

@@ -1,4 +1,5 @@
 // What a page may send: any bytes as a pointer's message, and any text as the head of a request.
+#include <cmath>
 #include <cstdlib>
 #include <string>
 #include <string_view>
@@ -19,6 +20,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       PointerMessage again;
       if (decode(encode(message), again) != ParseResult::ok || again.dp_W != message.dp_W ||
           again.holds != message.holds)
+        std::abort();
+    }
+    JointsMessage joints;
+    if (decode(std::span(data, size), joints) == ParseResult::ok) {
+      for (const double dq : joints.dq)
+        if (!(std::abs(dq) <= max_joint_shift)) std::abort();
+      JointsMessage again;
+      if (decode(encode(joints), again) != ParseResult::ok || again.dq != joints.dq ||
+          again.num_joints != joints.num_joints || again.holds != joints.holds)
         std::abort();
     }
   }

@@ -230,10 +230,72 @@ def test_the_pointer_moves_the_tool(browser, folder):
         page.wait("Math.abs(godobject.body('peg')[0] - 0.065) < 0.004", "the tool stops at it")
         page.wait("Math.hypot(...godobject.state.frame.handForce) > 5", "the hand is pushed back")
         ActionChains(browser).release().perform()
+        page.wait("godobject.state.frame.held === -1", "the button that goes up releases")
+        press(browser, "keydown", "g")
+        page.wait("godobject.state.frame.held === 0", "G takes hold")
+        at = page.js("godobject.pixel(godobject.drawnAt('peg'))")
+        ActionChains(browser, duration=40).move_to_element_with_offset(canvas, int(at["x"] - width / 2), int(at["y"] - height / 2)).click().perform()
         time.sleep(0.5)
-        assert page.js("godobject.state.frame.held") == 0, "the grip stays until it is released"
-        page.js("document.getElementById('release').click()")
+        assert page.js("godobject.state.frame.held") == 0, "held on purpose, it stays"
+        press(browser, "keydown", "Escape")
         page.wait("godobject.state.frame.held === -1", "released")
+        assert not page.errors(), page.errors()
+
+
+def press(browser, kind, key):
+    browser.execute_script(f"dispatchEvent(new KeyboardEvent('{kind}', {{ key: '{key}' }}))")
+
+
+def hover(browser, page, body):
+    """Moves the pointer onto this body as it is drawn."""
+    at, width, height = page.js(f"[godobject.pixel(godobject.drawnAt('{body}')), godobject.view.width, godobject.view.height]")
+    canvas = browser.find_element("id", "canvas")
+    ActionChains(browser, duration=40).move_to_element_with_offset(canvas, int(at["x"] - width / 2), int(at["y"] - height / 2)).perform()
+
+
+def test_it_is_seen_what_a_press_would_drag(browser, folder):
+    with ViewedRun(ARGS.program, "run", "sim/scenes/lego.toml", "--view", "--view-input", folder=folder) as run:
+        page = Page(browser, run.url)
+        names = page.js("godobject.state.about.driven.map((body) => godobject.state.about.bodies[body].name)")
+        for name in names[:2]:
+            hover(browser, page, name)
+            page.wait("godobject.pointer.hover !== null", f"a body under the pointer, at {name}")
+            page.wait("document.getElementById('hover').textContent === 'drags ' + godobject.state.about.bodies[godobject.state.about.driven[godobject.pointer.hover]].name",
+                      "its name is shown")
+            lit = page.js("godobject.view.bodies.filter((body) => body.children.some((mesh) => mesh.isMesh && mesh.material.emissive?.getHex())).map((body) => body.userData.target)")
+            assert lit == [page.js("godobject.pointer.hover")], lit
+        assert not page.errors(), page.errors()
+
+
+def test_wheel_and_keys_move_joints(browser, folder):
+    with ViewedRun(ARGS.program, "run", "sim/scenes/grasper.toml", "--view", "--view-input", folder=folder) as run:
+        page = Page(browser, run.url)
+        assert page.js("godobject.pointer.joints.coordinates.map((one) => one.name)") == ["pitch", "yaw", "roll", "insertion", "left", "right"]
+        page.wait("godobject.state.frame.t > 1", "engaged")
+        before = page.js("godobject.body('tube')")
+        press(browser, "keydown", "4")
+        press(browser, "keydown", "ArrowUp")
+        time.sleep(0.5)
+        press(browser, "keyup", "ArrowUp")
+        page.wait("!godobject.pointer.joints.holds", "the keys are up")
+        time.sleep(0.5)
+        after = page.js("godobject.body('tube')")
+        assert 0.01 < distance(before, after) < 0.12, (before, after)
+        # a pixel of the tube that no other body hides
+        at = page.js("""(() => {
+            const box = document.getElementById('canvas').getBoundingClientRect(), { about } = godobject.state, tube = about.driven.indexOf(godobject.names().indexOf('tube'));
+            for (let y = 4; y < box.height; y += 4)
+                for (let x = 4; x < box.width; x += 4)
+                    if (godobject.pointer.under({ clientX: box.left + x, clientY: box.top + y })?.target === tube) return { clientX: box.left + x, clientY: box.top + y };
+            return null;
+        })()""")
+        assert at, "a pixel of the tube"
+        browser.execute_script("document.getElementById('canvas').dispatchEvent(new PointerEvent('pointermove', arguments[0]));", at)
+        page.wait("document.getElementById('hover').textContent.endsWith('tube · wheel: insertion · shift+wheel: roll')", "the wheel's coordinates are named")
+        browser.execute_script("for (let i = 0; i < 5; ++i) document.getElementById('canvas').dispatchEvent(new WheelEvent('wheel', { ...arguments[0], deltaY: 100, cancelable: true }));", at)
+        time.sleep(1)
+        moved = distance(after, page.js("godobject.body('tube')"))
+        assert 0.01 < moved < 0.025, (moved, page.js("[godobject.phase(), godobject.state.frame.flags]"))
         assert not page.errors(), page.errors()
 
 
@@ -279,6 +341,7 @@ def main():
         if not browser.execute_script("return Boolean(document.getElementById('c').getContext('webgl2'))"):
             skip("this browser has no WebGL here")
         for test in (test_the_tool_is_where_the_trace_says, test_all_onlookers_see_one_run, test_the_device_is_beyond_the_wall, test_the_pointer_moves_the_tool,
+                     test_it_is_seen_what_a_press_would_drag, test_wheel_and_keys_move_joints,
                      test_the_page_knows_when_the_run_is_gone, test_a_recording_has_a_slider):
             print(test.__name__)
             sys.stdout.flush()

@@ -166,5 +166,56 @@ TEST(Pointer, IsRefusedWhereItIsNone) {
   EXPECT_EQ(out.number, 7u) << "untouched";
 }
 
+TEST(JointsMessage, IsReadBackAsItWasWritten) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> number(-max_joint_shift, max_joint_shift);
+  for (int round = 0; round < 1000; ++round) {
+    JointsMessage sent{.number = static_cast<std::uint32_t>(random()),
+                       .holds = random() % 2 == 0,
+                       .num_joints = static_cast<std::uint32_t>(random() % (max_joints + 1))};
+    for (std::size_t i = 0; i < sent.num_joints; ++i) sent.dq[i] = number(random);
+    JointsMessage read;
+    ASSERT_EQ(decode(encode(sent), read), ParseResult::ok);
+    EXPECT_EQ(read.number, sent.number);
+    EXPECT_EQ(read.holds, sent.holds);
+    EXPECT_EQ(read.num_joints, sent.num_joints);
+    for (std::size_t i = 0; i < max_joints; ++i)
+      EXPECT_EQ(read.dq[i], static_cast<double>(static_cast<float>(sent.dq[i])));
+  }
+}
+
+TEST(JointsMessage, IsRefusedWhereItIsNone) {
+  const auto with = [](std::size_t place, std::uint8_t byte) {
+    auto bytes = encode(JointsMessage{.num_joints = 3});
+    bytes[place] = byte;
+    return bytes;
+  };
+  JointsMessage out{.number = 7};
+  EXPECT_EQ(decode(with(0, 'X'), out), ParseResult::other_message);
+  EXPECT_EQ(decode(with(4, 1), out), ParseResult::bad_value) << "another version";
+  EXPECT_EQ(decode(with(6, 2), out), ParseResult::bad_value) << "a button that there is not";
+  EXPECT_EQ(decode(with(12, max_joints + 1), out), ParseResult::bad_value) << "more joints than there are";
+  const auto bytes = encode(JointsMessage{.num_joints = 3});
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_EQ(decode(std::span(bytes).first(size), out), ParseResult::too_short);
+  std::vector<std::uint8_t> longer(bytes.begin(), bytes.end());
+  longer.push_back(0);
+  EXPECT_EQ(decode(longer, out), ParseResult::too_long);
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (std::size_t joint = 0; joint < 3; ++joint)
+    for (const double x : {nan, inf, -inf, 1.01, -1.01}) {
+      JointsMessage message{.num_joints = 3};
+      message.dq[joint] = x;
+      EXPECT_EQ(decode(encode(message), out), ParseResult::bad_value) << x;
+    }
+  JointsMessage beyond{.num_joints = 3};
+  beyond.dq[3] = 0.01;
+  EXPECT_EQ(decode(encode(beyond), out), ParseResult::bad_value) << "a shift of no joint";
+  EXPECT_EQ(out.number, 7u) << "untouched";
+  PointerMessage pointer;
+  EXPECT_NE(decode(bytes, pointer), ParseResult::ok) << "of version 2 alone";
+  EXPECT_NE(decode(encode(PointerMessage{}), out), ParseResult::ok) << "of version 1 alone";
+}
+
 }  // namespace
 }  // namespace godobject::test_frame

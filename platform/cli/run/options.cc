@@ -319,7 +319,11 @@ PreparedRun prepare(const RunOptions& options) {
   Session::Made made = make_session(options, scene, *std::move(motion), run);
   const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
                               validate(*scene_of_file.device->rig).empty();
-  if (made.session && options.view_input) {
+  if (made.session && options.view_input && scene.device->unmeasured_tree) {
+    run.joint_pointer =
+        std::make_unique<JointPointer>(scene, []() noexcept { return MonotonicClock{}.now(); });
+    made.session->add(*run.joint_pointer);
+  } else if (made.session && options.view_input) {
     run.pointer = std::make_unique<PointerDevice>(scene, []() noexcept { return MonotonicClock{}.now(); });
     made.session->add(*run.pointer);
   }

@@ -17,6 +17,7 @@
 #include "platform/rig/log_link.h"
 #include "platform/session/passivity.h"
 #include "platform/session/simulated_devices.h"
+#include "platform/view/joint_pointer.h"
 #include "platform/view/pointer.h"
 
 namespace godobject {
@@ -46,6 +47,7 @@ struct RunOptions {
 
 struct PreparedRun {
   std::unique_ptr<PointerDevice> pointer;               // --view-input; null without
+  std::unique_ptr<JointPointer> joint_pointer;          // instead of `pointer` where pages move joints
   std::unique_ptr<SpaceMouse> spacemouse;               // --spacemouse; null without
   std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see platform/cli/run/spacemouse.h
   std::unique_ptr<Session> session;                     // null where there are errors

@@ -27,7 +27,7 @@ std::string text_of(const std::string& body, const PoseError& offset) {
 void check_joints(const Session& session, const std::string& file, std::vector<std::string>& warnings) {
   const std::optional<JointTarget> start = session.joints_at_start();
   if (!start) return;
-  const std::vector<DeviceJoint>& joints = session.scene().device->rig->tree.joints;
+  const std::vector<DeviceJoint>& joints = device_tree(session.scene())->joints;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const double q = start->q[static_cast<Eigen::Index>(i)];
     if (joints[i].kind != DeviceJointKind::hinge || std::abs(q) <= 2 * pi) continue;

@@ -41,7 +41,8 @@ std::string RunView::start(const RunOptions& options, PreparedRun& prepared) {
     about.buses.push_back({.name = load.bus, .percent = load.worst_percent});
   address_ = options.view_address;
   console_ = std::make_unique<BackgroundFile>(STDERR_FILENO, view_console_bytes);
-  live_ = std::make_unique<LiveView>(*prepared.session, about, prepared.pointer.get());
+  live_ = std::make_unique<LiveView>(*prepared.session, about, prepared.pointer.get(),
+                                     prepared.joint_pointer.get());
   const ServerSettings settings{.address = address_, .port = *options.view, .token = view_token()};
   const auto log = [this](const std::string& line) {
     static_cast<void>(console_->write("view: " + line + "\n"));

@@ -420,15 +420,24 @@ void check_protocols(V& v, const RigParams& rig) {
   }
 }
 
-/// Rules between the parts of a rig.
+/// True if a rig measures the joints, or is half described; otherwise they are a motion's alone.
+inline bool has_parts_on_buses(const RigParams& rig) {
+  return !rig.encoders.empty() || !rig.drives.empty() || !rig.buttons.empty() || !rig.buses.empty();
+}
+
 template <class V>
-void check_rig(V& v, const RigParams& rig) {
-  const std::size_t num_joints = rig.tree.joints.size();
-  v.check(!rig.buses.empty(), "", "joints, encoders and drives need a [[bus]]");
-  check_protocols(v, rig);
+void check_number_of_joints(V& v, std::size_t num_joints) {
   v.check(num_joints >= 1 && num_joints <= max_joints, "joint",
           "must be 1 to " + std::to_string(max_joints) + " tables [[device.joint]], not " +
               std::to_string(num_joints));
+}
+
+/// Rules between the parts of a rig.
+template <class V>
+void check_rig(V& v, const RigParams& rig) {
+  v.check(!rig.buses.empty(), "", "encoders, drives, buttons and their supervision need a [[bus]]");
+  check_protocols(v, rig);
+  check_number_of_joints(v, rig.tree.joints.size());
   for (const DeviceJoint& joint : rig.tree.joints) {
     const auto on_joint = [&](const auto& node) { return node.joint == joint.name; };
     v.check(std::ranges::any_of(rig.encoders, on_joint) || std::ranges::any_of(rig.drives, on_joint), "",
@@ -450,11 +459,14 @@ std::vector<HandleParams> take_joints_of_tool(V& v, const SceneConfig& scene, Ri
   return std::move(device.tree.handles);
 }
 
-/// The tree, its encoders and its drives; false when the file has none of them.
+/// Parts of a device between hand and core that a file describes.
+enum class PartsOfDevice : std::uint8_t { none, joints, rig };
+
+/// The tree, its encoders and its drives. given: parts that `rig` has from an earlier visit.
 template <class V>
-bool visit_rig(V& v, bool present, const SceneConfig& scene, std::vector<std::string> bodies,
-               RigParams& rig) {
-  bool has_supervision = present, has_chain = present;
+PartsOfDevice visit_rig(V& v, PartsOfDevice given, const SceneConfig& scene, std::vector<std::string> bodies,
+                        RigParams& rig) {
+  bool has_supervision = given == PartsOfDevice::rig, has_chain = given != PartsOfDevice::none;
   v.table(TableKey{"supervision", "When the host gives up on a node."}, has_supervision,
           [&](auto& t) { visit_supervision(t, rig); });
   ShortHandle handle;
@@ -469,10 +481,26 @@ bool visit_rig(V& v, bool present, const SceneConfig& scene, std::vector<std::st
     of_scene = take_joints_of_tool(v, scene, names, rig.tree.joints);
   visit_handles(v, names, handle, of_scene, rig.tree.handles);
   visit_nodes(v, names, rig);
-  present = has_supervision || has_chain || !rig.tree.joints.empty() || !rig.tree.handles.empty() ||
-            !rig.encoders.empty() || !rig.drives.empty() || !rig.buttons.empty() || !rig.buses.empty();
-  if (present) check_rig(v, rig);
-  return present;
+  if (has_supervision || has_parts_on_buses(rig)) {
+    check_rig(v, rig);
+    return PartsOfDevice::rig;
+  }
+  if (!has_chain && rig.tree.joints.empty() && rig.tree.handles.empty()) return PartsOfDevice::none;
+  check_number_of_joints(v, rig.tree.joints.size());
+  return PartsOfDevice::joints;
+}
+
+/// The joints of the tool as those of a device that describes none; none where they do not move every handle, or
+/// where the device holds bodies or is pushed.
+inline std::optional<KinematicTreeParams> implied_tree(SceneConfig scene, const DeviceConfig& device) {
+  const bool holds = !device.holds.empty() || device.grab_radius;
+  if (holds || device.kind == DeviceKind::admittance || scene.joints.empty()) return std::nullopt;
+  scene.device = device;
+  DeviceTree of_tool = device_from_joints(scene);
+  const std::size_t num_joints = of_tool.tree.joints.size(), num_handles = of_tool.tree.handles.size();
+  const bool fits =
+      num_joints >= 1 && num_joints <= max_joints && num_handles >= 1 && num_handles <= max_handles;
+  return of_tool.errors.empty() && fits ? std::optional(std::move(of_tool.tree)) : std::nullopt;
 }
 
 /// Bodies that can have a handle: the coupled ones; without any, the first where an admittance device
@@ -491,14 +519,29 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   visit_grabbing(v, scene, d);
   plain_table(v, TableKey{"limits", "Bounds of the wrench shown to the hand, and the ramp on engage."},
               [&](auto& t) { visit_limits(t, d.limits); });
-  RigParams rig = d.rig.value_or(RigParams{.buses = buses, .tree = {}, .encoders = {}, .drives = {}});
+  RigParams rig = d.rig.value_or(RigParams{.buses = buses,
+                                           .tree = d.unmeasured_tree.value_or(KinematicTreeParams{}),
+                                           .encoders = {},
+                                           .drives = {}});
   rig.buses = buses;
   rig.cycle_s = scene.step;
   const bool is_new = !d.rig;
   if (is_new) rig.stale_after_s = default_stale_steps * scene.step;
-  if (visit_rig(v, d.rig.has_value(), scene, holdable_bodies(scene, d), rig)) d.rig = rig;
-  const std::vector<DeviceJoint> joints = d.rig ? d.rig->tree.joints : std::vector<DeviceJoint>{};
-  if (is_new) d.plant = default_plant(joints);
+  const PartsOfDevice given = d.rig               ? PartsOfDevice::rig
+                              : d.unmeasured_tree ? PartsOfDevice::joints
+                                                  : PartsOfDevice::none;
+  const PartsOfDevice parts = visit_rig(v, given, scene, holdable_bodies(scene, d), rig);
+  const bool has_other_hand = v.has("tracker") || v.has("spacemouse");
+  if (parts == PartsOfDevice::rig) d.rig = rig;
+  if (parts == PartsOfDevice::joints) d.unmeasured_tree = rig.tree;
+  if (parts == PartsOfDevice::none && !has_other_hand) d.unmeasured_tree = implied_tree(scene, d);
+  v.check(parts != PartsOfDevice::joints || !has_other_hand, "joint",
+          "are measured by nothing, and trackers or a SpaceMouse move the tool: give them a "
+          "[[device.encoder]] each and a [[bus]], or remove them");
+  const std::vector<DeviceJoint> joints = d.rig               ? d.rig->tree.joints
+                                          : d.unmeasured_tree ? d.unmeasured_tree->joints
+                                                              : std::vector<DeviceJoint>{};
+  if (given == PartsOfDevice::none) d.plant = default_plant(joints);
   plain_table(v, TableKey{"plant", "The simulated mechanics of the device and the hand that holds it."},
               [&](auto& t) { visit_plant(t, joints, d.plant); });
   visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);

@@ -65,9 +65,10 @@ void check_holding(V& v, const SceneConfig& s) {
   v.check(s.device->kind != DeviceKind::admittance, "device",
           "of kind \"admittance\" gives no pose to hold a body at: remove 'holds', 'grab_radius' and "
           "[[motion.hold]]");
-  v.check(!s.device->rig || s.device->rig->tree.handles.size() <= 1, "device",
-          "takes hold of bodies one at a time: it needs one handle, not " +
-              std::to_string(s.device->rig ? s.device->rig->tree.handles.size() : 0));
+  const KinematicTreeParams* const tree = device_tree(s);
+  const std::size_t num_handles = tree != nullptr ? tree->handles.size() : 0;
+  v.check(num_handles <= 1, "device",
+          "takes hold of bodies one at a time: it needs one handle, not " + std::to_string(num_handles));
   v.check(!s.device->spacemouse || s.device->grab_radius || !s.device->holds.empty(), "device",
           "has a SpaceMouse, which takes hold of bodies by its button: how far does that reach? Give "
           "'grab_radius'");

@@ -227,24 +227,31 @@ void visit_wire(V& v, WireConfig& w) {
 
 inline std::vector<std::string> device_joints(const SceneConfig& s) {
   std::vector<std::string> names;
-  if (s.device && s.device->rig)
-    for (const DeviceJoint& joint : s.device->rig->tree.joints) names.push_back(joint.name);
+  if (const KinematicTreeParams* const tree = device_tree(s))
+    for (const DeviceJoint& joint : tree->joints) names.push_back(joint.name);
   return names;
+}
+
+/// A device that takes hold of bodies has one handle: the tool's joints are not its own, unless a motion moves them.
+inline void drop_idle_tree(SceneConfig& s) {
+  if (!takes_hold(s) || !s.device->unmeasured_tree) return;
+  const bool moved = s.motion && !s.motion->joints.empty();
+  if (!moved && s.device->unmeasured_tree->handles.size() > 1) s.device->unmeasured_tree.reset();
 }
 
 /// An imposed joint finds its coordinates on the device.
 template <class V>
 void check_imposed(V& v, const SceneConfig& s) {
-  const std::vector<std::string> measured = device_joints(s);
+  const std::vector<std::string> of_device = device_joints(s);
   for (const JointConfig& joint : s.joints) {
     if (!joint.imposed) continue;
-    v.check(s.device && s.device->rig, "joint",
-            "'" + joint.name + "' is imposed: it needs a [device] whose joints are measured");
-    if (!s.device || !s.device->rig) continue;
+    v.check(device_tree(s) != nullptr, "joint",
+            "'" + joint.name + "' is imposed: it needs a [device] with joints");
+    if (device_tree(s) == nullptr) continue;
     for (const std::string& q : joint.coordinates)
-      v.check(std::ranges::find(measured, q) != measured.end(), "joint",
+      v.check(std::ranges::find(of_device, q) != of_device.end(), "joint",
               "'" + joint.name + "' is imposed, but the device has no joint '" + q + "': it has " +
-                  quoted(measured));
+                  quoted(of_device));
   }
 }
 
@@ -308,6 +315,7 @@ void visit_scene(V& v, SceneConfig& s, const FaultChecks& checks) {
   optional_table(v,
                  TableKey{"motion", "Built-in motion of the target, used where no --motion file is given."},
                  s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, s, device_joints(s), m); });
+  drop_idle_tree(s);
   plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."},
               [&](auto& t) { visit_wire(t, s.wire); });
   v.tables(

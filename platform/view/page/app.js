@@ -1,5 +1,6 @@
 // The page: what comes in, what is shown of it, keys and buttons. window.godobject is for tests and for the curious.
 import "./app.css";
+import { Joints } from "./joints.js";
 import { Player } from "./player.js";
 import { Pointer } from "./pointer.js";
 import { connect } from "./source.js";
@@ -54,7 +55,12 @@ function setScene(about) {
   for (const name of Object.keys(view.show)) view.setShown(name, view.show[name]);
   strips.clear();
   pointer.enabled = about.live && about.takes_pointer;
+  pointer.joints = pointer.enabled && about.coordinates?.length ? new Joints(about, (buffer) => send(buffer)) : null;
   by("hand").hidden = !pointer.enabled;
+  for (const id of ["grab", "release", "clutch"]) by(id).hidden = Boolean(pointer.joints);
+  by("how").textContent = pointer.joints
+    ? "Wheel over a part: its coordinate; with shift: the one before it. 1 to 9: choose one; up and down: move it."
+    : "Drag the tool; G keeps hold. Wheel: depth. Shift: turn.";
   by("name").textContent = about.name;
   by("about").textContent = `${about.about} (${about.title})`;
   by("warning").textContent = about.warning;
@@ -132,12 +138,24 @@ function setTheme(theme) {
 }
 setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 
+// The body that a press would drag, or the coordinates that the wheel moves over it, and the chosen coordinate.
+function writeHand() {
+  const { about } = state, { joints, hover } = pointer;
+  const body = hover === null ? "" : about.bodies[about.driven[hover]].name;
+  const over = body && (joints ? `${body} · ${joints.name(hover)}` : `drags ${body}`);
+  const chosen = joints ? `${joints.selected + 1}: ${joints.coordinates[joints.selected].name}` : "";
+  const text = [chosen, over].filter(Boolean).join(" · ");
+  if (by("hover").textContent !== text) by("hover").textContent = text;
+}
+
 by("grab").onclick = () => pointer.grab();
 by("release").onclick = () => pointer.release();
 by("clutch").onclick = () => { pointer.clutch = !pointer.clutch; };
 const KEYS = {
   r: () => view.lookAtAll(), t: () => setTheme(view.theme === "dark" ? "light" : "dark"), l: () => { by("legend").hidden = !by("legend").hidden; },
   g: () => pointer.grab(), Escape: () => pointer.release(), x: () => { pointer.clutch = true; },
+  ArrowUp: () => { if (pointer.joints) pointer.joints.direction = 1; }, ArrowDown: () => { if (pointer.joints) pointer.joints.direction = -1; },
+  ...Object.fromEntries([..."123456789"].map((digit) => [digit, () => pointer.joints?.select(digit - 1)])),
   " ": () => player.toggle(), ArrowLeft: () => player.step(-1), ArrowRight: () => player.step(1),
 };
 addEventListener("keydown", (event) => {
@@ -148,7 +166,12 @@ addEventListener("keydown", (event) => {
   else KEYS[event.key]();
   event.preventDefault();
 });
-addEventListener("keyup", (event) => { if (event.key === "x") pointer.clutch = false; });
+const stopKeys = () => { if (pointer.joints) pointer.joints.direction = 0; };
+addEventListener("keyup", (event) => {
+  if (event.key === "x") pointer.clutch = false;
+  if (/^Arrow(Up|Down)$/.test(event.key)) stopKeys();
+});
+addEventListener("blur", stopKeys);
 
 // --- running ------------------------------------------------------------------------------------
 
@@ -166,6 +189,7 @@ function draw(now) {
   }
   writeState(now);
   by("grab").setAttribute("aria-pressed", String(pointer.holds));
+  if (pointer.enabled) writeHand();
   by("clutch").setAttribute("aria-pressed", String(pointer.clutch));
   if (marked.has("picture")) strips.draw(now, !state.about.live);  // the picture first
   window.godobject.drawn++;

@@ -7,7 +7,8 @@ const PAD_SPEED = 0.25, PAD_TURN = 1.5, PAD_DEAD = 0.12;  // m/s, rad/s, of a st
 
 export class Pointer {
   constructor(view, canvas, send) {
-    Object.assign(this, { view, canvas, send, holds: false, clutch: false, target: 0, number: 0, enabled: false, drag: null });
+    Object.assign(this, { view, canvas, send, holds: false, kept: false, clutch: false, target: 0, number: 0, enabled: false, drag: null });
+    Object.assign(this, { joints: null, hover: null, pointed: null });
     this.shift = new THREE.Vector3();
     this.turn = new THREE.Vector3();
     this.ray = new THREE.Raycaster();
@@ -18,16 +19,28 @@ export class Pointer {
     setInterval(() => this.tick(), SEND_MS);
   }
 
-  grab(target = this.target) {
+  // kept: on purpose, until it is released; otherwise for as long as the mouse button is down.
+  grab(target = this.target, kept = true) {
+    this.kept = kept;
+    if (this.holds && this.target === target) return;
     this.target = target;
     this.holds = true;
     this.shift.set(0, 0, 0);
     this.turn.set(0, 0, 0);
   }
   release() {
-    this.holds = false;
+    this.holds = this.kept = false;
     this.drag = null;
     this.view.controls.enabled = true;
+  }
+
+  // Marks the body that a press would drag.
+  showHover() {
+    const hit = this.enabled && this.pointed && !this.drag ? this.under(this.pointed) : null;
+    this.pointed = null;
+    this.hover = hit ? hit.target : null;
+    this.canvas.style.cursor = hit ? "grab" : "";
+    this.view.highlight(this.hover);
   }
 
   // The coupled body under the pointer, and where it is hit.
@@ -46,18 +59,18 @@ export class Pointer {
   }
 
   down(event) {
-    if (!this.enabled || event.button !== 0) return;
+    if (!this.enabled || this.joints || event.button !== 0) return;
     const hit = this.under(event);
     if (!hit) return;
     event.stopImmediatePropagation();  // the camera stays
     this.view.controls.enabled = false;
-    if (!this.holds || this.target !== hit.target) this.grab(hit.target);
+    this.grab(hit.target, this.kept && this.target === hit.target);
     this.drag = { point: hit.point, x: event.clientX, y: event.clientY };
     this.canvas.setPointerCapture(event.pointerId);
   }
 
   move(event) {
-    if (!this.drag) return;
+    if (!this.drag) return void (this.pointed = { clientX: event.clientX, clientY: event.clientY });
     const dx = event.clientX - this.drag.x, dy = event.clientY - this.drag.y, { camera } = this.view;
     Object.assign(this.drag, { x: event.clientX, y: event.clientY });
     const right = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0), up = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 1);
@@ -77,10 +90,13 @@ export class Pointer {
     this.drag = null;
     this.view.controls.enabled = true;
     this.canvas.releasePointerCapture?.(event.pointerId);
+    if (!this.kept) this.release();
   }
 
   wheel(event) {
-    if (!this.enabled || !this.drag) return;
+    if (!this.enabled) return;
+    if (this.joints) return this.joints.wheel(event, this.under(event)?.target);
+    if (!this.drag) return;
     event.preventDefault();
     event.stopImmediatePropagation();
     this.shift.addScaledVector(this.view.camera.getWorldDirection(new THREE.Vector3()), -Math.sign(event.deltaY) * DEPTH_PER_STEP * this.view.extent);
@@ -101,6 +117,8 @@ export class Pointer {
 
   // A sample, whether it moves or not: a device that says nothing is stale.
   tick() {
+    if (this.pointed) this.showHover();
+    if (this.enabled && this.joints) return this.joints.tick(SEND_MS / 1000);
     if (!this.enabled || document.hidden) return;
     this.gamepad(SEND_MS / 1000);
     const moves = !this.clutch && !this.padClutch;

@@ -6,7 +6,7 @@ import { bodyPose, couplingForce, feedbackForce, targetPose } from "./wire.js";
 
 export const COLOURS = {
   tool: 0xd5452c, body: 0x7e9fc7, obstacle: 0xa9a294, ghost: 0xe08a1e, calm: 0x2c9c5a, loaded: 0xd5261c,
-  force: 0xb01fb0, contact: 0x1f7fd0, sphere: 0x333a44,
+  force: 0xb01fb0, contact: 0x1f7fd0, sphere: 0x333a44, lit: 0x404020,
 };
 const MAX_ARROWS = 4096, MANY = 150;
 const THEMES = { light: { back: 0xf4f5f7, grid: 0xc4c9d2 }, dark: { back: 0x14181f, grid: 0x3a4350 } };
@@ -47,6 +47,7 @@ export class View {
     this.world.traverse((object) => { object.geometry?.dispose(); });
     this.world.clear();
     this.about = about;
+    this.lit = null;
     this.geometries = new Map();
     this.bounds = boundsOf(about);
     this.extent = Math.max(0.01, 0.5 * this.bounds.getSize(new THREE.Vector3()).length());
@@ -219,6 +220,15 @@ export class View {
     ghost.line.material.color.set(COLOURS.calm).lerp(new THREE.Color(COLOURS.loaded), load);
     const force = this.about.takes_hold ? frame.handForce : feedbackForce(frame, i);
     if (this.show.arrows) this.pointArrow(ghost.force, target, force);
+  }
+
+  // target: index of a driven body that lights up; null: none.
+  highlight(target) {
+    if (target === this.lit) return;
+    this.lit = target;
+    for (const body of this.bodies ?? [])
+      for (const mesh of body.children)
+        if (mesh.isMesh) mesh.material.emissive?.setHex(target !== null && body.userData.target === target ? COLOURS.lit : 0);
   }
 
   paintHeld(body, isHeld) {

@@ -1,6 +1,6 @@
 // Frames and pointers on the wire: docs/view.md.
 
-const FRAME = 0x46564f47, POINTER = 0x50564f47, VERSION = 1;
+const FRAME = 0x46564f47, POINTER = 0x50564f47, VERSION = 1, JOINTS_VERSION = 2, MAX_JOINTS = 16;
 const BODY = 28, DRIVEN = 76, CONTACT = 44, VERTEX = 12;
 export const PHASES = ["off", "booting", "running", "running down", "closing", "ended"];
 export const ENGAGED = 1, ON_HOLD = 2, OSCILLATES = 4, MISSED_DEADLINES = 8;
@@ -43,5 +43,17 @@ export function encodePointer({ number, holds, moves, target, shift, turn }) {
   data.setUint32(8, number, true);
   data.setUint32(12, target, true);
   [...shift, ...turn].forEach((x, i) => data.setFloat32(16 + 4 * i, x, true));
+  return data.buffer;
+}
+
+// shift: of each coordinate of the scene since the message before, rad or m.
+export function encodeJoints({ number, holds, shift }) {
+  const data = new DataView(new ArrayBuffer(16 + 4 * MAX_JOINTS));
+  data.setUint32(0, POINTER, true);
+  data.setUint16(4, JOINTS_VERSION, true);
+  data.setUint16(6, holds ? 1 : 0, true);
+  data.setUint32(8, number, true);
+  data.setUint32(12, shift.length, true);
+  shift.forEach((x, i) => data.setFloat32(16 + 4 * i, x, true));
   return data.buffer;
 }

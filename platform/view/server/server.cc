@@ -47,11 +47,14 @@ void Stream::take(Error error) {
     if (!reply.empty()) send(text_message(reply));
   } else {
     PointerMessage message;
-    if (!socket_.got_binary() || decode(bytes, message) != ParseResult::ok) {
+    JointsMessage joints;
+    const bool of_joints = socket_.got_binary() && decode(bytes, joints) == ParseResult::ok;
+    if (!of_joints && (!socket_.got_binary() || decode(bytes, message) != ParseResult::ok)) {
       hub_.log("a client was closed: what it sent is no pointer's message");
       return close(websocket::close_code::policy_error, "that is no pointer's message");
     }
-    if (!hub_.source().point(id_, message))
+    ViewSource& source = hub_.source();
+    if (!(of_joints ? source.move_joints(id_, joints) : source.point(id_, message)))
       hub_.log("a pointer was not listened to: --view-input is not given, or another moves it");
   }
   buffer_.consume(buffer_.size());

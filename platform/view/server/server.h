@@ -38,6 +38,8 @@ class ViewSource {
   virtual ViewBytes frame() { return nullptr; }
   /// What a client's pointer says. False: pointers move nothing here, or somebody else's does.
   virtual bool point(std::uint64_t /*client*/, const PointerMessage& /*message*/) { return false; }
+  /// Applies a page's shifts of joints. False: joints are not moved by pages here, or another page moves them.
+  virtual bool move_joints(std::uint64_t /*client*/, const JointsMessage& /*message*/) { return false; }
   /// The client is gone.
   virtual void leave(std::uint64_t /*client*/) {}
 };

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "hal/joint/kinematic_tree.h"
+#include "platform/motion/motion.h"
 #include "platform/scene/joint/kinds.h"
 #include "platform/scene/joint/params.h"
 #include "tests/support/tool_scene.h"
@@ -58,6 +60,43 @@ TEST(DeviceFromJoints, HandlesAndMotionsReferToItsJoints) {
                  "[motion]\n[[motion.joint]]\ncoordinate = \"p\"\n[[motion.joint]]\ncoordinate = \"p\"\n")
           .errors,
       ElementsAre(HasSubstr("has an earlier table")));
+}
+
+const std::string moved_p = "[motion]\n[[motion.joint]]\ncoordinate = \"p\"\namplitude = 0.5\n";
+const std::string coupled = "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n";
+
+/// No encoders, no buses: the joints of the tool are the device's all the same, or those that it lists.
+TEST(DeviceFromJoints, AMotionMovesJointsThatNothingMeasures) {
+  const std::string tool = body("a", coupled) + joint("p", "hinge", "world", "a");
+  const std::string device = "[device]\nname = \"d\"\n", own = "[[device.joint]]\nname = \"p\"\n";
+  for (const std::string& described : {device, device + own, device + own + "[device.chain]\n"}) {
+    const LoadResult loaded = parse_tool(tool + described + moved_p);
+    ASSERT_THAT(loaded.errors, IsEmpty()) << described;
+    EXPECT_FALSE(loaded.scene->device->rig) << "there is nothing on buses";
+    ASSERT_NE(device_tree(*loaded.scene), nullptr);
+    EXPECT_EQ(device_tree(*loaded.scene)->handles.front().body, "a");
+    const Motion motion(*loaded.scene);
+    ASSERT_TRUE(motion.has_joints());
+    const double quarter_s = 0.25;
+    const Target target = motion.target(0, quarter_s);
+    EXPECT_NEAR(2 * std::acos(std::abs(target.X_WD.q.w())), std::abs(motion.joints(quarter_s).q[0]), 1e-9);
+    const LoadResult again = parse_scene(effective_config_toml(*loaded.scene), "again");
+    ASSERT_THAT(again.errors, IsEmpty()) << described;
+    EXPECT_EQ(effective_config_toml(*again.scene), effective_config_toml(*loaded.scene));
+  }
+}
+
+TEST(DeviceFromJoints, UnmeasuredJointsAreRefusedBesideAnotherHand) {
+  const std::string tool = body("a", coupled) + joint("p", "hinge", "world", "a") +
+                           "[device]\nname = \"d\"\nkind = \"non-haptic\"\n";
+  const std::string mouse = "[device.spacemouse]\nbody = \"a\"\n";
+  EXPECT_THAT(parse_tool(tool + mouse).errors, IsEmpty()) << "the tool's joints are not the mouse's";
+  EXPECT_THAT(parse_tool(tool + mouse + "[[device.joint]]\nname = \"p\"\n").errors,
+              testing::Contains(HasSubstr("are measured by nothing")));
+  EXPECT_THAT(parse_tool(tool + "[[bus]]\nname = \"can0\"\n[[device.joint]]\nname = \"p\"\n").errors,
+              testing::Contains(HasSubstr("nothing measures joint 'p'")));
+  EXPECT_THAT(parse_tool(tool + "[device.supervision]\nlost_after = 0.1\n").errors,
+              testing::Contains(HasSubstr("need a [[bus]]")));
 }
 
 /// A random tree of these kinds with random frames, every body coupled.

@@ -205,6 +205,34 @@ TEST(ArticulatedSession, GrasperComesToRestInAHandAtRest) {
   EXPECT_LT(fastest, 1e-5);
 }
 
+/// Without its encoders, drives and buses a grasper is moved by the same joints, to the same states.
+TEST(ArticulatedSession, AnInstrumentWithoutBusesIsMovedByItsJoints) {
+  for (const char* name : {"grasper.toml", "scissors-imposed.toml"}) {
+    const SceneConfig with_rig = load_shipped(name);
+    SceneConfig without = with_rig;
+    without.device->unmeasured_tree = without.device->rig->tree;
+    without.device->rig.reset();
+    const LoadResult loaded = parse_scene(effective_config_toml(without), "without");
+    ASSERT_THAT(loaded.errors, IsEmpty());
+    const auto end_of = [](const SceneConfig& scene) {
+      Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
+      EXPECT_THAT(made.errors, IsEmpty());
+      if (!made.session) return std::vector<Vec3>{};
+      made.session->start(1);
+      CycleRecord record = made.session->at_start();
+      for (int i = 0; i < 500; ++i) static_cast<void>(made.session->advance(record));
+      std::vector<Vec3> places;
+      for (const BodyView& body : record.bodies) places.push_back(body.X_WB.p);
+      return places;
+    };
+    const std::vector<Vec3> expected = end_of(with_rig), places = end_of(*loaded.scene);
+    ASSERT_EQ(places.size(), with_rig.bodies.size());
+    EXPECT_GT((places.back() - with_rig.bodies.back().X_WB.p).norm(), 1e-3) << name << ": it moves";
+    for (std::size_t i = 0; i < places.size(); ++i)
+      EXPECT_LT((places[i] - expected[i]).norm(), 1e-12) << name;
+  }
+}
+
 TEST(ArticulatedSession, ImposedJointNeedsAMotionOfJoints) {
   SceneConfig scene = load_shipped("scissors-imposed.toml");
   scene.motion.reset();
