@@ -239,7 +239,7 @@ def was_starved(host):
     nothing for its `deadline_ms`, or the host hears nothing for `stale_after`. The run has ended."""
     faults = host.faults()
     watchdog = faults == {"emergency"} and "0x8250" in host.fault_text()
-    return watchdog or (bool(faults) and faults <= {"drive_silent", "sample_stale"})
+    return watchdog or (bool(faults) and faults <= {"drive_silent", "sample_stale", "held"})
 
 
 def read_candump(path):

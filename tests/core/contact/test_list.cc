@@ -299,6 +299,7 @@ struct OldScratch {
   [[no_unique_address]] Tree<S::max_bodies, typename S::Joints> tree;
   [[no_unique_address]] std::array<Wrench, S::max_bodies> wanted;
   Iteration<S> iteration;
+  decltype(Scratch<S>::means) means;  // of joint wrenches
 };
 
 TEST(SceneWithoutContacts, HasNotAByteForThem) {

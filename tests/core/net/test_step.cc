@@ -287,7 +287,8 @@ static_assert(is_nothing<decltype(Params<WithoutNet>::net)> && is_nothing<declty
 struct StateWithoutNet {
   std::array<BodyState<WithoutNet>, 4> bodies;
   std::uint64_t tick;
-  ContactMemories<32> contacts;
+  [[no_unique_address]] ContactMemories<32> contacts;
+  [[no_unique_address]] ContactForces<32> forces;  // of TR-BDF2's last stage
 };
 static_assert(sizeof(State<WithoutNet>) == sizeof(StateWithoutNet));
 static_assert(sizeof(Output<NetScene<TrBdf2>>) > sizeof(Output<WithoutNet>));
