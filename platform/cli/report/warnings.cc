@@ -28,13 +28,17 @@ std::string slow_scene_warning(const CyclicStatistics& timing, const Histogram& 
   constexpr double share = 0.999;
   const double cycle_s = 1e-9 * static_cast<double>(timing.compute_ns.percentile(share));
   if (cycle_s <= period_s) return {};
-  std::array<char, 256> text{};
+  const double step_s = 1e-9 * static_cast<double>(step_ns.percentile(share));
+  const char* const remedy =
+      step_s > period_s / 2
+          ? "the scene is too slow for this machine; use a longer [scene] step, fewer nodes, spheres or "
+            "net_iterations"
+          : "other programs, the buses or the simulated device take the time; see docs/running.md";
+  std::array<char, 320> text{};
   std::snprintf(
       text.data(), text.size(),
-      "one cycle in a thousand takes %.3g ms or more, the period is %.3g ms (the step alone: %.3g ms): the "
-      "scene "
-      "is too slow for this machine; use a longer [scene] step, fewer nodes, spheres or net_iterations",
-      1e3 * cycle_s, 1e3 * period_s, 1e-6 * static_cast<double>(step_ns.percentile(share)));
+      "one cycle in a thousand takes %.3g ms or more, the period is %.3g ms (the step alone: %.3g ms): %s",
+      1e3 * cycle_s, 1e3 * period_s, 1e3 * step_s, remedy);
   return text.data();
 }
 
