@@ -71,7 +71,11 @@ inline Real angle_of(Real sine, Real cosine) noexcept {
 }
 
 /// Returns the number of whole turns nearest to an angle, rad.
-inline Real whole_turns(Real angle) noexcept { return std::nearbyint(angle * (Real(0.5) / pi)); }
+inline Real whole_turns(Real angle) noexcept {
+  constexpr Real integers =
+      0x1.8p52;  // from here on neighbouring numbers are 1 apart: the sum rounds to an integer
+  return (angle * (Real(0.5) / pi) + integers) - integers;
+}
 
 /// Returns the angle, rad, with the whole turns that bring it nearest to `near`: the same attitude.
 inline Real unwrapped(Real angle, Real near) noexcept { return angle + 2 * pi * whole_turns(near - angle); }

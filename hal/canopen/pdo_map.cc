@@ -51,7 +51,9 @@ SdoStep as(SdoAction action, SdoStep written) {
 /// not.
 void append_unless_same(std::vector<SdoStep> wanted, const std::vector<SdoStep>& change,
                         std::vector<SdoStep>& steps) {
-  std::ranges::stable_partition(wanted, [](const SdoStep& step) { return step.address.sub == 0; });
+  // not of std::ranges, whose result clang 14 does not compile
+  std::stable_partition(wanted.begin(), wanted.end(),
+                        [](const SdoStep& step) { return step.address.sub == 0; });
   for (const SdoStep& step : wanted) steps.push_back(as(SdoAction::compare, step));
   steps.push_back({.action = SdoAction::skip_if_same, .low = static_cast<std::int64_t>(change.size())});
   steps.insert(steps.end(), change.begin(), change.end());
