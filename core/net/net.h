@@ -79,8 +79,8 @@ struct NodePlace {
   std::uint32_t group = 0, lane = 0;
 };
 
-/// Nodes [first, end) of a net that floats: springs join them to no others, and no anchor of theirs pulls.
-/// Their dampers act on the deviation from their rigid motion (57).
+/// Nodes [first, end) which springs join to no others. The net floats if no anchor of theirs pulls: their
+/// dampers act on the deviation from their rigid motion (57).
 struct FloatingNet {
   std::uint32_t first = 0, end = 0;
 

@@ -55,8 +55,9 @@ struct RigidFit {
   Block J_inverse;  // of their moments about it
 };
 
-/// A net that floats in a stage.
+/// A net that may float, in a stage.
 struct FloatingStage {
+  bool floats = false;  // no anchor pulls, and some damper acts
   RigidFit dampers, masses;
   bool flies = false;        // nothing touches it
   SpatialVector delta, c_1;  // (45), about the centre of masses

@@ -52,12 +52,25 @@ SpatialVector rigid_motion(const FloatingNet& nodes, const RigidFit& fit, const 
 /// f(net, what is known of it) for every net that floats.
 template <class Stage, class F>
 void each_floating(Stage& w, F f) noexcept {
-  for (std::size_t k = 0; k < w.par->num_floating; ++k) f(w.par->floating[k], w.floating[k]);
+  for (std::size_t k = 0; k < w.par->num_floating; ++k)
+    if (w.floating[k].floats) f(w.par->floating[k], w.floating[k]);
+}
+
+/// True if no anchor of the row pulls, and some damper acts.
+template <class NetParams>
+bool floats(const NetParams& par, const FloatingNet& row) noexcept {
+  bool damps = false;
+  for (std::uint32_t n = row.first; n < row.end; ++n) {
+    if (par.nodes[n].k > 0) return false;
+    damps = damps || par.nodes[n].g > 0;
+  }
+  return damps;
 }
 
 /// Dampers of floating nets, after begin_anchors() which takes them for anchors.
 template <class Net, std::size_t N>
 void begin_settling(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
+  for (std::size_t k = 0; k < par.num_floating; ++k) w.floating[k].floats = floats(par, par.floating[k]);
   each_floating(w, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
       w.settling[n] = h * par.nodes[n].g;

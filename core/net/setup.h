@@ -33,20 +33,15 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   find_floating(par);
 }
 
-/// Finds the nets that float: rows of nodes which springs join to no others, without an anchor that pulls and
-/// with some damper.
+/// Finds the nets that may float: rows of nodes which springs join to no others. Their anchors decide in each stage.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 void find_floating(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   par.num_floating = 0;
   std::size_t s = 0;
   for (std::uint32_t first = 0, end = 1; first < par.num_nodes; first = end++) {
-    bool pulls = false, damps = false;
-    for (std::uint32_t n = first; n < end; ++n) {
+    for (std::uint32_t n = first; n < end; ++n)
       for (; s < par.num_springs && par.springs[s].i == n; ++s) end = std::max(end, par.springs[s].j + 1);
-      pulls = pulls || par.nodes[n].k > 0;
-      damps = damps || par.nodes[n].g > 0;
-    }
-    if (!pulls && damps && end > first + 1) par.floating[par.num_floating++] = {.first = first, .end = end};
+    if (end > first + 1) par.floating[par.num_floating++] = {.first = first, .end = end};
   }
 }
 
