@@ -194,9 +194,13 @@ TEST(NetFloating, IsNotANetThatIsHeld) {
     add_sheet(par, {.m = 1e-3, .k = 100, .k_a = all ? 10.0 : 0.0, .g_a = 0.04}, 4, 4, 0.01);
     par.net.nodes[5].k = 10;
     add_sheet(par, {.m = 1e-3, .k = 100, .g_a = 0.04}, 3, 3, 0.01);
-    ASSERT_EQ(par.net.num_floating, 1u);
-    EXPECT_EQ(par.net.floating[0].first, 16u);
-    EXPECT_EQ(par.net.floating[0].end, 25u);
+    ASSERT_EQ(par.net.num_floating, 2u);
+    EXPECT_FALSE(floats(par.net, par.net.floating[0]));
+    EXPECT_TRUE(floats(par.net, par.net.floating[1]));
+    EXPECT_EQ(par.net.floating[1].first, 16u);
+    EXPECT_EQ(par.net.floating[1].end, 25u);
+    par.net.nodes[20].k = 10;  // an anchor that is set after put_in_order() counts
+    EXPECT_FALSE(floats(par.net, par.net.floating[1]));
   }
 }
 
