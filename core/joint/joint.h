@@ -70,11 +70,12 @@ inline Real angle_of(Real sine, Real cosine) noexcept {
   return std::copysign(log_factor(w) * v, s);
 }
 
-/// Returns the number of whole turns nearest to an angle, rad.
+/// Returns the number of whole turns nearest to an angle, rad; the even one of two that are equally near.
 inline Real whole_turns(Real angle) noexcept {
-  constexpr Real integers =
-      0x1.8p52;  // from here on neighbouring numbers are 1 apart: the sum rounds to an integer
-  return (angle * (Real(0.5) / pi) + integers) - integers;
+  // From here on neighbouring numbers are 1 apart: the sum rounds to an integer. The compiler would fuse a product,
+  // unlike this quotient, with the sum: half a turn would be no tie.
+  constexpr Real integers = 0x1.8p52;
+  return (angle / (2 * pi) + integers) - integers;
 }
 
 /// Returns the angle, rad, with the whole turns that bring it nearest to `near`: the same attitude.
