@@ -117,7 +117,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   x.tick += 1;
 }
 
-/// One time step of length par.h: from state x and the devices' samples at the end of the step to the new
+/// Advances a scene by one time step of length h: from state x and the devices' samples at the end of the step to the new
 /// state and what the devices are to show. A step whose input or result is not finite, or that breaks (58),
 /// is not taken: x
 /// keeps all but the shown wrench, which goes to zero within its rate limit.
