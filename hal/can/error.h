@@ -1,4 +1,4 @@
-// The error frames of Linux's CAN drivers (linux/can/error.h) as changes of a bus's state and counters.
+// The error frames of Linux's CAN drivers (<linux/can/error.h>) as changes of a bus's state and counters.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ CanErrorReport decode_can_error(std::uint32_t error_class, std::span<const std::
 /// One report on top of what was known. A bus that is closed, down or gone stays so.
 void apply(const CanErrorReport& report, BusState& state, BusCounters& counters) noexcept;
 
-/// linux/can/error.h, repeated here because this layer knows no operating system.
+/// Values of <linux/can/error.h>, repeated because hal includes no header of an operating system.
 namespace can_error {
 inline constexpr std::uint32_t transmit_timeout = 0x1, lost_arbitration = 0x2, controller = 0x4,
                                protocol = 0x8, transceiver = 0x10, no_acknowledge = 0x20, bus_off = 0x40,

@@ -1,8 +1,5 @@
 // One motor drive as the rig sees it: position, torque and state in, limited torque commands out. What it
 // speaks is DriveLink's.
-//
-// The room: link.h is what a protocol implements; cia402*.h, odrive.h and moteus.h do; watchdog.h says what stops a
-// drive when its host dies.
 #pragma once
 
 #include "hal/drive/link.h"

@@ -3,10 +3,6 @@
 // command(F, now). Nothing here waits, allocates after construction, throws or reads a clock; the caller owns the buses.
 // A bus speaks one protocol, that of its drives (hal/drive/link.h). CANopen buses, also those without a drive, have SYNC,
 // NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
-//
-// The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what
-// brings its buses, bus_load.h what they carry; receive.cc, supervise.cc and rig_text.cc are parts of Rig;
-// swing_watch.h watches commands for oscillation.
 #pragma once
 
 #include <array>

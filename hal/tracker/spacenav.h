@@ -1,6 +1,6 @@
 // What spacenavd, the daemon of 6-DoF mice (3Dconnexion's SpaceMouse and others), sends on its unix socket to a client that says
 // nothing (protocol 0): eight integers of 32 bits in the order of the machine, the kind and then x y z rx ry rz and the
-// milliseconds since the last motion, or the number of a button. Read off spnav.h and the daemon's own events, spacenavd 1.1.
+// milliseconds since the last motion, or the number of a button. Read off <spnav.h> and the daemon's own events, spacenavd 1.1.
 #pragma once
 
 #include <array>

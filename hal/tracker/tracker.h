@@ -1,7 +1,5 @@
 // What all trackers share: bytes come in, bytes go out, and the newest sample of every tool stands in a report. A tracker
 // is a slow, late source of poses; it has a thread of its own, and a tool that it does not see is not a fault.
-//
-// The room: params.h and link.h; ndi*.h and polhemus*.h are the protocols; pose_track.h plays samples back without stairs.
 #pragma once
 
 #include <array>

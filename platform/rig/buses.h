@@ -1,7 +1,4 @@
 // The buses of a rig on this machine: which address each has, opened, filtered, and how promptly they are served.
-//
-// The room: filters.h says which frames a rig lets through; bring_up.h sets nodes up before the loop runs; last_frames.h are
-// for when the program dies; load_advice.h says what a bus bears, profiles.h what nodes are set up by; run.h is all of it around a step of one's own.
 #pragma once
 
 #include <algorithm>

@@ -1,8 +1,4 @@
 // The loop that keeps a period: absolute deadlines, what was late and what was left out.
-//
-// The room: clock.h, histogram.h, deadline_watch.h; setup.h and machine.h prepare and describe the machine; ring.h and
-// background_file.h carry records off the loop; last_resort.h writes the last frames when
-// nothing else works, stop_signals.h takes the signals that end a run.
 #pragma once
 
 #include "platform/rt/histogram.h"

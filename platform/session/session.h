@@ -1,9 +1,5 @@
 // A running scene: an engine, and the devices that its bodies follow. advance() is what a real-time loop calls once per
 // period, from the first NMT command to the last; it does not allocate, and waits only for the answers of real buses.
-//
-// The room: set_up.cc is what a session is made of; grip.h says which body is held; record.h is what a period leaves; truth.h
-// what only a simulated run knows; passivity.h and wrench_swings.h whether what is shown is stable in a hand. What bodies follow,
-// and the phases of a run, are in ../device.
 #pragma once
 
 #include <limits>

@@ -1,7 +1,4 @@
 // The faults a simulated rig can play: one table of their names, what they take and what they do.
-//
-// The room: target.h finds what a fault acts on, injector.h plays it, sensor_fault.h bends a measurement; promise.h
-// says what the rig must do about each, and tests play it.
 #pragma once
 
 #include <array>

@@ -1,7 +1,5 @@
 // The simulated rig a scene describes: wires, encoder and drive nodes on them, the mechanics under them and
 // the hand that moves it. The other end of the buses is a Rig that knows nothing of this.
-//
-// The room: plant.h is the mechanics and the hand that holds them, link.h brings a rig's buses to a Rig.
 #pragma once
 
 #include <memory>

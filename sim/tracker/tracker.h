@@ -1,7 +1,5 @@
 // A simulated tracker: the far end of its serial line. Bytes go in, bytes come out, and it measures the poses it is
 // given at a rate of its own. Nothing here allocates after construction.
-//
-// The room: ndi.h and polhemus.h speak the protocols; link.h joins one to its Tracker; trackers.h moves all of a device's.
 #pragma once
 
 #include <array>

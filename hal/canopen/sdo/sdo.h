@@ -1,8 +1,6 @@
 // Service data objects (CiA 301 7.2.4.3): expedited and segmented transfers, both directions. Block transfer
 // is not spoken. Each message is eight bytes, but some servers leave out those at the end that hold nothing;
 // the first byte, the command, is told apart by the direction it goes.
-//
-// The room: client.h makes one transfer on a bus, sequence.h several in a row.
 #pragma once
 
 #include <algorithm>

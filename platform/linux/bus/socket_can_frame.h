@@ -1,4 +1,4 @@
-// CAN frames as Linux's raw sockets take and give them (linux/can.h).
+// CAN frames as Linux's raw sockets take and give them (<linux/can.h>).
 #pragma once
 
 #include <linux/can.h>

@@ -1,7 +1,5 @@
 // Every key of a scene file, once: name, unit, range, meaning and the member it stands for; those below
 // [device], [[joint]] and of contacts are in files of their own. See platform/scene/text/visit.h for what walks it.
-//
-// The room: a table of the file each; reader, writer and docs/scenes.md walk the same list. A new key is a line here.
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,4 @@
 // What was recorded, as frames: a trace of a scene, or the scene alone as it begins.
-//
-// The room: nets.h is the nodes of nets beside a trace, number_rows.h reads both; replay.h plays them to who looks on.
 #pragma once
 
 #include <cstdint>

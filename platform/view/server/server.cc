@@ -1,4 +1,4 @@
-// The only source that sees Boost, with server_parts.h.
+// The server on Boost. Boost is included by parts.h alone.
 #include "platform/view/server/server.h"
 
 #include <algorithm>

@@ -1,7 +1,4 @@
 // The view's server: HTTP and WebSockets on one thread of its own, for what a source shows. Nothing of it is in the loop.
-//
-// The room: door.h says who may see it, page.h is what a browser is given, foxglove.h what Foxglove is, latest.h the newest of
-// what the loop offers; absent.cc stands in for it all where there is no Boost.
 #pragma once
 
 #include <cstdint>
