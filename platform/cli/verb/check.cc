@@ -61,8 +61,8 @@ void print_top_speed(const SceneConfig& scene) {
       std::printf("\n# top speed: %s\n", text.c_str());
     return;
   }
-  std::printf("\n# top speed up to which %s passes anything: %.3g m/s, %s\n", what_does_not_pass(scene),
-              bound->top(), bound->what.c_str());
+  std::printf("\n# top speed up to which %s passes through a solid: %.3g m/s, %s\n",
+              what_does_not_pass(scene), bound->top(), bound->what.c_str());
   std::printf(
       "#   bound by the travel in a step: %.3g m/s; by the energy of the tool: %.3g m/s; hand at most %.3g m "
       "beyond the surface\n",

@@ -204,8 +204,7 @@ TEST_F(CliErrors, AStopNeedsACoordinate) {
                     "lower = -1.0\nupper = 1.0\nstiffness = 1.0\nwidth = 0.1\n");
       const ProgramResult result = run_program("check " + file);
       EXPECT_EQ(result.exit_code, 2);
-      EXPECT_THAT(result.output,
-                  HasSubstr(file + ":11:1: joint 'j' has no coordinate that a stop could bound"));
+      EXPECT_THAT(result.output, HasSubstr(file + ":11:1: joint 'j' has no coordinate for a stop"));
       EXPECT_THAT(result.output, testing::Not(HasSubstr("coordinate' is")));
     }
 }
