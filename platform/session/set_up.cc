@@ -1,4 +1,4 @@
-// Session: what it is made of, and the complaints about what cannot be.
+// Session: construction and validation.
 #include <algorithm>
 
 #include "platform/session/session.h"
@@ -6,7 +6,7 @@
 namespace godobject {
 namespace {
 
-/// A joint that is to be led needs the device's joints, which a motion of poses does not have.
+/// Checks that the motion moves the device's joints if any joint of the scene is prescribed.
 void check_imposed_joints(const SceneConfig& scene, const Motion& motion, bool real,
                           std::vector<std::string>& errors) {
   if (motion.has_joints() || real) return;
