@@ -31,8 +31,8 @@ RtStep look_at_kernel() {
           .remedy = "apt install linux-image-rt-amd64, and boot it"};
 }
 
-/// With a limit on locked memory, locking what is yet to come would make later allocations fail: then only
-/// what is there now is locked.
+/// Locks memory. Future memory is locked only without a limit on locked memory, because otherwise later
+/// allocations would fail.
 RtStep lock_memory() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
@@ -53,7 +53,7 @@ RtStep lock_memory() {
   return step;
 }
 
-/// Memory given back to the system would cost a page fault when it is needed again.
+/// Keeps freed memory in the process, because reusing returned memory costs a page fault.
 RtStep keep_heap() {
   const bool kept = mallopt(M_TRIM_THRESHOLD, -1) == 1 && mallopt(M_MMAP_MAX, 0) == 1;
   if (kept)
@@ -106,8 +106,8 @@ RtProcess::~RtProcess() {
   munlockall();
 }
 
-/// Documentation/power/pm_qos_interface.rst of Linux: the longest wake-up of a processor, in us, while the
-/// file is open.
+/// Limits the wake-up latency of the processors while the file is open (pm_qos_interface.rst in Linux's
+/// Documentation/power).
 RtStep RtProcess::forbid_deep_sleep() {
   RtStep step{
       .name = "processor sleep", .result = RtResult::ok, .detail = "no deep idle states", .remedy = ""};
