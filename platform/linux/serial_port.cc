@@ -1,6 +1,6 @@
 #include "platform/linux/serial_port.h"
 
-// termios2 and BOTHER are the kernel's; the C library's <termios.h> defines the same names without them.
+// The kernel defines termios2 and BOTHER; the C library's <termios.h> defines the same names without them.
 #include <asm/termbits.h>
 #include <fcntl.h>
 #include <linux/serial.h>
@@ -28,7 +28,7 @@
 namespace godobject {
 namespace {
 
-constexpr double max_baud_error = 0.025;  // a receiver samples the tenth bit within half a bit
+constexpr double max_baud_error = 0.025;  // because a receiver must sample the tenth bit within half a bit
 constexpr int max_latency_timer_ms = 1;
 
 std::string text_of(int error) { return std::generic_category().message(error); }
@@ -45,7 +45,8 @@ std::string remedy_of(int error) {
   }
 }
 
-/// Slaves of UNIX 98 pseudo-terminals have the majors 136 to 143 (Documentation/admin-guide/devices.txt).
+/// True for slaves of UNIX 98 pseudo-terminals, which have the majors 136 to 143
+/// (Documentation/admin-guide/devices.txt).
 bool is_pseudo_terminal(int fd) {
   struct stat status {};
   return fstat(fd, &status) == 0 && major(status.st_rdev) >= 136 && major(status.st_rdev) <= 143;
@@ -85,7 +86,7 @@ bool SerialPort::open(const std::string& path, const SerialSettings& settings) {
   if (fd_ < 0) return fail("cannot be opened: " + text_of(errno) + remedy_of(errno));
   if (isatty(fd_) == 0) return fail("is not a terminal; give a serial port like /dev/ttyUSB0 or /dev/pts/3");
   if (flock(fd_, LOCK_EX | LOCK_NB) != 0) return fail("is in use by another program: fuser -v names it");
-  // Not on a pseudo-terminal: the flag would outlive us there and shut out the next user.
+  // Not on a pseudo-terminal: there the flag would outlive this program and lock out the next one.
   if (!is_pseudo_terminal(fd_) && ioctl(fd_, TIOCEXCL) != 0)
     return fail("cannot be had exclusively: " + text_of(errno));
   state_ = SerialState::open;
@@ -115,7 +116,7 @@ void SerialPort::close() noexcept {
   why_.clear();
 }
 
-/// Raw: no echo, no signals, no flow control, no translation. TCSETSW2 waits until the output has left.
+/// Sets raw mode: no echo, signals, flow control or translation. TCSETSW2 waits until the output has left.
 bool SerialPort::configure(std::uint32_t baud) {
   const std::string rate = std::to_string(baud) + " baud";
   if (baud == 0) return fail("needs a baud rate above 0");

@@ -22,7 +22,7 @@ constexpr Nanoseconds retry_period = 1'000'000'000;
 
 std::string text_of(int error) { return std::generic_category().message(error); }
 
-/// The connection; -1, with errno.
+/// Returns the connection, or -1 with errno.
 int connect_to(const std::string& path) noexcept {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -91,9 +91,9 @@ void SpaceMouseThread::run(const std::stop_token& stop) {
   }
 }
 
-/// For something to read, or until then.
+/// Waits for bytes, or until the time `until`.
 void SpaceMouseThread::wait(Nanoseconds until) noexcept {
-  pollfd waited{.fd = descriptor_, .events = POLLIN, .revents = 0};  // one of -1 is left out
+  pollfd waited{.fd = descriptor_, .events = POLLIN, .revents = 0};  // poll ignores -1
   const Nanoseconds left = std::max(until - clock_.now(), Nanoseconds{0});
   const timespec patience{.tv_sec = 0, .tv_nsec = std::min(left, spacemouse_tick_ns)};
   static_cast<void>(ppoll(&waited, 1, &patience, nullptr));

@@ -1,4 +1,4 @@
-// From the text of --bus to a bus.
+// Makes a bus from the text of --bus.
 #include <algorithm>
 #include <array>
 
@@ -22,7 +22,7 @@ std::unique_ptr<LinuxBus> make_pty(const std::string&, const BusSettings& settin
   return std::make_unique<PtyBus>(settings);
 }
 
-// One row for each.
+// One row for each kind.
 constexpr std::array backends{
     BusBackend{.name = "socketcan",
                .where = "INTERFACE, e.g. socketcan:can0",
@@ -65,7 +65,7 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
   const auto backend = std::ranges::find(backends, name, &BusBackend::name);
   error.assign("'").append(text).append("': ");
   if (backend == backends.end()) {
-    // The commonest slip: the bare name of what there is.
+    // The most frequent mistake: a bare path or interface name.
     if (colon == std::string::npos && name.starts_with('/')) {
       error.append("say what it is: slcan:").append(text).append(" or replay:").append(text);
     } else if (colon == std::string::npos && (name.starts_with("can") || name.starts_with("vcan"))) {

@@ -64,7 +64,7 @@ SendResult BoardBus::try_send(const CanFrame& frame) noexcept {
   else if (is_cut_off(state())) result = SendResult::down;
   ++(result == SendResult::queued ? counters_.sent : counters_.send_refused);
   if (result != SendResult::queued) return result;
-  read_port();  // the newest counts are those that wait there
+  read_port();  // to get the newest counts
   nodes_.send(frame, MonotonicClock{}.now());
   arm_timer();
   return result;
@@ -83,18 +83,19 @@ bool BoardBus::try_receive(ReceivedFrame& out) noexcept {
 }
 
 void BoardBus::read_port() noexcept {
-  constexpr int max_reads = 8;  // a bound on the time that one call takes
+  constexpr int max_reads = 8;  // bounds the time of one call
   std::array<std::uint8_t, 512> bytes{};
   for (int reads = 0; reads < max_reads; ++reads) {
     const std::size_t size = port_.read(bytes);
     if (size == 0) break;
     nodes_.receive({bytes.data(), size}, MonotonicClock{}.now());
   }
-  // A port that is gone is always readable: it would keep the loop awake.
+  // A missing port is always readable and would keep the loop awake.
   if (port_.state() != SerialState::open) epoll_ctl(waiting_fd_, EPOLL_CTL_DEL, port_.descriptor(), nullptr);
 }
 
-/// A timer that is set anew is not readable any more. Without anything on its way it is switched off.
+/// Sets the timer to the next answer of the nodes, or switches it off. Setting it makes it unreadable until
+/// then.
 void BoardBus::arm_timer() noexcept {
   itimerspec when{};
   if (const auto due = nodes_.next_due())

@@ -1,4 +1,4 @@
-// What a user can do about the state of a SocketCAN bus.
+// Remedies for the states of a SocketCAN bus.
 #include <net/if.h>
 
 #include <array>
@@ -29,7 +29,7 @@ std::string SocketCanBus::trouble() const {
   return why_state();
 }
 
-/// The name that the interface has now; as it was opened where it is gone.
+/// Returns the present name of the interface; the opened name if it is gone.
 std::string SocketCanBus::present_name() const {
   std::array<char, IF_NAMESIZE> name{};
   return index_ != 0 && if_indextoname(index_, name.data()) != nullptr ? name.data() : interface_;
