@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #ifdef GODOBJECT_PAGE_DIR
-// The files as they were built, each with its size.
+// Embeds the built files, each with its size.
 #define GODOBJECT_EMBED(label, file)                                                                 \
   asm(".pushsection .rodata\n.global page_" label "\npage_" label ":\n.incbin \"" GODOBJECT_PAGE_DIR \
       "/" file "\"\n1:\n.balign 8\n.global page_" label "_size\npage_" label                         \

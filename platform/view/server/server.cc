@@ -1,4 +1,4 @@
-// The only source that sees Boost, with server_parts.h.
+// The only source file that includes Boost, through parts.h.
 #include "platform/view/server/server.h"
 
 #include <algorithm>
@@ -149,7 +149,7 @@ void Requests::reply(int status, std::string_view type, std::string_view body) {
   };
   set("Content-Type", type);
   set("Cache-Control", "no-store");
-  set("Referrer-Policy", "no-referrer");  // the address has the token
+  set("Referrer-Policy", "no-referrer");  // because the address contains the token
   set("X-Content-Type-Options", "nosniff");
   set("Cross-Origin-Resource-Policy", "same-origin");
   set("Content-Security-Policy",
@@ -165,7 +165,8 @@ void Requests::reply(int status, std::string_view type, std::string_view body) {
   });
 }
 
-/// Part of a line that a terminal shows as it is: clients choose some of the words.
+/// Returns the line with at most max_line_bytes, and without control characters, because clients choose some
+/// of its words.
 std::string for_console(std::string line) {
   if (line.size() > max_line_bytes) line.replace(max_line_bytes, line.npos, "...");
   std::ranges::replace_if(
@@ -236,11 +237,11 @@ void Hub::say_farewell() {
 void Hub::accept() {
   acceptor_.async_accept([this](Error error, tcp::socket socket) {
     if (ending_) return;
-    if (error) {  // out of descriptors: not at once again
+    if (error) {  // out of descriptors: retried later
       accept_timer_.expires_after(std::chrono::milliseconds(100));
       return accept_timer_.async_wait([this](Error) { accept(); });
     }
-    if (requests_.size() >= max_requests) {  // who has come first has had his time
+    if (requests_.size() >= max_requests) {  // drops the oldest request
       log("a request was dropped: more than " + std::to_string(max_requests) + " at a time");
       requests_.front()->drop();
       requests_.pop_front();
@@ -292,7 +293,7 @@ void Hub::feed() {
   const auto of_day = std::chrono::system_clock::now().time_since_epoch();
   const auto now_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(of_day).count());
   for (auto next = streams_.begin(); next != streams_.end();) {
-    const std::shared_ptr<Stream> stream = *next++;  // it may be forgotten
+    const std::shared_ptr<Stream> stream = *next++;  // the stream may be removed below
     if (stream->is_stalled(now)) {
       log("a client was closed: it has taken nothing for " + std::to_string(write_patience.count()) + " s");
       stream->drop();
