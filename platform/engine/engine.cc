@@ -90,8 +90,10 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   add(needs.contacts == ContactScope::bodies, "contacts between bodies");
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +
                            "' (" + (parts.empty() ? "free bodies" : parts) + ")";
-  if (candidates.empty()) return "no compiled composition has " + what;
-  return "no compiled composition with " + what + " has room for " + too_many(candidates, needs, scene);
+  if (candidates.empty())
+    return "no compiled composition has " + what + ": change the integrator, or add a composition";
+  return "no compiled composition with " + what + " is large enough for " +
+         too_many(candidates, needs, scene) + ": reduce them, or add a composition";
 }
 
 /// Returns the violated rule with the body's name. A rule that no scene file can violate is a defect of the
@@ -118,7 +120,7 @@ std::unique_ptr<Engine> make_engine(const SceneConfig& scene, std::span<const Bo
     if (!has_room_for(r.composition, needs, scene) || !has_parts_for(r.composition, needs, scene)) continue;
     const Validity validity = r.check(scene);
     if (validity == Invalid::nothing) return r.make(scene, at_start, r.composition);
-    why_not = "the core does not take scene '" + scene.name + "': " + complaint(validity, scene);
+    why_not = "the core rejects scene '" + scene.name + "': " + complaint(validity, scene);
     return nullptr;
   }
   why_not = why_none(needs, scene);

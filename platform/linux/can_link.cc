@@ -162,19 +162,18 @@ std::string text_of(LinkFit fit, const std::string& interface, const CanLink& li
     case LinkFit::fits: return {};
     case LinkFit::down: return interface + " is down: " + up_command(interface, link, settings);
     case LinkFit::bit_rate:
-      return interface + " runs at " + number(controller.bit_rate) + " bit/s, the scene says " +
+      return interface + " runs at " + number(controller.bit_rate) + " bit/s, the scene has " +
              number(settings.bit_rate) +
              ": correct bit_rate of the scene, or: " + down_up(interface, link, settings);
     case LinkFit::data_bit_rate:
       return interface + " has a data bit rate of " + number(controller.data_bit_rate) +
-             " bit/s, the scene says " + number(settings.data_bit_rate) +
+             " bit/s, the scene has " + number(settings.data_bit_rate) +
              ": correct data_bit_rate of the scene, or: " + down_up(interface, link, settings);
     case LinkFit::classic_only:
       if (link.controller)
-        return interface +
-               " carries classic frames only, the scene wants CAN FD: " + down_up(interface, link, settings) +
-               " (an adapter without CAN FD refuses)";
-      return interface + " carries classic frames only, the scene wants CAN FD: ip link set " + interface +
+        return interface + " carries classic frames only, the scene requires CAN FD: " +
+               down_up(interface, link, settings) + " (only with a CAN FD adapter)";
+      return interface + " carries classic frames only, the scene requires CAN FD: ip link set " + interface +
              " down && ip link set " + interface + " mtu 72 && ip link set " + interface + " up";
   }
   return {};

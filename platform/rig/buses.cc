@@ -103,7 +103,7 @@ RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig
   if (errors.empty() && !where.are_logs() &&
       std::ranges::any_of(where.addresses, [](const BusAddress& bus) { return bus.backend->is_file; }))
     errors.push_back(
-        by.complaint("a log and a bus that keeps time of its own do not go together: give replay:FILE for "
+        by.complaint("a log and a bus with a clock of its own do not go together: give replay:FILE for "
                      "every bus, or for none"));
   return where;
 }

@@ -85,7 +85,7 @@ std::string LogLink::choose(const std::string& path, std::span<const LogSource> 
     if (name != names.end()) {
       bus_of_name[static_cast<std::size_t>(name - names.begin())] = i;
     } else if (!sources[i].interface.empty()) {
-      return path + ": holds nothing of " + wanted;
+      return path + ": holds no frame of " + wanted;
     }
   }
   return "";

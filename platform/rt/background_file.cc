@@ -75,7 +75,7 @@ void BackgroundFile::start() {
     thread_ = std::thread([state = state_] { state->run(); });
   } catch (const std::system_error& error) {
     const std::lock_guard lock(state_->mutex);
-    state_->fail(std::string("no thread can be started to write it: ") + error.what());
+    state_->fail(std::string("its writer thread cannot be started: ") + error.what());
     state_->ended = true;
   }
 }
@@ -91,7 +91,7 @@ bool BackgroundFile::write(std::string_view text, std::chrono::milliseconds pati
     const std::uint64_t before = state_->progress;
     state_->changed.wait_for(lock, patience, [&] { return has_room() || state_->progress != before; });
     if (!has_room() && state_->progress == before)
-      state_->fail("it took nothing for " + std::to_string(patience.count()) + " ms");
+      state_->fail("it accepted no bytes for " + std::to_string(patience.count()) + " ms");
   }
   if (state_->failed || state_->closing || !has_room()) {
     state_->lost_lines += lines_in(text);
@@ -107,7 +107,8 @@ BackgroundFile::Result BackgroundFile::close(Clock::time_point until) {
   state_->closing = true;
   state_->changed.notify_all();
   state_->changed.wait_until(lock, until, [&] { return state_->ended || state_->failed; });
-  if (!state_->ended && !state_->failed) state_->fail("it took no more, and was not waited for any longer");
+  if (!state_->ended && !state_->failed)
+    state_->fail("it accepted no more bytes in time, and writing was given up");
   const bool ended = state_->ended;
   Result result{.why = state_->why, .lost_lines = state_->lost_lines};
   lock.unlock();

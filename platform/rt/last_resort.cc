@@ -76,7 +76,7 @@ bool speak() noexcept {
   return buses != nullptr;
 }
 
-constexpr std::string_view motors_off = "; the drives were told to switch their motors off\n";
+constexpr std::string_view motors_off = "; the drives were commanded to switch their motors off\n";
 
 void on_deadly_signal(int signal) {
   const int error = errno;

@@ -28,7 +28,7 @@ RtStep look_at_kernel() {
   return {.name = "kernel",
           .result = RtResult::degraded,
           .detail = "not PREEMPT_RT: wake-ups may be late by milliseconds",
-          .remedy = "apt install linux-image-rt-amd64, and boot it"};
+          .remedy = "apt install linux-image-rt-amd64, then boot it"};
 }
 
 /// Locks memory. Future memory is locked only without a limit on locked memory, because otherwise later
@@ -37,16 +37,14 @@ RtStep lock_memory() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
   const bool unlimited = limit.rlim_cur == RLIM_INFINITY || geteuid() == 0;
-  RtStep step{.name = "lock memory",
-              .result = RtResult::ok,
-              .detail = "all of it, also what is yet to come",
-              .remedy = ""};
+  RtStep step{
+      .name = "lock memory", .result = RtResult::ok, .detail = "all present and future memory", .remedy = ""};
   if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) != 0) {
     step.result = RtResult::failed;
     step.detail = "mlockall: " + error_text(errno);
   } else if (!unlimited) {
     step.result = RtResult::degraded;
-    step.detail = "what there is now; " + std::to_string(limit.rlim_cur / 1024) + " KiB are allowed";
+    step.detail = "present memory only; " + std::to_string(limit.rlim_cur / 1024) + " KiB is the limit";
   }
   if (step.result != RtResult::ok)
     step.remedy = "'<user> - memlock unlimited' in /etc/security/limits.d/, and log in again";
@@ -86,7 +84,7 @@ RtStep take_priority() {
   if (error == 0) return {.name = "priority", .result = RtResult::ok, .detail = wanted, .remedy = ""};
   return {.name = "priority",
           .result = RtResult::degraded,
-          .detail = wanted + ": " + error_text(error) + "; runs as any other thread",
+          .detail = wanted + ": " + error_text(error) + "; runs at normal priority",
           .remedy = "'<user> - rtprio 98' in /etc/security/limits.d/, and log in again"};
 }
 

@@ -79,9 +79,9 @@ std::string remedy(const SampledAxis& axis) {
   const double of_spring = axis.needed() - std::abs(axis.B);
   const double left = axis.damping - of_spring;
   if (left > 0 || of_spring == 0)
-    return formatted("lower the feedback's damping to %.3g %% of what it is",
+    return formatted("lower the feedback's damping to %.3g %% of its present value",
                      std::floor(1000 * std::max(left, 0.0) / std::abs(axis.B)) / 10);
-  return formatted("set the feedback's damping to 0 and lower its stiffness to %.3g %% of what it is",
+  return formatted("set the feedback's damping to 0 and lower its stiffness to %.3g %% of its present value",
                    std::floor(1000 * axis.damping / of_spring) / 10);
 }
 
@@ -197,16 +197,15 @@ std::vector<std::string> passivity_table(const Passivity& passivity) {
                               axis.margin(), verdict));
   }
   if (passivity.joints.size() > 1)
-    lines.push_back(formatted("#   all at once: the worst direction needs %.3g times the damping there is",
+    lines.push_back(formatted("#   all at once: the worst direction needs %.3g times the present damping",
                               passivity.worst_direction));
   lines.push_back(
       "#   K, B: the feedback's gains at the joint, N m/rad and N m s/rad, of a slider N/m and N s/m; t_d: "
       "from "
       "a sample to its torque");
   lines.push_back(
-      "#   b: what [device.plant] says of the device without a hand. For one that exists, measure it and "
-      "state "
-      "it there");
+      "#   b: damping of the device without a hand, from [device.plant]; of a real device, measure it and "
+      "enter it there");
   return lines;
 }
 
@@ -220,14 +219,14 @@ std::vector<std::string> passivity_warnings(const Passivity& passivity) {
                        remedy(axis) + ", shorten the step, or build it with more damping";
     if (!joint.stable_alone)
       line += formatted("; %s it is unstable and chatters (feedback damping alone: from %.3g %s on)",
-                        joint.stable_held ? "let go of," : "even in a hand",
+                        joint.stable_held ? "released" : "even in a hand",
                         largest_stable_damping(axis.inertia, axis.period_s, axis.delay), damping_unit(joint));
     lines.push_back(std::move(line));
   }
   if (lines.empty() && !passivity.passive())
     lines.push_back(
         formatted("the axes are passive one by one, but not together: the worst direction needs "
-                  "%.3g times the damping there is: lower the feedback's gains by that",
+                  "%.3g times the present damping: divide the feedback's gains by that",
                   passivity.worst_direction));
   return lines;
 }

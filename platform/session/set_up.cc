@@ -82,7 +82,8 @@ void Session::connect(DeviceParts device, std::vector<std::string>& errors) {
                      "' describes no buses, encoders and joints: add them, or run it with --bus direct");
   if (has_rig) {
     for (const std::string& error : RigDevice::complaints(scene_)) errors.push_back(error);
-    if (!device.buses) errors.push_back("the device of scene '" + scene_.name + "' has buses: give them");
+    if (!device.buses)
+      errors.push_back("the device of scene '" + scene_.name + "' has buses: pass them to make()");
     if (errors.empty()) phases_.add(rig_.emplace(scene_, std::move(device.buses)));
   }
   if (has_trackers) {

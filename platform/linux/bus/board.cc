@@ -33,10 +33,10 @@ bool BoardBus::open() noexcept {
   if (!port_.open(address_.path, {.baud = address_.baud})) return false;
   timer_fd_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
   waiting_fd_ = epoll_create1(EPOLL_CLOEXEC);
-  if (timer_fd_ < 0 || waiting_fd_ < 0) return fail("no timer to wait with");
+  if (timer_fd_ < 0 || waiting_fd_ < 0) return fail("no timer can be created");
   for (const int fd : {port_.descriptor(), timer_fd_}) {
     epoll_event event{.events = EPOLLIN, .data = {.fd = fd}};
-    if (epoll_ctl(waiting_fd_, EPOLL_CTL_ADD, fd, &event) != 0) return fail("it cannot be waited for");
+    if (epoll_ctl(waiting_fd_, EPOLL_CTL_ADD, fd, &event) != 0) return fail("epoll cannot wait for it");
   }
   return true;
 }
@@ -130,12 +130,13 @@ std::string BoardBus::trouble() const {
   const BusCounters counters = this->counters();
   if (board.frames == 0)
     return address_.path + ": no frame of an encoder board yet" +
-           (board.malformed > 0 ? ", but other bytes: is it one, and at " : ": is it one, and at ") +
-           std::to_string(address_.baud) + " baud? Another baud rate is given as PATH,BAUD";
+           (board.malformed > 0 ? ", but other bytes: check that it is one, and its rate of "
+                                : ": check that it is one, and its rate of ") +
+           std::to_string(address_.baud) + " baud; give another rate as PATH,BAUD";
   if (nodes_.silent(MonotonicClock{}.now()))
-    return address_.path + ": the board sends nothing, or less than 500 frames a second: look at its supply";
+    return address_.path + ": the board sends nothing, or fewer than 500 frames a second: check its supply";
   if ((nodes_.board().frame().status & board_status::overrun) != 0)
-    return address_.path + ": the board missed edges: its counts are off until it is referenced again";
+    return address_.path + ": the board missed edges: its counts are wrong until it is referenced again";
   if (counters.error_frames + counters.receive_overflow > 0)
     return address_.path + ": " + std::to_string(counters.error_frames) + " frames were broken and " +
            std::to_string(counters.receive_overflow) +

@@ -139,7 +139,8 @@ std::string PtyBus::trouble() const {
     return name() + ": waits for the other end to open it, e.g. godobject monitor --bus slcan:" + name();
   if (asked_bit_rate_ > 0 && std::abs(asked_bit_rate_ - bit_rate_) > 0.5)
     return name() + ": the other end expects " + std::to_string(std::lround(asked_bit_rate_)) +
-           " bit/s, this bus has " + std::to_string(std::lround(bit_rate_)) + ": a real bus would not work";
+           " bit/s, this bus has " + std::to_string(std::lround(bit_rate_)) +
+           ": a real bus would fail; set one bit rate at both ends";
   return "";
 }
 

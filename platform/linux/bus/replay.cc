@@ -102,11 +102,11 @@ bool ReplayBus::open() noexcept {
     return fail("is neither a file nor a pipe");
   std::ifstream file(path_, std::ios::binary);
   if (!file) return fail("cannot be read: " + std::generic_category().message(errno));
-  if (!read_up_to(file, max_log_bytes, log_)) return fail("is larger than 2 GB, the most that is read");
+  if (!read_up_to(file, max_log_bytes, log_)) return fail("is larger than 2 GB, the limit");
   if (log_.empty()) return fail("is empty");
   if (!check_log()) return false;
   timer_fd_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-  if (timer_fd_ < 0) return fail("no timer for it: " + std::generic_category().message(errno));
+  if (timer_fd_ < 0) return fail("no timer can be created: " + std::generic_category().message(errno));
   state_ = BusState::error_active;
   shift_ = MonotonicClock().now() - begin_ns_;
   if (take_next()) arm();
@@ -143,7 +143,7 @@ bool ReplayBus::check_log() {
     has_frames = has_frames || interface_.empty() || name == interface_;
   }
   if (interfaces.empty()) return fail("holds no frame: is it a log of candump -l?");
-  if (!has_frames) return fail("holds nothing of " + interface_ + ", only of " + joined(interfaces));
+  if (!has_frames) return fail("holds no frame of " + interface_ + ", only of " + joined(interfaces));
   if (interface_.empty() && interfaces.size() > 1)
     return fail("holds frames of " + joined(interfaces) + ": choose one, e.g. replay:" + path_ + "," +
                 *interfaces.begin());
@@ -220,7 +220,7 @@ std::string ReplayBus::trouble() const {
     case BusState::closed: return path_ + ": closed";
     case BusState::down:
       return path_ +
-             (is_cut_ ? ": end of the log, whose last line is cut off and left out" : ": end of the log");
+             (is_cut_ ? ": end of the log; its last line is cut off and was left out" : ": end of the log");
     default: return "";
   }
 }

@@ -138,9 +138,9 @@ bool SlcanBus::command(std::string_view command, const std::string& what) {
   if (line_.port().state() != SerialState::open) return fail(line_.port().trouble());
   if (answers_version()) return true;
   if (!version_.empty())
-    return fail("the adapter, which acknowledges nothing, answers to V no more after " + what);
-  return fail("nothing answers there: is it an SLCAN adapter, and at " + std::to_string(baud_) +
-              " baud? Another baud rate is given as PATH,BAUD");
+    return fail("the adapter acknowledges no commands and does not answer V after " + what);
+  return fail("no adapter answers: check that it is an SLCAN adapter, and its rate of " +
+              std::to_string(baud_) + " baud; give another rate as PATH,BAUD");
 }
 
 SendResult SlcanBus::try_send(const CanFrame& frame) noexcept {
@@ -258,7 +258,8 @@ std::string SlcanBus::trouble() const {
   if (line_.port().state() != SerialState::open) return line_.port().trouble();
   if (state_ == BusState::bus_off)
     return path_ +
-           ": bus-off: check wiring, termination and bit rate, then reopen it: SLCAN knows no restart";
+           ": bus-off: check wiring, termination and bit rate, then reopen it; SLCAN has no automatic "
+           "restart";
   if (state_ != BusState::error_active)
     return path_ + ": " + std::string(name_of(state_)) + ": check wiring, termination and bit rate";
   if (num_garbled() > 0)
@@ -266,10 +267,10 @@ std::string SlcanBus::trouble() const {
            " lines were garbled: check the serial cable and its baud rate";
   if (const std::uint64_t num_fd = num_fd_ + line_.reader().num_fd(); num_fd > 0)
     return path_ + ": " + std::to_string(num_fd) +
-           " CAN FD frames came, which are not read over SLCAN: use SocketCAN, or a bus without CAN FD nodes";
+           " CAN FD frames arrived, which SLCAN cannot carry: use SocketCAN, or a bus without CAN FD nodes";
   if (counters_.send_dropped > 0)
     return path_ + ": the adapter refused " + std::to_string(counters_.send_dropped) +
-           " frames: send less, or see whether another node acknowledges them";
+           " frames: send fewer, or check that another node acknowledges them";
   return "";
 }
 

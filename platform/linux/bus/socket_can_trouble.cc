@@ -43,7 +43,7 @@ std::string SocketCanBus::why_state() const {
   std::string text;
   switch (state_) {
     case BusState::gone:
-      return interface + " was unplugged or removed: plug it in again, then open it anew" +
+      return interface + " was unplugged or removed: plug it in again, then reopen it" +
              (known ? " (" + interface + " is there again)" : "");
     case BusState::down:
       return (known ? text_of(LinkFit::down, interface, link, settings()) : interface + " is down") + renamed;
@@ -65,9 +65,9 @@ std::string SocketCanBus::why_state() const {
   }
   if (queue_full_ != 0)
     text += interface + ": the transmit queue refused " + std::to_string(queue_full_) +
-            " frames: does another node acknowledge? For more frames in one cycle: ip link set " + interface +
-            " txqueuelen 100" + (known ? " (now " + std::to_string(link.transmit_queue_length) + ")" : "") +
-            "\n";
+            " frames: check that another node acknowledges; for more frames in one cycle: ip link set " +
+            interface + " txqueuelen 100" +
+            (known ? " (now " + std::to_string(link.transmit_queue_length) + ")" : "") + "\n";
   if (known) text += link_warnings(interface, link);
   if (text.empty()) return text;
   text.pop_back();

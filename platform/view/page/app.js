@@ -59,8 +59,8 @@ function setScene(about) {
   by("hand").hidden = !pointer.enabled;
   for (const id of ["grab", "release", "clutch"]) by(id).hidden = Boolean(pointer.joints);
   by("how").textContent = pointer.joints
-    ? "Wheel over a part: its coordinate; with shift: the one before it. 1 to 9: choose one; up and down: move it."
-    : "Drag the tool; G keeps hold. Wheel: depth. Shift: turn.";
+    ? "Wheel over a part: its coordinate; with shift: that of its parent. 1 to 9: choose one; up and down: move it."
+    : "Drag the tool; G keeps the grip. Wheel: depth. Shift: turn.";
   by("name").textContent = about.name;
   by("about").textContent = `${about.about} (${about.title})`;
   by("warning").textContent = about.warning;
@@ -126,8 +126,8 @@ for (const [name, text, key] of OPTIONS) {
   box.onchange = () => view.setShown(name, box.checked);
   by("options").append(label);
 }
-by("options").append(Object.assign(document.createElement("small"), { textContent: "R: look at all · T: dark, light · L: legend · left drag: orbit, right: pan, wheel: zoom" }));
-const LEGEND = [["tool", "tool, as simulated"], ["ghost", "device: where the hand is"], ["calm", "coupling, at rest"], ["loaded", "coupling, at its load"],
+by("options").append(Object.assign(document.createElement("small"), { textContent: "R: view all · T: dark, light · L: legend · left drag: orbit, right: pan, wheel: zoom" }));
+const LEGEND = [["tool", "tool, as simulated"], ["ghost", "device: pose of the hand"], ["calm", "coupling, at rest"], ["loaded", "coupling, at its load"],
   ["force", "force to the hand"], ["contact", "contact forces"], ["body", "other bodies"], ["obstacle", "obstacles"]];
 by("legend").innerHTML = LEGEND.map(([name, text]) => `<div><i style="background:#${COLOURS[name].toString(16).padStart(6, "0")}"></i>${text}</div>`).join("");
 

@@ -154,7 +154,7 @@ Verdict Door::judge(const KnockHead& head) const {
 
   if (head.origin && !is_foxglove && *head.origin != "http://" + std::string(head.host))
     return refusal(forbidden, "a page of '" + std::string(head.origin->substr(0, 64)) +
-                                  "' asked, not this server's own");
+                                  "' made the request, not this server's own");
   if (token_.empty() || !same_secret(token_in(query), token_))
     return refusal(forbidden, "the token is missing or wrong: use the address as it was printed");
   if (path == "/scene") return {.route = Route::scene};

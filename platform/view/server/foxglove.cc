@@ -214,7 +214,7 @@ std::string FoxgloveClient::take(bool is_text, std::span<const std::uint8_t> mes
   const auto complaint = [](const char* why) {
     return Json{{"op", "status"}, {"level", 2}, {"message", why}}.dump();
   };
-  if (!is_text) return complaint("this server takes no messages");
+  if (!is_text) return complaint("this server accepts no binary messages");
   const Json json = Json::parse(message.begin(), message.end(), nullptr, false);
   if (!json.is_object() || !json.contains("op") || !json["op"].is_string())
     return complaint("not a message of foxglove.websocket.v1");
@@ -223,7 +223,7 @@ std::string FoxgloveClient::take(bool is_text, std::span<const std::uint8_t> mes
       if (!wanted.is_object() || !wanted.contains("id") || !wanted["id"].is_number_unsigned() ||
           !wanted.contains("channelId") || !wanted["channelId"].is_number_unsigned() ||
           wanted["channelId"] >= num_channels)
-        return complaint("subscribe: there is no such channel");
+        return complaint("subscribe: unknown channel");
       subscriptions_.at(wanted["channelId"].get<std::size_t>()) = wanted["id"].get<std::uint32_t>();
       if (wanted["channelId"] == scene_channel) solids_due_ = true;
     }

@@ -38,7 +38,7 @@ std::array<Row, 4> rows() noexcept {
 #else
 constexpr std::string_view no_page =
     "This program was built without its page, which needs npm and esbuild:\n"
-    "./dev setup view, then build again. Programs that speak foxglove.websocket.v1 can look on at /stream.\n";
+    "./dev setup view, then build again. Programs with foxglove.websocket.v1 can connect to /stream.\n";
 
 std::array<Row, 1> rows() noexcept { return {{{"/", {no_page, "text/plain; charset=utf-8"}}}}; }
 #endif

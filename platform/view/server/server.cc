@@ -50,12 +50,12 @@ void Stream::take(Error error) {
     JointsMessage joints;
     const bool of_joints = socket_.got_binary() && decode(bytes, joints) == ParseResult::ok;
     if (!of_joints && (!socket_.got_binary() || decode(bytes, message) != ParseResult::ok)) {
-      hub_.log("a client was closed: what it sent is no pointer's message");
-      return close(websocket::close_code::policy_error, "that is no pointer's message");
+      hub_.log("a client was closed: it sent no valid pointer message");
+      return close(websocket::close_code::policy_error, "this is no valid pointer message");
     }
     ViewSource& source = hub_.source();
     if (!(of_joints ? source.move_joints(id_, joints) : source.point(id_, message)))
-      hub_.log("a pointer was not listened to: --view-input is not given, or another moves it");
+      hub_.log("a pointer message was ignored: --view-input is not given, or another client moves the tool");
   }
   buffer_.consume(buffer_.size());
   read();
@@ -196,7 +196,7 @@ std::string Hub::listen() {
     door_.emplace(settings_.address, port_, settings_.token);
     return "";
   }
-  return "--view: nothing can listen on " + settings_.address + ", port " + std::to_string(first) +
+  return "--view: cannot listen on " + settings_.address + ", port " + std::to_string(first) +
          (last > first ? " to " + std::to_string(last) : std::string()) + ": " + error.message() +
          ". Give another port: --view PORT";
 }
@@ -255,7 +255,7 @@ void Hub::accept() {
 
 void Hub::upgrade(beast::tcp_stream&& socket, const http::request<http::empty_body>& request, bool foxglove) {
   if (streams_.size() >= max_streams)
-    return log("a client was refused: more than " + std::to_string(max_streams) + " look on");
+    return log("a client was refused: more than " + std::to_string(max_streams) + " are connected");
   streams_.push_back(std::make_shared<Stream>(std::move(socket), *this, next_id_++, foxglove));
   streams_.back()->accept(request);
 }
@@ -295,7 +295,7 @@ void Hub::feed() {
   for (auto next = streams_.begin(); next != streams_.end();) {
     const std::shared_ptr<Stream> stream = *next++;  // the stream may be removed below
     if (stream->is_stalled(now)) {
-      log("a client was closed: it has taken nothing for " + std::to_string(write_patience.count()) + " s");
+      log("a client was closed: it accepted no bytes for " + std::to_string(write_patience.count()) + " s");
       stream->drop();
     } else if (FoxgloveClient* const foxglove = stream->foxglove()) {
       if (frame)
