@@ -36,7 +36,7 @@ SKIPPED = 77
 WAIT_S = 30  # for the output of a terminal, and for its end
 COMMAND_S = 300  # for a block of commands; a compiler may be among them
 ATTEMPTS = 4  # of a page in which a busy machine left the programs without their processor
-STARVED = {"deadlines_missed", "held", "sample_stale", "drive_silent"}
+STARVED = {"deadlines_missed", "held", "sample_stale", "drive_silent", "emergency", "drive_not_enabled"}  # by watchdogs
 
 BLOCK = re.compile(r"^```(\S+)[ ]*(.*)\n((?:.*\n)*?)```$", re.M)
 TERMINAL = re.compile(r"/dev/pts/\d+")
