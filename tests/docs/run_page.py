@@ -16,6 +16,8 @@ folders as links; the info string of a block (which a reader does not see) says 
                           A /dev/pts/N of the page is from there on the terminal that was printed in its place
   console                 is not run: commands for another machine, or for root
 
+A first line `<!-- after: OTHER.md -->` names a page whose files the reader has: they are made first, and its `cp` is done.
+
 Exit codes: 0 passed, 1 failed, 77 a command is missing on this machine.
 """
 import argparse
@@ -42,6 +44,7 @@ BLOCK = re.compile(r"^```(\S+)[ ]*(.*)\n((?:.*\n)*?)```$", re.M)
 TERMINAL = re.compile(r"/dev/pts/\d+")
 VIEW = re.compile(r"http://([\w.]+):(\d+)/\?token=(\w+)")
 FAULT = re.compile(r"FAULT (\w+)")
+AFTER = re.compile(r"<!-- after: (\S+) -->")
 TOOLS = {"gnuplot", "g++", "cmake", "ninja"}  # of Debian; a page that needs a missing one is skipped
 
 
@@ -181,7 +184,17 @@ def skip(why):
     sys.exit(SKIPPED)
 
 
-def follow_page(text, source, program, prefix):
+def files_of(page):
+    """The blocks that make files of a page, and of the page that comes before."""
+    for block in blocks_of(page):
+        copies = "".join(line + "\n" for line in block.text.splitlines() if line.startswith("cp "))
+        if "file" in block.options or "append" in block.options:
+            yield block
+        elif block.language == "sh" and copies:
+            yield dataclasses.replace(block, text=copies, options={})
+
+
+def follow_page(text, source, program, prefix, before=""):
     with tempfile.TemporaryDirectory(prefix="godobject-page-") as made:
         folder = pathlib.Path(made) / "godobject"
         folder.mkdir()
@@ -193,11 +206,15 @@ def follow_page(text, source, program, prefix):
         if prefix:
             (home / "godobject").symlink_to(prefix)
         environment = dict(os.environ, HOME=str(home), XDG_RUNTIME_DIR=str(home), PYTHONDONTWRITEBYTECODE="1")
-        if program:
-            environment["PATH"] = f"{program.parent}:{environment['PATH']}"
+        path = [str(program.parent)] if program else []
+        if python := python_for_hil():  # Debian's, where another one is first in the path
+            (home / "bin").mkdir()
+            (home / "bin/python3").symlink_to(python)
+            path.insert(0, str(home / "bin"))
+        environment["PATH"] = ":".join([*path, environment["PATH"]])
         reader = Reader(folder, environment)
         try:
-            for block in blocks_of(text):
+            for block in [*files_of(before), *blocks_of(text)]:
                 try:
                     reader.follow(block)
                 except Failed as failed:
@@ -206,15 +223,23 @@ def follow_page(text, source, program, prefix):
             reader.close()
 
 
+def python_for_hil():
+    """A Python with the packages of tests/hil, or None."""
+    for python in ("/usr/bin/python3", sys.executable):
+        if subprocess.run([python, "-c", "import can, pytest"], capture_output=True).returncode == 0:
+            return python
+    return None
+
+
 def missing_tools(text):
     commands = "".join(b.text for b in blocks_of(text) if b.language == "sh")
     needed = {tool for tool in TOOLS if re.search(rf"^{re.escape(tool)} ", commands, re.M)}
     needed |= {"gnuplot"} if "./dev plot" in commands else set()
     needed |= {"python3-can"} if "pytest" in commands else set()
+
     def is_there(tool):
-        if tool == "python3-can":
-            return subprocess.run(["/usr/bin/python3", "-c", "import can, pytest"], capture_output=True).returncode == 0
-        return shutil.which(tool) is not None
+        return bool(python_for_hil()) if tool == "python3-can" else shutil.which(tool) is not None
+
     return sorted(tool for tool in needed if not is_there(tool))
 
 
@@ -257,6 +282,8 @@ def main():
     if arguments.self_test:
         return self_test()
     text = arguments.page.read_text()
+    after = AFTER.match(text)
+    before = (arguments.page.parent / after[1]).read_text() if after else ""
     if not any(block.language == "sh" for block in blocks_of(text)):
         print("no commands in it")
         return 1
@@ -264,7 +291,7 @@ def main():
         skip(f"this machine has no {', '.join(missing)}")
     for attempt in range(ATTEMPTS):
         try:
-            follow_page(text, arguments.source, arguments.program, arguments.prefix)
+            follow_page(text, arguments.source, arguments.program, arguments.prefix, before)
             print(f"{sum(1 for _ in blocks_of(text))} blocks, as the page has them")
             return 0
         except Failed as failed:
