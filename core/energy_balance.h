@@ -58,7 +58,7 @@ class EnergyBalance {
         // implicit Euler moves by the force at the end, TR-BDF2 by those of the whole step
         W += par.h * (S::Integrator::order == 1 ? power : std::max(power, Real(0.5) * (power + before)));
       }
-      if constexpr (imposes<S>) W += joint_work(par, x, i);
+      if constexpr (prescribes<S>) W += joint_work(par, x, i);
     }
     Real may_give = 0;  // that is not known of this step, at most
     if constexpr (uses<ContactsOf<S>>) {
@@ -68,8 +68,8 @@ class EnergyBalance {
       W += out.contacts.found;
       if (!is_of_euler_stages(out)) may_give = springs.may_find;
     }
-    if constexpr (imposes<S>) {
-      if (rises_to_lead(par, out)) may_give = std::numeric_limits<Real>::infinity();
+    if constexpr (prescribes<S>) {
+      if (is_ramping_to_prescribed(par, out)) may_give = std::numeric_limits<Real>::infinity();
     }
     W += std::clamp(T + U - W - energy_, Real(0), may_give);
     const Real by_gravity = gravity - gravity_;
@@ -196,21 +196,22 @@ class EnergyBalance {
 
   /// TR-BDF2 leads joints whose coordinates rise to those of the device: by its forces at the end of a step, which swing then,
   /// their work is not known.
-  static bool rises_to_lead(const Params<S>& par, const Output<S>& out) noexcept {
+  static bool is_ramping_to_prescribed(const Params<S>& par, const Output<S>& out) noexcept {
     if (S::Integrator::order == 1 || !has(out.limited, Limited::ramp)) return false;
     for (std::size_t i = 0; i < num_bodies(par); ++i)
-      if (par.bodies[i].joint.lead.imposed) return true;
+      if (par.bodies[i].joint.motion.prescribed) return true;
     return false;
   }
 
   /// Work of a joint that the device leads, J: its power at the end, by which implicit Euler moves, or the mean over the step.
   Real joint_work(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
     const auto& joint = par.bodies[i].joint;
-    if (joint.kind == JointKind::free || !joint.lead.imposed) return 0;
+    if (joint.kind == JointKind::free || !joint.motion.prescribed) return 0;
     const TreePlace P = place_of(par, x, joint.parent), C = place_of(par, x, i);
     const Wrench& F = x.bodies[i].joint.F_C;  // of the last stage
     const Vec3 v = C.V.v - P.V.v - P.V.w.cross(C.a_W - P.a_W);
-    const Real power = F.f.dot(v) + F.tau.dot(C.V.w - P.V.w), before = std::exchange(led_[i], power);
+    const Real power = F.f.dot(v) + F.tau.dot(C.V.w - P.V.w),
+               before = std::exchange(prescribed_power_[i], power);
     return par.h * std::max(power, Real(0.5) * (power + before));
   }
 
@@ -276,8 +277,8 @@ class EnergyBalance {
 
   std::array<Coupled, S::max_bodies> last_;
   std::array<Real, S::max_bodies> hand_{};  // power of applied forces, W
-  [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Real, S::max_bodies>, Absent<23>>
-      led_{};  // W
+  [[no_unique_address]] std::conditional_t<prescribes<S>, std::array<Real, S::max_bodies>, Absent<23>>
+      prescribed_power_{};  // W
   Real energy_ = 0, work_ = 0, gravity_ = 0;
   GainWatch watch_;
 };

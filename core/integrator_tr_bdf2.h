@@ -43,7 +43,7 @@ struct TrBdf2 {
   /// One step of all bodies from x to w.next through the targets of w.pulls.
   template <Scene S>
   static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
-    const Begin begin = how_it_begins(par, x, w);
+    const Begin begin = first_acceleration(par, x, w);
     const StepEnd end = solve_stages(begin, par, x, w);
     if (end == StepEnd::unsolved) [[unlikely]]
       solve_stages_as_euler(par, x, w);
@@ -51,7 +51,7 @@ struct TrBdf2 {
   }
 
  private:
-  enum class Begin : std::uint8_t { from_memory, by_itself, as_euler };
+  enum class Begin : std::uint8_t { from_memory, without_acceleration, two_euler_stages };
   enum class StepEnd : std::uint8_t {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
@@ -63,16 +63,16 @@ struct TrBdf2 {
 
   /// Forces of joints and contacts are not known at the start: extrapolated from the first stage alone they may drive.
   template <class S>
-  static constexpr bool starts_itself = !uses<ContactsOf<S>> && !uses<typename S::Joints>;
+  static constexpr bool starts_without_acceleration = !uses<ContactsOf<S>> && !uses<typename S::Joints>;
 
   /// Where the first stage ends, in steps.
-  static Real first_end(Begin begin) noexcept { return begin == Begin::by_itself ? d : c; }
+  static Real first_end(Begin begin) noexcept { return begin == Begin::without_acceleration ? d : c; }
 
   /// Out of the way of steps that need it not.
   template <Scene S>
   [[gnu::noinline]] static void solve_stages_as_euler(const Params<S>& par, const State<S>& x,
                                                       Scratch<S>& w) noexcept {
-    solve_stages(Begin::as_euler, par, x, w);
+    solve_stages(Begin::two_euler_stages, par, x, w);
   }
 
   /// Both stages.
@@ -80,41 +80,41 @@ struct TrBdf2 {
   static StepEnd solve_stages(Begin begin, const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     using T = Lanes<S>;
     const Real h = par.h;
-    const bool smooth = begin != Begin::as_euler;
+    const bool smooth = begin != Begin::two_euler_stages;
 
     // (12)
     const StageEnd first = solve_first_stage(begin, par, x, w);
-    if (!first.solved || (smooth && (is_found_deeper(w) || stop_changes(w)))) return StepEnd::unsolved;
+    if (!first.solved || (smooth && (has_penetration_jump(w) || stop_changes(w)))) return StepEnd::unsolved;
     const Real h_1 = first.h, dh = smooth ? d * h : 0;
 
     // (13)
     bool still_smooth = smooth && turns_are_small(par, w);
     if constexpr (uses<ContactsOf<S>>) {
-      const bool alike = touch_alike(x.contacts, w.contacts.memories[w.contacts.last]);
+      const bool alike = have_same_active_contacts(x.contacts, w.contacts.memories[w.contacts.last]);
       if (ContactsOf<S>::between_bodies && smooth && !alike) return StepEnd::unsolved;
       still_smooth = still_smooth && alike;
     }
     if constexpr (uses<NetOf<S>>) {
       if (smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
-      still_smooth =
-          still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
+      still_smooth = still_smooth &&
+                     have_same_active_contacts(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
     }
     const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
     if constexpr (has_stages<S>) w.turns.known = still_smooth;
     if (still_smooth) extend_bases(begin, par, x, h_1, h_2, w);
     else follow_bases(par, x, h_1, w);
-    lead_joints(par, 1, w);
-    lead_forces(par, 1, w);
+    prescribe_joints(par, 1, w);
+    prescribe_forces(par, 1, w);
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
                     .t_1 = still_smooth ? bh : h_1,
                     .relaxing = (1 - c) * h,
-                    .goes_on = true,
+                    .continues_step = true,
                     .is_euler = !still_smooth,
                     .ahead = still_smooth ? 2 * (b - d) * h : 0},  // from y_1 to the base
                    w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
-    if (!last.solved || (still_smooth && is_found_deeper(w))) return StepEnd::unsolved;
+    if (!last.solved || (still_smooth && has_penetration_jump(w))) return StepEnd::unsolved;
     for (std::size_t g = 0; g < num_groups(par); ++g)
       w.next[g].x = moved(w.bases[g], w.velocities[g], last.h);
     end_coordinates(par, still_smooth ? h : last.h, w);
@@ -127,13 +127,13 @@ struct TrBdf2 {
       const StageVelocityOf<T>& V_2 = w.velocities[g];
       next.memory = {.a_W = (V_2.v_W - w.bases[g].v_W) * (1 / h_2),
                      .alpha_B = (V_2.w_B - w.bases[g].w_B) * (1 / h_2),
-                     .known = is_calm(w) && last.calm};
+                     .known = is_acceleration_valid(w) && last.acceleration_valid};
     }
     end_nodes(par, x, last.h, w);
     add_to_means(par, last.h / h, w);
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
-      if (ContactsOf<S>::between_bodies && smooth && !touch_alike(memories[0], memories[1]))
+      if (ContactsOf<S>::between_bodies && smooth && !have_same_active_contacts(memories[0], memories[1]))
         return StepEnd::unsolved;
     }
     return still_smooth ? StepEnd::second_order : StepEnd::first_order;
@@ -149,7 +149,7 @@ struct TrBdf2 {
       const Start<S> y(GroupIn<S>(g, num_bodies(par)), x);
       const Vector3<T> a_1 = (V_1.v_W - w.bases[g].v_W) * (1 / h_1);
       const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
-      if (starts_itself<S> && begin == Begin::by_itself)
+      if (starts_without_acceleration<S> && begin == Begin::without_acceleration)
         w.bases[g] = extrapolated<T>(y.x, V_1.v_W, V_1.w_B, a_1, alpha_1, (1 - d) * par.h);
       else
         w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
@@ -166,7 +166,7 @@ struct TrBdf2 {
   static StageEnd solve_first_stage(Begin begin, const Params<S>& par, const State<S>& x,
                                     Scratch<S>& w) noexcept {
     using T = Lanes<S>;
-    const bool smooth = begin != Begin::as_euler;
+    const bool smooth = begin != Begin::two_euler_stages;
     const Real h = par.h;
     const Real h_1 = smooth ? d * h : c * h;
     const Real dh = begin == Begin::from_memory ? d * h : 0;
@@ -185,8 +185,8 @@ struct TrBdf2 {
     start_nodes(par, x, dh, w);
     start_coordinates(par, x, w);
     begin_means(par, x, dh / h, w);
-    lead_joints(par, end, w);
-    lead_forces(par, end, w);
+    prescribe_joints(par, end, w);
+    prescribe_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h, .ahead = dh}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
@@ -231,8 +231,8 @@ struct TrBdf2 {
 
   /// (35)  Some contact is deeper than it may be found: the step is taken again as two Euler stages, whose first asks that.
   template <Scene S>
-  static bool is_found_deeper(const Scratch<S>& w) noexcept {
-    if constexpr (asks_found<TouchingOf<S>>) return w.contacts.found_deeper;
+  static bool has_penetration_jump(const Scratch<S>& w) noexcept {
+    if constexpr (checks_penetration_jumps<TouchingOf<S>>) return w.contacts.penetration_jumps;
     return false;
   }
 
@@ -247,19 +247,21 @@ struct TrBdf2 {
   /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step; so does a
   /// net of which an iteration was stopped, or springs were majorised.
   template <Scene S>
-  static bool is_calm(const Scratch<S>& w) noexcept {
-    bool calm = true;
-    if constexpr (uses<typename S::Joints>) calm = !w.tree.is_stiff && !stop_changes(w);
+  static bool is_acceleration_valid(const Scratch<S>& w) noexcept {
+    bool acceleration_valid = true;
+    if constexpr (uses<typename S::Joints>) acceleration_valid = !w.tree.is_stiff && !stop_changes(w);
     if constexpr (uses<ContactsOf<S>>)
-      calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
+      acceleration_valid =
+          acceleration_valid && have_same_active_contacts(w.contacts.memories[0], w.contacts.memories[1]);
     if constexpr (uses<NetOf<S>>)
-      calm = calm && !w.contacts.net.report.majorised && w.contacts.net.is_solved &&
-             touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
-    return calm;
+      acceleration_valid = acceleration_valid && !w.contacts.net.report.majorised &&
+                           w.contacts.net.is_solved &&
+                           have_same_active_contacts(w.contacts.net.memories[0], w.contacts.net.memories[1]);
+    return acceleration_valid;
   }
 
   template <Scene S>
-  static Begin how_it_begins(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
+  static Begin first_acceleration(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
     bool smooth = true, known = true;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const BodyState<S>& y = x.bodies[i];
@@ -270,14 +272,15 @@ struct TrBdf2 {
       if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
     }
     if (smooth && known) return Begin::from_memory;
-    return smooth && may_start_itself(par, x) ? Begin::by_itself : Begin::as_euler;
+    return smooth && may_start_without_acceleration(par, x) ? Begin::without_acceleration
+                                                            : Begin::two_euler_stages;
   }
 
   /// d h (g + d h k) <= m, (d h)^2 k_r <= I + d h g_r: no stage overshoots what the coupling pulls to; h |w| sqrt(I_max / I_min) <= 1/2: a fast spin does not
   /// gain in its first step.
   template <Scene S>
-  static bool may_start_itself(const Params<S>& par, const State<S>& x) noexcept {
-    bool may = starts_itself<S>;
+  static bool may_start_without_acceleration(const Params<S>& par, const State<S>& x) noexcept {
+    bool may = starts_without_acceleration<S>;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const RigidBodyParams& body = par.bodies[i].body;
       may = may && par.h * body.anisotropy * x.bodies[i].x.w_B.norm() <= max_swing;

@@ -119,7 +119,7 @@ template <class S> concept DeviceGivesPulls = !uses<typename S::Device> || requi
 };
 template <class S> concept JointsAreTreeJoints = !uses<typename S::Joints> || requires {
   typename S::Joints::Stops;
-  typename S::Joints::Imposed;
+  typename S::Joints::Prescribed;
 };
 template <class S>
 concept CouplingIsASpring = !uses<typename S::Coupling> || requires(typename S::Coupling::Params par) {
@@ -173,7 +173,7 @@ concept NetIsNotMisspelt = GODOBJECT_NO_MEMBER(Nets) && GODOBJECT_NO_MEMBER(net)
     GODOBJECT_NO_MEMBER(nets) && GODOBJECT_NO_MEMBER(Nett) && GODOBJECT_NO_MEMBER(Mesh);
 #undef GODOBJECT_NO_MEMBER
 template <class S>
-concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
+concept PrescribedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
 template <class S>
 concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
 template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<S>::between_bodies;
@@ -189,7 +189,7 @@ concept NamesAreKnown =
     ContactsAreNotMisspelt<S> && NodesAreNotMisspelt<S> && TermsAreNotMisspelt<S> && NetIsNotMisspelt<S>;
 template <class S>
 concept Scene = HasBodies<S> && HasIntegrator<S> && NamesAreKnown<S> && PartsAreParts<S> &&
-    ImposedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && NetNeedsBodyContacts<S> &&
+    PrescribedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && NetNeedsBodyContacts<S> &&
     CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Constant while running.

@@ -77,8 +77,8 @@ Invalid validate_joint(const typename Joints::Params& par, std::size_t i) noexce
     for (int c = 0; coordinates && c < 2; ++c)
       if (!is_valid(par.stop.stops[static_cast<std::size_t>(c)])) return Invalid::stop;
   }
-  if constexpr (uses<typename Joints::Imposed>) {
-    if (par.lead.imposed && !coordinates) return Invalid::not_imposable;
+  if constexpr (uses<typename Joints::Prescribed>) {
+    if (par.motion.prescribed && !coordinates) return Invalid::not_imposable;
   }
   return Invalid::nothing;
 }

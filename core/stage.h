@@ -8,7 +8,7 @@ namespace godobject {
 
 /// Which solve of a stage: the forces of joints (21) are those of the solve before, or of the step before in its first;
 /// joints are taken where the base's velocities lead to, or (39) those of the solve before.
-enum class Solve : std::uint8_t { first, first_of_part, again };
+enum class Solve : std::uint8_t { first, first_of_substep, again };
 
 /// (7): the velocities of all bodies, from their systems in the tree.
 template <Solve which, Scene S>
@@ -62,7 +62,7 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
                             .is_held = lane(translation.M, j) > par.bodies[i].body.m};
     w.contacts.x.V[i] = {.w = w_0[j], .v = v_0[j]};
     w.contacts.x.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
-    owned.pulled = {.w = w_0[j].vec() - place.V.w, .v = v_0[j].vec() - place.V.v};
+    owned.beyond_predicted = {.w = w_0[j].vec() - place.V.w, .v = v_0[j].vec() - place.V.v};
   }
 }
 
@@ -78,7 +78,7 @@ void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
     contacts.finder.at[u] = {
         .p_W = p_W, .R_WB = Mat3::Identity(), .a_W = p_W, .V = {.w = Vec3::Zero(), .v = v_W}};
     contacts.finder.owned[u].tree = u;
-    contacts.finder.owned[u].pulled = {};
+    contacts.finder.owned[u].beyond_predicted = {};
     contacts.stages[u] = {
         .A_ww = Block::identity(), .M = m, .b = {.w = Column(Pack(0)), .v = Column(Vec3(m * v_W))}};
     contacts.x.V[u] = contacts.x.V_0[u] = {.w = Column(Pack(0)), .v = Column(v_W)};
@@ -120,7 +120,7 @@ template <Scene S>
 void begin_stage(const ContactStage& stage, Scratch<S>& w) noexcept {
   if constexpr (uses<ContactsOf<S>>) {
     w.contacts.stage = stage;
-    w.contacts.stage.found = stage.goes_on ? w.contacts.report.found : 0;
+    w.contacts.stage.found = stage.continues_step ? w.contacts.report.found : 0;
   }
 }
 
@@ -170,14 +170,14 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
     const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // where the stage starts
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
     constexpr Real max_turn = which == Solve::again ? max_iterated_turn : max_predicted_turn;
-    const auto led = [&]() noexcept -> decltype(auto) {
+    const auto point = [&]() noexcept -> decltype(auto) {
       if constexpr (which != Solve::again) return (base);
       else return RigidBodyStateOf<T>{base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
     };
     if constexpr (uses<ContactsOf<S>>) {
-      load_bodies(par, g, led(), translation, rotation, F_0, h, max_turn, w);
+      load_bodies(par, g, point(), translation, rotation, F_0, h, max_turn, w);
     } else if constexpr (uses<typename S::Joints>) {
-      load(par, g, led(), translation, rotation, F_0, h, max_turn, w.tree);
+      load(par, g, point(), translation, rotation, F_0, h, max_turn, w.tree);
     } else {
       w.velocities[g] = {.v_W = translation.b_W * T(1 / translation.M),
                          .w_B = solve3<T>(rotation.A_B, rotation.b_B)};
@@ -198,15 +198,16 @@ RigidBodyStateOf<T> moved(const RigidBodyStateOf<T>& base, const StageVelocityOf
 
 /// Imposed joints at the fraction s of the step: where the coming stage is to lead them.
 template <Scene S>
-void lead_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
-  if constexpr (imposes<S>) {
-    for (std::size_t i = 0; i < num_bodies(par); ++i) w.tree.led[i] = interpolated(w.leads[i], s, par.h);
+void prescribe_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
+  if constexpr (prescribes<S>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i)
+      w.tree.prescribed_q[i] = interpolated(w.prescribed[i], s, par.h);
   }
 }
 
 /// Applied forces at the fraction s of the step, where the coming stage ends.
 template <Scene S>
-void lead_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
+void prescribe_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   if constexpr (uses<typename S::Device>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const Wrench &F_0 = w.pulls[i].F_0_WB, &F_1 = w.pulls[i].F_1_WB;

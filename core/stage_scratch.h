@@ -44,7 +44,7 @@ struct Next {
 
 /// Joints of the scene may follow the device.
 template <class S>
-inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
+inline constexpr bool prescribes = !std::is_empty_v<typename S::Joints::Input>;
 
 /// The contacts of a scene, with its joints, nodes and terms if it has any.
 template <class S>
@@ -132,7 +132,9 @@ struct Scratch {
   [[no_unique_address]] std::conditional_t<uses<typename S::Joints> && uses<typename S::Feedback>,
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
       wanted;  // to be shown on the links of the device, before limits
-  [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
+  [[no_unique_address]] std::conditional_t<prescribes<S>, std::array<PrescribedMotion, S::max_bodies>,
+                                           Absent<6>>
+      prescribed;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ExpectedTurns<S>, Absent<17>> turns;
   [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
   [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,

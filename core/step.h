@@ -101,7 +101,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
       x.bodies[i].memory = next.memory.of_lane(j);
     if constexpr (uses<typename S::Coupling>) x.bodies[i].coupling.phi_B = lane(next.coupling.phi_B, j);
     if constexpr (uses<typename S::Device>) x.bodies[i].device = carried_over(w.pulls[i]);
-    if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
+    if constexpr (prescribes<S>) x.bodies[i].joint.last = w.prescribed[i].to;
     if constexpr (counts_turns<S>) x.bodies[i].joint.q = w.tree.q[i];
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
     if constexpr (has_stages<S>) x.bodies[i].contact.F_W = w.contacts.wrenches[i];
@@ -136,12 +136,12 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
         w.pulls[i] = S::Device::pull(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
                                      x.bodies[i].device, out.limited);
   }
-  if constexpr (imposes<S>) {
+  if constexpr (prescribes<S>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) out.fault |= check(in.joints[i]);
     if (!any(out.fault))
       for (std::size_t i = 0; i < num_bodies(par); ++i)
-        w.leads[i] = lead(x.bodies[i].joint, num_axes(par.bodies[i].joint.kind).turns, in.joints[i],
-                          x.bodies[i].device.ramp, w.pulls[i], par.h);
+        w.prescribed[i] = prescribe(x.bodies[i].joint, num_axes(par.bodies[i].joint.kind).turns, in.joints[i],
+                                    x.bodies[i].device.ramp, w.pulls[i], par.h);
   }
 
   // motion: (10), (11), by one or two stages (12), (13)

@@ -40,15 +40,15 @@ inline constexpr Real max_carrier_turn = 0.1;
 inline constexpr Real max_predicted_turn = 0.5;
 /// (39), of the distance from the joint: what turns may leave a joint violated by before a stage is iterated. This and the next
 /// four: tests/core/joint/test_heavy_ends.cc; docs/decisions/035.
-inline constexpr Real max_bend = 1e-5;
+inline constexpr Real min_iterated_violation = 1e-5;
 /// How often a stage is iterated, and in how many parts it is taken where that does not do: more by this factor each time.
-inline constexpr int max_joint_iterations = 8, part_ratio = 4, max_parts = 16;
+inline constexpr int max_joint_iterations = 8, substep_ratio = 4, max_substeps = 16;
 /// The same of scenes with nets, whose iteration stops early. tests/core/net/test_attached_sweep.cc; docs/decisions/055.
-inline constexpr int max_parts_with_nets = 64;
+inline constexpr int max_substeps_with_nets = 64;
 /// rad: the farthest turn in an iteration.
 inline constexpr Real max_iterated_turn = 3;
 /// After more of these iterations TR-BDF2 forgets its acceleration.
-inline constexpr int max_calm_iterations = 1;
+inline constexpr int max_iterations_with_acceleration = 1;
 /// rad, and of the lever: a joint that is farther apart where a step starts lets its stages be solved once.
 inline constexpr Real max_apart = 1e-4;
 /// rad: the turn that a joint takes back in one stage. tests/core/joint, joints pulled apart.
@@ -62,7 +62,7 @@ inline constexpr Real stiff_stop_share = 0.2;
 /// (21), (40), of a body's A in a stage: below the first geometric stiffness is not felt; where more than the second is
 /// left out of it, TR-BDF2 forgets its acceleration. tests/core/joint/test_contradicted_targets.cc,
 /// test_heavy_ends.cc.
-inline constexpr Real felt_share = 0.01, stiff_joint_share = 0.1;
+inline constexpr Real min_stiffness_share = 0.01, stiff_joint_share = 0.1;
 
 // What may touch (core/contact/find).
 
@@ -141,7 +141,7 @@ inline constexpr Real max_scale = 2;
 struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
-  static constexpr Real friction_left_alone = 0;
+  static constexpr Real min_friction_change = 0;
   // to its end: position errors of the reference `press` grow above this (tests/core/contact/test_reference.cc)
   static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
   static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
@@ -151,7 +151,7 @@ struct FrictionAmongBodies {
   static constexpr bool tangents = false;
   static constexpr int by_tangent = 0, by_secant = 5;
   // friction that would change by less stays as it is in the next iteration: there is less to factor again
-  static constexpr Real friction_left_alone = 1e-5;
+  static constexpr Real min_friction_change = 1e-5;
   // What lasts is found in two iterations, and then to its end: what slips without being pushed is accelerated by what
   // friction lacks of its cone (bodies/test_laws.cc). Where many bodies hit each other the next ones find more of it and
   // are content with less: of friction in the end with what there is, of normal forces with as much as
@@ -169,7 +169,7 @@ struct FrictionOnNets {
   static constexpr bool tangents = FrictionAmongBodies::tangents;
   static constexpr int by_tangent = FrictionAmongBodies::by_tangent,
                        by_secant = FrictionAmongBodies::by_secant;
-  static constexpr Real friction_left_alone = 1e-3;
+  static constexpr Real min_friction_change = 1e-3;
   static constexpr Real friction_tolerance(int iteration) noexcept { return normal_tolerance(iteration); }
   static constexpr Real normal_tolerance(int iteration) noexcept {
     return FrictionAmongBodies::normal_tolerance(iteration);
@@ -191,7 +191,7 @@ inline constexpr Real max_given_back = 0.05;
 /// m/s: the iterations end when all velocities are known to this.
 inline constexpr Real velocity_tolerance = 1e-3;
 /// Iterations of conjugate gradients in a Newton iteration: few while friction is still sought.
-inline constexpr int max_cg_iterations_seeking = 3, max_cg_iterations = 8;
+inline constexpr int max_cg_iterations_searching = 3, max_cg_iterations = 8;
 /// In how many strips the nodes of a carrier are taken into groups of four: two groups that do not wait for each other. Of 2, 4, 6,
 /// 8, 16 and 32 the one with the shortest steps of S6, by up to 7 %; iterations differ by 3 %. docs/decisions/059.
 inline constexpr std::uint32_t node_strips = 8;
@@ -200,7 +200,7 @@ inline constexpr std::size_t nodes_looked_ahead = 64;
 
 /// A Newton iteration of a system with nets may take one in so many of the iterations that are left: contacts may leave their modes,
 /// and the next one is to have some. tests/core/net/test_stability.cc.
-inline constexpr int iteration_parts = 2;
+inline constexpr int net_iteration_divisor = 2;
 /// (45)  With less than this share of V^T A V in its deformation a net moves with its carrier but for rounding.
 inline constexpr Real least_deforming = 1e-12;
 
@@ -216,7 +216,7 @@ inline constexpr Real quiet_after_gap = 0.25, growth_after_gap = 0.25;
 inline constexpr Real grip_lasts = 0.1;
 /// After a gap that was bridged the feedback may not grow for this many times the gap: meanwhile what the bridge was off
 /// by dies down in the coupling, to 3 % of it.
-inline constexpr Real calm_per_gap = 30;
+inline constexpr Real recovery_per_gap = 30;
 
 // The balance of energy (38). tests/platform/session/test_energy_gained.cc, test_attack_scenes.cc,
 // tests/core/contact/test_energy_of_contacts.cc; docs/decisions/039, 053.

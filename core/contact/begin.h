@@ -90,13 +90,13 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const S
 }
 
 /// (24) of four near contacts at r. side: that of the body whose twist they see, 0 where there is none. Returns what their
-/// springs are found with (38), J. found_deeper, if there is one: set where (35) finds some too deep.
-template <std::size_t max_contacts, class FoundDeeper>
+/// springs are found with (38), J. penetration_jumps, if there is one: set where (35) finds some too deep.
+template <std::size_t max_contacts, class PenetrationJumps>
 GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
                                   const Vector3<Pack>& r, Real h, const ContactStage& stage,
                                   Recall<max_contacts>& of_step, Recall<max_contacts>& of_stage,
-                                  [[maybe_unused]] FoundDeeper& found_deeper, BegunPack& begun,
-                                  ContactPack& pack) noexcept {
+                                  [[maybe_unused]] PenetrationJumps& penetration_jumps,
+                                  InitialMemoryPack& initial, ContactPack& pack) noexcept {
   const auto past_by = [&](auto& recall) noexcept {
     return gathered({recall.find_or_none(near.of[0]->key), recall.find_or_none(near.of[1]->key),
                      recall.find_or_none(near.of[2]->key), recall.find_or_none(near.of[3]->key)});
@@ -108,27 +108,30 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   const Pack closed = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
   const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .closed = closed};
   const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
-    if constexpr (std::is_same_v<FoundDeeper, bool>) {
-      const auto deeper = are_found_deeper(stage, by_step, by_stage, start, v_n, law.max_stored_penetration);
-      found_deeper = found_deeper || (stage.ahead > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
+    if constexpr (std::is_same_v<PenetrationJumps, bool>) {
+      const auto deeper =
+          are_penetration_jumps(stage, by_step, by_stage, start, v_n, law.max_stored_penetration);
+      penetration_jumps =
+          penetration_jumps || (stage.ahead > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
     }
     return recalled(law, stage, by_step, by_stage, start);
   };
-  const BegunContactOf<Pack> c = stage.goes_on ? begin(past_by(of_stage)) : begin(by_step);
-  begun = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given, .F_n = c.F_n};
+  const InitialContactOf<Pack> c = stage.continues_step ? begin(past_by(of_stage)) : begin(by_step);
+  initial = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given, .F_n = c.F_n};
   set_contacts(law, c, side, n_W, r, d_0, v_n, pack);
   return c.found;
 }
 
 /// What four contacts carry over where the stage ends: those that bear a force, or are deep.
 template <std::size_t max_contacts>
-GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h, const BegunPack& begun,
-                                  const ContactPack& pack, ContactMemories<max_contacts>& next) noexcept {
+GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h,
+                                  const InitialMemoryPack& initial, const ContactPack& pack,
+                                  ContactMemories<max_contacts>& next) noexcept {
   const Vector3<Pack> n_W = pack.n * side, F_W = pack.F * side;
   const Pack depth = pack.d_0 - h * pack.n.dot(pack.v);
   const std::uint32_t stay = bits((Pack(0) < n_W.dot(F_W)) | (Pack(0) < depth)) & ((1u << near.size) - 1);
   if (stay == 0) return;
-  const ContactPastOf<Pack> past = carried_over<Pack>(begun, h, n_W, depth, F_W);
+  const ContactPastOf<Pack> past = carried_over<Pack>(initial, h, n_W, depth, F_W);
   const auto xi = columns(past.xi_W), xi_dot = columns(past.xi_dot_W), F = columns(F_W), n = columns(n_W);
   for (std::uint32_t left = stay; left != 0; left &= left - 1) {
     const auto j = static_cast<std::size_t>(std::countr_zero(left));
@@ -169,16 +172,16 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
   const auto law = [&](const ContactLaw& of) noexcept {
     return stage_law<Contacts>(of, m, h, w.stage.relaxing, on_world);
   };
-  const auto law_of_near = [&](const NearContact& near) noexcept -> const ContactLaw& {
+  const auto law_of_contact = [&](const NearContact& near) noexcept -> const ContactLaw& {
     return law_of(par, near);
   };
   const ContactLaw& mostly = law_of(par, one);
   const StageLawOf<Real> its_law = law(mostly);
   for (std::uint32_t i = group.first; i < group.end; i += 4, ++first) {
     const NearFour near(&w.near.list[i], group.end - i);
-    found += begin_four(near, laws_of(near, mostly, its_law, law_of_near, law), near.sides(one.a),
-                        near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.found_deeper,
-                        w.begun[first], w.packs[first]);
+    found += begin_four(near, laws_of(near, mostly, its_law, law_of_contact, law), near.sides(one.a),
+                        near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.penetration_jumps,
+                        w.initial[first], w.packs[first]);
   }
   return first;
 }
@@ -191,7 +194,7 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
   for (std::size_t i = 0; i < num_bodies; ++i) w.graph.bodies[i].first_pack = w.graph.bodies[i].end_pack = 0;
   std::uint32_t packs = 0;
   Pack found = 0;
-  if constexpr (asks_found<Contacts>) w.found_deeper = false;
+  if constexpr (checks_penetration_jumps<Contacts>) w.penetration_jumps = false;
   const auto begin = [&](const NearGroup& group, auto& of) noexcept {
     of.first_pack = packs;
     of.end_pack = packs = begin_group(par, group, h, packs, of_step, of_stage, found, w);

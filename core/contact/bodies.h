@@ -13,12 +13,14 @@
 namespace godobject {
 
 template <class Contacts>
-using SeekingOf = std::conditional_t<Contacts::between_bodies, FrictionAmongBodies, FrictionAgainstTheWorld>;
+using FrictionSearchOf =
+    std::conditional_t<Contacts::between_bodies, FrictionAmongBodies, FrictionAgainstTheWorld>;
 
-template <class Seeking>
+template <class FrictionSearch>
 constexpr Pass pass_of(int iteration) noexcept {
-  if (iteration < Seeking::by_tangent) return Pass::by_tangent;
-  return iteration < Seeking::by_tangent + Seeking::by_secant ? Pass::by_secant : Pass::as_it_was;
+  if (iteration < FrictionSearch::by_tangent) return Pass::by_tangent;
+  return iteration < FrictionSearch::by_tangent + FrictionSearch::by_secant ? Pass::by_secant
+                                                                            : Pass::unchanged;
 }
 
 /// Effective mass and impulse at rest of the packs [first, end). False: none bears a force.
@@ -41,7 +43,7 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
 /// some pair touches that is not coupled in the system.
 template <class Contacts, std::size_t N>
 bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  constexpr bool tangents = SeekingOf<Contacts>::tangents;
+  constexpr bool tangents = FrictionSearchOf<Contacts>::tangents;
   const auto has_changed = [&](std::uint32_t first, std::uint32_t end) noexcept {
     bool changed = all || tangents;
     for (std::uint32_t p = first; p < end; ++p) changed = changed || w.packs[p].changed;
@@ -106,25 +108,25 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
 
 /// Forces of the contacts of an island at the velocities of their points, and their modes in the next iteration. True:
 /// the forces obey the law.
-template <class Seeking, class Contacts, std::size_t N>
-bool settle_contacts(int iteration, [[maybe_unused]] Real h, const Island& island,
-                     BodyContactScratch<Contacts, N>& w, ContactResidual& most) noexcept {
-  const Real F_small = Seeking::friction_left_alone * most.F_n();
+template <class FrictionSearch, class Contacts, std::size_t N>
+bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& island,
+                          BodyContactScratch<Contacts, N>& w, ContactResidual& most) noexcept {
+  const Real F_small = FrictionSearch::min_friction_change * most.F_n();
   most = {};
-  const Pass next = pass_of<Seeking>(iteration + 1);
+  const Pass next = pass_of<FrictionSearch>(iteration + 1);
   bool changed = false;
   [[maybe_unused]] bool turned = false;  // friction given along a slip (50) does work on it
   each_pack(w.x.V, island, w, [&]<class V>(ContactPack& c, [[maybe_unused]] const V& v) noexcept {
     if constexpr (std::is_same_v<V, PackVelocity>) {
       turned = turned || is_turned_round(c);
-      settle<true>(c, next, F_small, most, slip_ahead(v.number, h, w.net));
-    } else settle<Seeking::tangents>(c, next, F_small, most);
+      update_modes<true>(c, next, F_small, most, predicted_slip(v.number, h, w.net));
+    } else update_modes<FrictionSearch::tangents>(c, next, F_small, most);
     changed = changed || c.changed;
   });
   const Real F_n = most.F_n();
-  const bool normal = !turned && most.normal() <= Seeking::normal_tolerance(iteration) * F_n;
-  if (next == Pass::as_it_was) return normal || !changed;
-  return normal && most.friction() <= Seeking::friction_tolerance(iteration) * F_n;
+  const bool normal = !turned && most.normal() <= FrictionSearch::normal_tolerance(iteration) * F_n;
+  if (next == Pass::unchanged) return normal || !changed;
+  return normal && most.friction() <= FrictionSearch::friction_tolerance(iteration) * F_n;
 }
 
 /// V = A^-1 b of the system that is loaded; nothing is left of r.
@@ -146,7 +148,7 @@ struct Solving {
   /// In the next Newton iteration, after so many: a part of what is left, as contacts may leave their modes.
   int allowed(int iterations) const noexcept {
     const int left = most_iterations - iterations;
-    return has_contacts ? (left + iteration_parts - 1) / iteration_parts : left;
+    return has_contacts ? (left + net_iteration_divisor - 1) / net_iteration_divisor : left;
   }
 };
 
@@ -169,10 +171,10 @@ template <class System, class Contacts, std::size_t N>
 GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving& how, System& system,
                                     BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
-  using Seeking = std::conditional_t<System::is_coupled, FrictionOnNets, SeekingOf<Contacts>>;
+  using FrictionSearch = std::conditional_t<System::is_coupled, FrictionOnNets, FrictionSearchOf<Contacts>>;
   ContactResidual most;
   each_pack(x.V_0, island, w,
-            [](ContactPack& c, const auto& V) noexcept { foresee<Seeking::tangents>(c, V); });
+            [](ContactPack& c, const auto& V) noexcept { predict<FrictionSearch::tangents>(c, V); });
   constexpr int most_iterations = Contacts::jointed ? max_newton_iterations_on_joints : max_newton_iterations;
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
@@ -186,9 +188,9 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
       solve_complete(w);
       left = 0;
     } else {
-      const bool seeks = pass_of<Seeking>(newton_iterations) != Pass::as_it_was;
+      const bool searches = pass_of<FrictionSearch>(newton_iterations) != Pass::unchanged;
       const int allowed = System::is_coupled ? how.allowed(iterations)
-                          : seeks            ? max_cg_iterations_seeking
+                          : searches         ? max_cg_iterations_searching
                                              : max_cg_iterations;
       factorize(w.system);
       const Iterated taken = iterate(allowed, how.tolerance, system, x, [&](auto u, const auto& V) noexcept {
@@ -197,19 +199,19 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
       converged = taken.converged;
       iterations += taken.iterations;
       if constexpr (System::is_coupled) compute_residual(system, x);
-      left = largest_left(system, w);
+      left = largest_residual(system, w);
     }
     if (move_contacts(island, w)) {
       // those predicted solve nothing that could be lost
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
     }
-    done = settle_contacts<Seeking>(newton_iterations, h, island, w, most);
+    done = update_contact_modes<FrictionSearch>(newton_iterations, h, island, w, most);
     if constexpr (System::is_coupled) {
       w.net.is_solved = done && converged;
       done = w.net.is_solved || iterations >= how.most_iterations;
     } else {
-      done = done && left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
+      done = done && left <= FrictionSearch::normal_tolerance(newton_iterations) * h * most.F_n();
     }
     system.each([&](auto u) noexcept { x.V_0[u] = x.V[u]; });
   }
@@ -237,12 +239,12 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
                     std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w,
                     const Net&... net) noexcept {
   // (12), (13)
-  w.finder.of_stage = w.stage.goes_on ? &w.memories[w.last] : nullptr;
+  w.finder.of_stage = w.stage.continues_step ? &w.memories[w.last] : nullptr;
   w.finder.extrapolated = w.stage.t_0 > 0 && !w.stage.is_euler ? w.stage.t_0 + w.stage.t_1 : 0;
   find_contacts(par, before, num_bodies, h, w.finder, w.near);
   (find_net_contacts(par, net, num_bodies, w), ...);
   find_pairs(num_bodies, w);
-  const ContactReport stages_before = w.stage.goes_on ? w.report : ContactReport{};
+  const ContactReport stages_before = w.stage.continues_step ? w.report : ContactReport{};
   w.report = {.num_near = w.near.size, .found = w.stage.found};
   if constexpr (Contacts::between_bodies) {
     w.is_unbalanced = false;
@@ -287,7 +289,7 @@ template <class Contacts, std::size_t N>
     w.wrenches[i].tau += F.w.vec();
     missing[i] = F.v.vec();
   }
-  pass_on(missing, w);
+  transfer_residual(missing, w);
 }
 
 /// What the contacts carry over, and what they say.
@@ -318,7 +320,7 @@ void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     for (std::uint32_t i = group.first; i < group.end; i += 4, ++first_pack) {
       const NearFour near(&w.near.list[i], group.end - i);
       const Pack sides = near.sides(a);
-      carry_over(near, sides, h, w.begun[first_pack], w.packs[first_pack], next);
+      carry_over(near, sides, h, w.initial[first_pack], w.packs[first_pack], next);
       add_bearing(near, sides, w.packs[first_pack], w.forces);
     }
   }

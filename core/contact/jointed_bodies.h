@@ -121,7 +121,7 @@ JointTwists set_edge(const typename Joints::Params& par, JointsInStage<N, Joints
   using Stabilisation = typename Joints::Stabilisation;
   static_assert(!Stabilisation::uses_base, "bodies that touch have their joints at the prediction");
   JointTwists twists;
-  with_motion<Joints>(par, tree.led, i, [&]([[maybe_unused]] auto kind, auto motion) noexcept {
+  with_motion<Joints>(par, tree.prescribed_q, i, [&]([[maybe_unused]] auto kind, auto motion) noexcept {
     const auto m = motion(now.X);
     const Twist beta = Stabilisation::beta(m, now.V, par.C.p.squaredNorm(), h), V_across = across(m, now.V);
     set_axes(m, edge);
@@ -178,13 +178,13 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
   const TreePlace P = edge.on_body() ? w.finder.at[parent] : TreePlace{};
   const JointAt now = joint_at(par.bodies[i].joint, P, anchored(w.finder.at[i], edge.a_W.vec()));
   const JointTwists twists = set_edge<typename S::Joints>(par.bodies[i].joint, tree, i, now, h, edge);
-  const auto hung = [&](const auto& V, const Twist& rel) noexcept {
+  const auto relative_motion = [&](const auto& V, const Twist& rel) noexcept {
     SpatialVector V_C{.w = Column(rel.w), .v = Column(rel.v)};
     if (edge.on_body()) V_C = V_C + shifted(V[parent], edge.a_W - all.p[parent]);
     return shifted(V_C, all.p[i] - edge.a_W);
   };
-  all.V_p[i] = hung(all.V_p, twists.across);
-  w.x.V_0[i] = hung(w.x.V_0, twists.along);
+  all.V_p[i] = relative_motion(all.V_p, twists.across);
+  w.x.V_0[i] = relative_motion(w.x.V_0, twists.along);
   all.joined[i] = true;
   if (edge.on_body()) {
     all.joined[parent] = true;
@@ -273,7 +273,7 @@ template <class Contacts, std::size_t N, class Impulses>
     }
     if (at < N) missing[at] = sum * (1 / h);
   }
-  pass_on(missing, w);
+  transfer_residual(missing, w);
   for (std::size_t i = 0; i < num_bodies; ++i)
     if (all.joined[i]) F[i].v -= Column(Vec3((w.wrenches[i].f - before[i]) * h));
 }

@@ -46,7 +46,7 @@ LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_pa
     const LinePack& c = packs.list[i];
     const Pack F_n = c.F_n - c.by * t;
     slope += (c.touching * F_n - max(F_n, Pack(0))) * c.v_n;
-    curvature += (case_of(F_n) - c.touching) * c.by * c.v_n;
+    curvature += (mode_of(F_n) - c.touching) * c.by * c.v_n;
   }
   return {.slope = line.slope + t * line.curvature + h * total(slope),
           .curvature = line.curvature + h * total(curvature)};
@@ -55,12 +55,12 @@ LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_pa
 /// The contacts of an island that leave their modes on the line from 0 to `most`, at the normal velocities
 /// from(pack) + t by(pack).
 template <class Contacts, std::size_t N, class From, class By>
-void find_leaving(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
-                  By by) noexcept {
+void find_mode_changes(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
+                       By by) noexcept {
   w.line.size = 0;
   each_pack(island, w, [&](const ContactPack& c) noexcept {
     const Pack v_n = by(c), F_n = c.F_0 - c.eta_n * from(c), F_by = c.eta_n * v_n;
-    if (differ(case_of(F_n), c.touching) || differ(case_of(F_n - F_by * most), c.touching))
+    if (differ(mode_of(F_n), c.touching) || differ(mode_of(F_n - F_by * most), c.touching))
       w.line.list[w.line.size++] = {.F_n = F_n, .by = F_by, .v_n = v_n, .touching = c.touching};
   });
 }
@@ -69,25 +69,25 @@ void find_leaving(Real most, const Island& island, BodyContactScratch<Contacts, 
 /// and `most` >= 1. By Newton's method from 1, which ends where no contact changes its mode any more, within what is
 /// known to hold the zero.
 template <class Slope>
-Real where_flat(Real most, Real enough, Slope slope_at) noexcept {
+Real exact_line_search(Real most, Real tolerance, Slope slope_at) noexcept {
   Real lo = 0, hi = most, t = 1;
   for (int k = 0; k < max_line_steps; ++k) {
     const LineSlope at = slope_at(t);
     if (at.slope <= 0) {
       lo = t;
-      if (at.slope >= -enough || t == most) break;
+      if (at.slope >= -tolerance || t == most) break;
     } else {
       hi = t;
     }
-    t -= (at.slope + line_aim * enough) / at.curvature;
+    t -= (at.slope + line_aim * tolerance) / at.curvature;
     if (!(t > lo && t < hi)) t = lo + (hi - lo) / 2;
   }
   return lo;
 }
 
 /// Some contact is not in the mode that was solved for.
-inline bool has_left_its_case(const ContactPack& c) noexcept {
-  return differ(case_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
+inline bool has_changed_mode(const ContactPack& c) noexcept {
+  return differ(mode_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
 }
 
 /// The velocities of the contact points at V; those normal to the surfaces at V_0 in v_n_0. True: some have left their
@@ -98,7 +98,7 @@ bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noe
   each_pack(w.x.V, island, w, [&](ContactPack& c, const auto& V) noexcept {
     c.v_n_0 = c.n.dot(c.v);
     move(c, V);
-    differs = differs || has_left_its_case(c);
+    differs = differs || has_changed_mode(c);
   });
   return differs;
 }
@@ -116,12 +116,12 @@ void search_line(Real h, const Island& island, const System& system,
     slope.add(d, x.AV_0[u] - b[u]);
     end.add(d, x.r[u]);
   });
-  find_leaving(
+  find_mode_changes(
       1, island, w, [](const ContactPack& c) noexcept { return c.v_n_0; },
       [](const ContactPack& c) noexcept { return c.n.dot(c.v) - c.v_n_0; });
   const LineSlope line{.slope = slope, .curvature = -end - slope};
-  const Real t =
-      where_flat(1, line_tolerance * -slope, [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
+  const Real t = exact_line_search(1, line_tolerance * -slope,
+                                   [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
   if (t == 1) return;
   system.each([&](auto u) noexcept {
     x.V[u] = x.V_0[u] + (x.V[u] - x.V_0[u]) * t;
@@ -143,13 +143,13 @@ bool is_by_itself(const Island& island, BodyContactScratch<Contacts, N>& w) noex
 
 /// Motion of an island as a whole, with its momentum. Zero where bodies touch the world, or nodes.
 template <class System, class Contacts, std::size_t N>
-struct MotionAsAWhole {
+struct IslandTranslation {
   static constexpr bool is_zero = !Contacts::between_bodies || System::is_coupled;
   const BodyContactScratch<Contacts, N>& w;
   Column v = Column(Pack(0));
 
-  MotionAsAWhole(const Island& island, const System& system,
-                 BodyContactScratch<Contacts, N>& scratch) noexcept
+  IslandTranslation(const Island& island, const System& system,
+                    BodyContactScratch<Contacts, N>& scratch) noexcept
       : w(scratch) {
     if constexpr (!is_zero) {
       if (!is_by_itself(island, scratch)) return;
@@ -168,7 +168,7 @@ struct MotionAsAWhole {
     else return V[u] - SpatialVector{.w = Column(Pack(0)), .v = v};
   }
   template <class U, class Vector>
-  auto less_momentum(U u, const Vector& b) const noexcept {
+  auto without_momentum(U u, const Vector& b) const noexcept {
     if constexpr (is_zero) return b[u];
     else return b[u] - SpatialVector{.w = Column(Pack(0)), .v = v * w.stages[u].M};
   }
@@ -189,25 +189,25 @@ Real scale_velocities(Real h, const Island& island, const System& system,
                       BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
   const auto& b = system.b;
-  const MotionAsAWhole<System, Contacts, N> whole(island, system, w);
+  const IslandTranslation<System, Contacts, N> whole(island, system, w);
   SpatialSum VAV, Vb;
   system.each([&](auto u) noexcept {
-    const auto V = whole.off(u, x.V), b_off = whole.less_momentum(u, b);
+    const auto V = whole.off(u, x.V), b_off = whole.without_momentum(u, b);
     VAV.add(V, b_off - x.r[u]);
     Vb.add(V, b_off);
   });
-  find_leaving(
+  find_mode_changes(
       max_scale, island, w, [](const ContactPack&) noexcept { return Pack(0); },
       [](const ContactPack& c) noexcept { return c.n.dot(c.v); });
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
-  const Real s = where_flat(max_scale, scale_tolerance * VAV,
-                            [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
+  const Real s = exact_line_search(max_scale, scale_tolerance * VAV,
+                                   [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
   system.each([&](auto u) noexcept {
     x.V[u] = whole.scaled(u, x.V, s);
-    x.r[u] = whole.less_momentum(u, b) * (1 - s) + x.r[u] * s;
+    x.r[u] = whole.without_momentum(u, b) * (1 - s) + x.r[u] * s;
   });
   each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
-  return largest_left(system, w);
+  return largest_residual(system, w);
 }
 
 }  // namespace godobject

@@ -57,14 +57,15 @@ class Recall {
 
 /// The same contacts bear a force.
 template <std::size_t max_contacts>
-bool touch_alike(const ContactMemories<max_contacts>& a, const ContactMemories<max_contacts>& b) noexcept {
-  const auto next_touching = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
+bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
+                               const ContactMemories<max_contacts>& b) noexcept {
+  const auto next_active = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
     while (i < m.size && !(dot(m.list[i].F_W, m.list[i].F_W) > 0)) ++i;
     return i;
   };
-  std::size_t i = next_touching(a, 0), j = next_touching(b, 0);
-  for (; i < a.size && j < b.size && a.list[i].key == b.list[j].key; i = next_touching(a, i + 1))
-    j = next_touching(b, j + 1);
+  std::size_t i = next_active(a, 0), j = next_active(b, 0);
+  for (; i < a.size && j < b.size && a.list[i].key == b.list[j].key; i = next_active(a, i + 1))
+    j = next_active(b, j + 1);
   return i == a.size && j == b.size;
 }
 
@@ -73,15 +74,15 @@ struct ContactStage {
   Real t_0 = 0, t_1 = 0;  // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
   Real relaxing = 0;      // s, for which e is relaxed
   Real found = 0;         // J, by the stages of the step before it: ContactReport
-  bool goes_on =
+  bool continues_step =
       false;  // after another stage of the step; otherwise that one's memories are none of this step
   bool follows = false;   // it starts where that stage has ended
   bool is_euler = false;  // likewise, but (35) is asked between steps alone
   Real ahead = 0;         // s: an extrapolation has led so far on from where the last stage ended
 
   /// It starts where another stage has ended, of this step or the one before.
-  bool starts_at_an_end() const noexcept { return follows || (t_0 == 0 && !goes_on); }
-  bool is_joined() const noexcept { return starts_at_an_end() || is_euler; }
+  bool starts_at_stage_end() const noexcept { return follows || (t_0 == 0 && !continues_step); }
+  bool is_joined() const noexcept { return starts_at_stage_end() || is_euler; }
 };
 
 /// (35)  Largest penetration stored without measured approach, m: its spring holds the energy
@@ -138,7 +139,7 @@ struct ContactStartOf {
 
 /// What a stage knows of contacts where it begins.
 template <class T>
-struct BegunContactOf {
+struct InitialContactOf {
   Vector3<T> xi_W;  // how far they have been dragged along the surface, m
   T e;              // rest penetration: the offset of the contact spring, m
   T F_n;            // normal force of the stage before, N; < 0: the contact is new
@@ -159,16 +160,16 @@ T found_energy(const T& k, const T& before, const T& now) noexcept {
 
 /// (35)  Scenes in which it is asked in steps of second order too: bodies on joints among bodies.
 template <class Contacts>
-inline constexpr bool asks_found = requires {
+inline constexpr bool checks_penetration_jumps = requires {
   requires Contacts::between_bodies && Contacts::jointed && !Contacts::has_net;
 };
 
 /// (35)  Where an extrapolation has led contacts, which open at v_n, deeper than they move by more than `most`. One whose normal has
 /// turned round a corner is another one.
 template <class T>
-auto are_found_deeper(const ContactStage& stage, const ContactPastOf<T>& of_step,
-                      const ContactPastOf<T>& of_stage, const ContactStartOf<T>& start, const T& v_n,
-                      const T& most) noexcept {
+auto are_penetration_jumps(const ContactStage& stage, const ContactPastOf<T>& of_step,
+                           const ContactPastOf<T>& of_stage, const ContactStartOf<T>& start, const T& v_n,
+                           const T& most) noexcept {
   const auto was = [](const ContactPastOf<T>& past) noexcept { return T(0) < past.n_W.dot(past.n_W); };
   const auto by_stage = was(of_stage);
   const T turned = select(by_stage, of_stage.n_W.dot(start.n_W), of_step.n_W.dot(start.n_W)),
@@ -180,9 +181,9 @@ auto are_found_deeper(const ContactStage& stage, const ContactPastOf<T>& of_step
 /// What a stage begins contacts with, from the memories of the step and of the stage before. Where the normal has turned round a
 /// corner the contact is another one.
 template <class T>
-BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
-                           const ContactPastOf<T>& of_step, const ContactPastOf<T>& of_stage,
-                           const ContactStartOf<T>& start) noexcept {
+InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
+                             const ContactPastOf<T>& of_step, const ContactPastOf<T>& of_stage,
+                             const ContactStartOf<T>& start) noexcept {
   const auto is_same = [&](const ContactPastOf<T>& before) noexcept {
     return T(same_contact) <= before.n_W.dot(start.n_W);
   };
@@ -191,7 +192,7 @@ BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
   auto known = by_step;
   Vector3<T> xi = select(by_step, Vector3<T>(of_step.xi_W + of_step.xi_dot_W * T(stage.t_0)), none);
   T e = of_step.e, pressed = of_step.pressed, before = pressed, F_n = of_step.n_W.dot(of_step.F_W);
-  if (stage.goes_on) {
+  if (stage.continues_step) {
     const auto by_stage = is_same(of_stage);
     known = known | by_stage;
     // that stage's rate is of its last part alone, where it was parted (39)
@@ -203,7 +204,7 @@ BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
     F_n = select(by_stage, of_stage.n_W.dot(of_stage.F_W), F_n);
   }
   T offset = relax_offset(e, start.d_0, law.relaxed, law.behind);
-  if (stage.starts_at_an_end()) offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
+  if (stage.starts_at_stage_end()) offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
   const T relaxed = select(T(0) < before, before + e - offset, T(0));
   const T now = stage.is_joined() ? T(max(start.d_0 - offset, T(0))) : relaxed;
   const T e_new = max(start.d_0 - start.closed - law.max_stored_penetration, T(0));
@@ -216,7 +217,7 @@ BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
 
 /// What is asked of contacts again where the stage ends.
 template <class T>
-struct BegunOf {
+struct InitialMemoryOf {
   Vector3<T> xi_W;
   T e, kept, given;
   T F_n;  // normal force of the stage before, N; < 0: the contact is new
@@ -224,20 +225,20 @@ struct BegunOf {
 
 /// What contacts carry over, d deep in the end, F_W their forces.
 template <class T>
-ContactPastOf<T> carried_over(const BegunOf<T>& begun, Real h, const Vector3<T>& n_W, const T& d,
+ContactPastOf<T> carried_over(const InitialMemoryOf<T>& initial, Real h, const Vector3<T>& n_W, const T& d,
                               const Vector3<T>& F_W) noexcept {
   const T F_n = n_W.dot(F_W);
   const auto presses = T(0) < F_n;
   const Vector3<T> none = Vector3<T>::Constant(T(0));
   // spring and damper of (23) move with the contact point, and what they do not follow has slipped
   const Vector3<T> xi =
-      select(presses, Vector3<T>(begun.xi_W * begun.kept - (F_W - n_W * F_n) * begun.given), none);
+      select(presses, Vector3<T>(initial.xi_W * initial.kept - (F_W - n_W * F_n) * initial.given), none);
   return {.xi_W = xi,
-          .xi_dot_W = select(presses, Vector3<T>((xi - begun.xi_W) * T(1 / h)), none),
+          .xi_dot_W = select(presses, Vector3<T>((xi - initial.xi_W) * T(1 / h)), none),
           .F_W = F_W,
           .n_W = n_W,
-          .e = begun.e,
-          .pressed = max(d - begun.e, T(0))};
+          .e = initial.e,
+          .pressed = max(d - initial.e, T(0))};
 }
 
 }  // namespace godobject

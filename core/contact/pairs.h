@@ -121,7 +121,7 @@ struct BodyContactScratch {
   std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
   std::size_t num_groups = 0;
   std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
-  std::array<BegunPack, max_packs> begun;               // of these
+  std::array<InitialMemoryPack, max_packs> initial;     // of these
   LinePacks<max_packs + Contacts::max_net_packs> line;  // those that leave their modes on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename Contacts::TermStages terms;
@@ -137,7 +137,8 @@ struct BodyContactScratch {
   ContactForces<max_contacts> forces;  // of the stage
   ContactStage stage;
   // (35)  some contact, where an extrapolation has led
-  [[no_unique_address]] std::conditional_t<asks_found<Contacts>, bool, Absent<24>> found_deeper{};
+  [[no_unique_address]] std::conditional_t<checks_penetration_jumps<Contacts>, bool, Absent<24>>
+      penetration_jumps{};
   std::array<Wrench, N> wrenches;
   // impulses that bodies move by beyond their contacts' forces, where the iterations (29) left some
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, std::array<SpatialVector, N>, Absent<31>>
@@ -231,7 +232,7 @@ bool is_joined(std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexce
 /// Adds to each body the force that it misses, by contacts that make a tree of an island: each passes on to the next body what it
 /// has added. The last one is a body that touches the world, which takes the rest, or one that is joined, if there is any.
 template <class Contacts, std::size_t N>
-void pass_on(std::array<Vec3, N>& missing, BodyContactScratch<Contacts, N>& w) noexcept {
+void transfer_residual(std::array<Vec3, N>& missing, BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr std::uint32_t none = Contacts::max_contacts;
   std::array<std::uint32_t, N> order, by;  // bodies of a tree, and the near contact to the one before
   std::array<bool, N> is_reached{};

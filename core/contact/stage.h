@@ -24,7 +24,7 @@
 namespace godobject {
 
 /// How an iteration takes the friction.
-enum class Pass { by_tangent, by_secant, as_it_was };
+enum class Pass { by_tangent, by_secant, unchanged };
 
 /// Four contacts of a body with the world, or with one other body.
 struct ContactPack {
@@ -42,37 +42,37 @@ struct ContactPack {
   Vector3<Pack> v, F;
   Pack v_n_0;  // of the iteration before
 };
-using BegunPack = BegunOf<Pack>;
+using InitialMemoryPack = InitialMemoryOf<Pack>;
 
 /// Contacts where they begin: xi_W and n_W on the side of their body, r from where its twist is taken. F: what foresees their
 /// forces.
-inline void set_contacts(const StageLawOf<Pack>& law, const BegunContactOf<Pack>& begun, const Pack& side,
+inline void set_contacts(const StageLawOf<Pack>& law, const InitialContactOf<Pack>& initial, const Pack& side,
                          const Vector3<Pack>& n_W, const Vector3<Pack>& r, const Pack& d_0, const Pack& v_n,
                          ContactPack& pack) noexcept {
   pack.r = r;
   pack.n = n_W * side;
-  pack.v_xi = begun.xi_W * (law.v_per_xi * side);
+  pack.v_xi = initial.xi_W * (law.v_per_xi * side);
   pack.d_0 = d_0;
-  pack.F_0 = select(d_0 < 0, law.eta_n_h * d_0, law.k * (d_0 - begun.e));
+  pack.F_0 = select(d_0 < 0, law.eta_n_h * d_0, law.k * (d_0 - initial.e));
   pack.eta_n = law.eta_n;
   pack.max_eta_t = law.max_eta_t;
   pack.mu = law.mu;
   // that of the stage before; of a new one, F_n at the predicted velocities: bodies that hit each other are slowed down within
   // the step, and at predicted velocities too much touches, too hard
-  const Pack F_n = select(begun.F_n < 0, max(pack.F_0 - pack.eta_n * v_n, Pack(0)), begun.F_n);
+  const Pack F_n = select(initial.F_n < 0, max(pack.F_0 - pack.eta_n * v_n, Pack(0)), initial.F_n);
   pack.F = pack.n * F_n;
 }
 
 /// 1: touching, with this normal force; 0: not.
-inline Pack case_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
+inline Pack mode_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
 inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) || any(b < a); }
 
 /// How far the forces of an iteration are from the law, and the largest normal force.
 struct ContactResidual {
-  Pack normal_miss = 0, friction_miss_sq = 0, normal_force = 0;
+  Pack normal_residual = 0, friction_residual_sq = 0, normal_force = 0;
 
-  Real normal() const noexcept { return largest(normal_miss); }
-  Real friction() const noexcept { return std::sqrt(largest(friction_miss_sq)); }
+  Real normal() const noexcept { return largest(normal_residual); }
+  Real friction() const noexcept { return std::sqrt(largest(friction_residual_sq)); }
   Real worst() const noexcept { return std::max(normal(), friction()); }
   Real F_n() const noexcept { return largest(normal_force); }
 };
@@ -114,14 +114,14 @@ inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& spe
 inline bool is_turned_round(const ContactPack& c) noexcept { return any(c.u.dot(c.v + c.v_xi) < 0); }
 
 /// Friction is taken at the speed that an iteration has left.
-struct SpeedAsItIs {};
+struct CurrentSpeed {};
 
 /// The forces of an iteration, and the modes of the next, at the velocities of the contact points. tangents: as in
 /// add(); otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
-/// ahead: SpeedAsItIs, or ahead(pack, slip, its speed, normal forces) are the speeds at which friction is taken, above zero.
-template <bool tangents, class Ahead = SpeedAsItIs>
-void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
-            [[maybe_unused]] const Ahead& ahead = {}) noexcept {
+/// ahead: CurrentSpeed, or ahead(pack, slip, its speed, normal forces) are the speeds at which friction is taken, above zero.
+template <bool tangents, class SlipPrediction = CurrentSpeed>
+void update_modes(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
+                  [[maybe_unused]] const SlipPrediction& ahead = {}) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
   const Pack speed = speed_of(s);
@@ -131,18 +131,19 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
   Vector3<Pack> F_t = s * -c.eta_t;
   if constexpr (tangents) F_t += c.u * (c.eta_t * c.u.dot(s) - c.f_slip);
   c.F = c.n * (c.touching * F_n) + F_t;
-  most.normal_miss = max(most.normal_miss, abs(law_n - c.touching * F_n));
-  most.friction_miss_sq = max(most.friction_miss_sq, (s * -law_eta - F_t).squaredNorm());
+  most.normal_residual = max(most.normal_residual, abs(law_n - c.touching * F_n));
+  most.friction_residual_sq = max(most.friction_residual_sq, (s * -law_eta - F_t).squaredNorm());
   most.normal_force = max(most.normal_force, law_n);
-  const Pack touching = case_of(law_n), eta_before = c.eta_t;
+  const Pack touching = mode_of(law_n), eta_before = c.eta_t;
   c.changed = differ(c.touching, touching);
   c.touching = touching;
   Pack slip_eta = law_eta;
-  if constexpr (!std::is_same_v<Ahead, SpeedAsItIs>) slip_eta = friction(c, ahead(c, s, speed, law_n), law_n);
+  if constexpr (!std::is_same_v<SlipPrediction, CurrentSpeed>)
+    slip_eta = friction(c, ahead(c, s, speed, law_n), law_n);
   // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
   if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, slip_eta);
   else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.touching * c.eta_t, slip_eta);
-  c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
+  c.eta_t = next == Pass::unchanged ? c.touching * c.eta_t : slip_eta;
   c.changed = c.changed || differ(c.eta_t, eta_before);
   if constexpr (tangents) {
     if (next == Pass::by_tangent) {
@@ -156,12 +157,12 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
 
 /// The modes of the first iteration: at the normal forces that c.F foresees and the velocities of the contact points.
 template <bool tangents, class Velocity>
-void foresee(ContactPack& c, const Velocity& V) noexcept {
+void predict(ContactPack& c, const Velocity& V) noexcept {
   move(c, V);
   const Pack F_n = c.n.dot(c.F);
   const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
   const Pack speed = speed_of(s);
-  c.touching = case_of(F_n);
+  c.touching = mode_of(F_n);
   c.eta_t = friction(c, speed, F_n);
   if constexpr (tangents) set_tangents(c, s, speed, F_n);
 }

@@ -27,7 +27,7 @@ inline Real force_sq(const Column& F) noexcept { return dot(F, F); }
 /// squared. F is used up. A torque tau about an axis counts as the force tau sqrt(m / I), alike in the energy that an
 /// impulse of it gives.
 template <class System, class Stages, class Vector>
-Real largest_unborne_sq(const System& system, const Stages& stages, Vector& F) noexcept {
+Real largest_residual_sq(const System& system, const Stages& stages, Vector& F) noexcept {
   Real most = 0;
   system.each([&](auto u) noexcept {  // children before parents
     const BlockJoint* joint = system.joint_of(u);
@@ -48,9 +48,9 @@ Real largest_unborne_sq(const System& system, const Stages& stages, Vector& F) n
 
 /// The largest impulse that r leaves unbalanced.
 template <class System, class Contacts, std::size_t N>
-Real largest_left(const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
+Real largest_residual(const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
   system.each([&](auto u) noexcept { w.x.Ap[u] = w.x.r[u]; });
-  return std::sqrt(largest_unborne_sq(system, w.stages, w.x.Ap));
+  return std::sqrt(largest_residual_sq(system, w.stages, w.x.Ap));
 }
 
 }  // namespace godobject

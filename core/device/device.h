@@ -34,14 +34,14 @@ struct RampState {
 
 /// What a gap in the samples makes of a step: of one without a valid sample, and of those after it.
 struct Gap {
-  Real held = 0;    // s since the last valid sample
-  Real calm = 0;    // s until all of the feedback may be shown
-  Real growth = 0;  // see Showing::capped
+  Real held = 0;      // s since the last valid sample
+  Real recovery = 0;  // s until all of the feedback may be shown
+  Real growth = 0;    // see Showing::capped
   Showing showing = Showing::all;
-  bool again = false;    // calm is after a long gap: the feedback grows meanwhile
-  bool bridged = false;  // the target goes on as it moved; without a sample and not bridged it rests
-  bool back = false;     // the first valid sample after a gap
-  bool anew = false;     // the gap was too long: the device engages anew
+  bool long_gap = false;   // calm is after a long gap: the feedback grows meanwhile
+  bool bridged = false;    // the target goes on as it moved; without a sample and not bridged it rests
+  bool back = false;       // the first valid sample after a gap
+  bool reengages = false;  // the gap was too long: the device engages anew
 };
 
 /// What pulls one body during one step: the target at both ends, and how far the ramp is.
@@ -59,10 +59,10 @@ struct Pull {
 struct DeviceState {
   Target last;  // target of the last step
   RampState ramp;
-  Real held = 0;       // s since the last valid sample
-  Real calm = 0;       // s until all of the feedback may be shown, after a gap
-  bool again = false;  // that gap was a long one: the feedback grows meanwhile
-  Wrench F_WB;         // applied at the end of the last step, of an admittance device
+  Real held = 0;          // s since the last valid sample
+  Real recovery = 0;      // s until all of the feedback may be shown, after a gap
+  bool long_gap = false;  // that gap was a long one: the feedback grows meanwhile
+  Wrench F_WB;            // applied at the end of the last step, of an admittance device
 };
 
 /// The state after the step.
@@ -70,8 +70,8 @@ inline DeviceState carried_over(const Pull& pull) noexcept {
   return {.last = pull.to,
           .ramp = pull.ramp,
           .held = pull.gap.held,
-          .calm = pull.gap.calm,
-          .again = pull.gap.again,
+          .recovery = pull.gap.recovery,
+          .long_gap = pull.gap.long_gap,
           .F_WB = pull.F_1_WB};
 }
 
@@ -102,8 +102,8 @@ inline Target carried_on(const Target& x, Real dt) noexcept {
                                     Real h) noexcept {
   const auto longer_than = [h](Real held, Real s) { return held > std::max(s, bridged_steps * h) + h / 2; };
   Gap gap;
-  gap.calm = std::max(x.calm - h, Real(0));
-  gap.again = x.again && gap.calm > 0;
+  gap.recovery = std::max(x.recovery - h, Real(0));
+  gap.long_gap = x.long_gap && gap.recovery > 0;
   if (!valid) {
     gap.held = x.held + h;
     gap.bridged = !longer_than(gap.held, 0);
@@ -111,14 +111,14 @@ inline Target carried_on(const Target& x, Real dt) noexcept {
     return gap;
   }
   if (x.held > 0 && longer_than(x.held, par.lost)) {
-    gap.anew = gap.again = gap.back = true;
-    gap.calm = std::max(par.rise, quiet_after_gap) + growth_after_gap;
-  } else if (x.held > 0 && x.calm == 0) {
-    gap.calm = calm_per_gap * x.held;
+    gap.reengages = gap.long_gap = gap.back = true;
+    gap.recovery = std::max(par.rise, quiet_after_gap) + growth_after_gap;
+  } else if (x.held > 0 && x.recovery == 0) {
+    gap.recovery = recovery_per_gap * x.held;
     gap.back = true;
   }
-  if (gap.calm == 0) return gap;
-  const Real grown = gap.again ? std::max(1 - gap.calm / growth_after_gap, Real(0)) : 0;
+  if (gap.recovery == 0) return gap;
+  const Real grown = gap.long_gap ? std::max(1 - gap.recovery / growth_after_gap, Real(0)) : 0;
   gap.showing = Showing::capped;
   gap.growth = grown * grown;
   return gap;
@@ -131,9 +131,9 @@ inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted,
   RampState before = x.ramp;
   Pull pull;
   pull.live = valid;
-  if (!valid || x.held > 0 || x.calm > 0) [[unlikely]] {
+  if (!valid || x.held > 0 || x.recovery > 0) [[unlikely]] {
     pull.gap = bridge(par, x, valid, h);
-    if (pull.gap.anew) before = {};
+    if (pull.gap.reengages) before = {};
     if (!valid) limited |= Limited::held;
     if (pull.gap.showing == Showing::capped) limited |= Limited::ramp;
   }

@@ -60,7 +60,7 @@ struct LimitedFeedback {
   static void show(const Params& par, const Gap& gap, const Wrench& wanted, Real h, State& x, Output& out,
                    Limited& limited) noexcept {
     if (gap.showing == Showing::all) return show(par, wanted, h, x, out, limited);
-    show_round_gap(par, gap, wanted, h, x, out, limited);
+    show_after_gap(par, gap, wanted, h, x, out, limited);
   }
 
  private:
@@ -78,7 +78,7 @@ struct LimitedFeedback {
     out.F_D = x.F_D;
   }
 
-  [[gnu::noinline]] static void show_round_gap(const Params& par, const Gap& gap, const Wrench& wanted,
+  [[gnu::noinline]] static void show_after_gap(const Params& par, const Gap& gap, const Wrench& wanted,
                                                Real h, State& x, Output& out, Limited& limited) noexcept {
     if (gap.showing == Showing::still) return show(par, x.F_D, h, x, out, limited);
     if (gap.showing == Showing::fading) return show(par, {}, h, x, out, limited);

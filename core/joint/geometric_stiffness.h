@@ -61,8 +61,8 @@ inline Block block_of(const Mat3& A) noexcept {
 template <bool is_whole, class T>
 void stiffen(const Vector3<T>& r, const Vector3<T>& F, const Vector3<T>& w, Matrix3<T>& A,
              Vector3<T>& b) noexcept {
-  const T felt = felt_share * A.trace() * T(Real(1) / 3);
-  if (!any(felt * felt < F.squaredNorm() * r.squaredNorm())) return;
+  const T min_stiffness = min_stiffness_share * A.trace() * T(Real(1) / 3);
+  if (!any(min_stiffness * min_stiffness < F.squaredNorm() * r.squaredNorm())) return;
   Matrix3<T> K = lever_stiffness<T>(r, F);
   if constexpr (is_whole) K += lever_skew<T>(r, F);
   A += K;
@@ -107,9 +107,9 @@ template <class Motion>
 }
 
 /// Whether a stage feels it: not where it is small against what bears it, A of either body.
-inline bool is_felt(const Column& d, const Vec3& r, const Wrench& F_C, Real h, Real A_parent,
-                    Real A_child) noexcept {
-  const Real A = felt_share * std::min(A_parent, A_child), hh = h * h;
+inline bool is_significant(const Column& d, const Vec3& r, const Wrench& F_C, Real h, Real A_parent,
+                           Real A_child) noexcept {
+  const Real A = min_stiffness_share * std::min(A_parent, A_child), hh = h * h;
   return hh * hh *
              std::max(F_C.f.squaredNorm() * std::max(dot(d, d), r.squaredNorm()), F_C.tau.squaredNorm()) >
          A * A;
@@ -135,7 +135,7 @@ template <class Motion, class Mass>
   const Column d = has_parent ? lever : Column(Pack(0));
   const Real A_child = mean_of(child.A_ww),
              A_parent = has_parent ? mean_of(parent.A_ww) : std::numeric_limits<Real>::max();
-  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return 0;
+  if (!is_significant(d, r, F_C, h, A_parent, A_child)) return 0;
   const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, mean_of(child.A_vv));
   is_stiff |= K.is_stiff;
   child.A_ww += Block::identity() * K.turn;

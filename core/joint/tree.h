@@ -13,8 +13,8 @@
 
 #include "core/body/implicit_stage.h"
 #include "core/joint/geometric_stiffness.h"
-#include "core/joint/imposed.h"
 #include "core/joint/list.h"
+#include "core/joint/prescribed.h"
 #include "core/joint/stabilisation.h"
 #include "core/joint/stops.h"
 #include "core/joint/tree_solve.h"
@@ -25,22 +25,22 @@
 namespace godobject {
 
 /// The joints part of a scene: one joint for each body, to a body before it or the world. Stops: JointStops or None.
-/// Imposed: ImposedJoints or None.
-template <class Stops_ = None, class Imposed_ = None, class Stabilisation_ = AtPrediction>
+/// Imposed: PrescribedJoints or None.
+template <class Stops_ = None, class Prescribed_ = None, class Stabilisation_ = AtPrediction>
 struct TreeJoints {
   using Stops = Stops_;
-  using Imposed = Imposed_;
+  using Prescribed = Prescribed_;
   using Stabilisation = Stabilisation_;
   struct Params : JointParams {
     [[no_unique_address]] Slot<typename Stops::Params, 5> stop;
-    [[no_unique_address]] Slot<typename Imposed::Params, 6> lead;
+    [[no_unique_address]] Slot<typename Prescribed::Params, 6> motion;
     bool driven = true;  // false: the device has no motor on this link; its feedback goes to the parent's (9)
   };
   /// Coordinates are state where they have stops.
-  struct State : Imposed::State, std::conditional_t<uses<Stops>, typename Stops::State, Absent<26>> {
+  struct State : Prescribed::State, std::conditional_t<uses<Stops>, typename Stops::State, Absent<26>> {
     Wrench F_C;  // of the joint in the last step
   };
-  using Input = typename Imposed::Input;
+  using Input = typename Prescribed::Input;
   struct Output {
     Wrench F_C;  // of the joint on the child at its anchor, world axes, mean over the step
   };
@@ -53,14 +53,17 @@ inline constexpr bool counts_turns = requires(const typename S::Joints::State& x
 };
 
 /// f(kind, motion) of joint i: motion(X) is what it allows at frames X, which is nothing where the device leads it.
-template <class Joints, class Led, class F>
-void with_motion(const typename Joints::Params& par, [[maybe_unused]] const Led& led,
-                 [[maybe_unused]] std::size_t i, F f) noexcept {
+template <class Joints, class PrescribedCoordinates, class F>
+void with_motion(const typename Joints::Params& par,
+                 [[maybe_unused]] const PrescribedCoordinates& prescribed_q, [[maybe_unused]] std::size_t i,
+                 F f) noexcept {
   with_joint(par.kind, [&](auto kind) {
     using Kind = decltype(kind);
-    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(JointFrames{}, led[i]); }) {
-      if (par.lead.imposed)
-        return f(kind, [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, led[i])); });
+    if constexpr (uses<typename Joints::Prescribed> &&
+                  requires { Kind::at(JointFrames{}, prescribed_q[i]); }) {
+      if (par.motion.prescribed)
+        return f(kind,
+                 [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, prescribed_q[i])); });
     }
     f(kind, [](const JointFrames& X) { return Kind::motion(X); });
   });
@@ -109,7 +112,8 @@ struct JointsInStage {
   using Coordinates =
       std::conditional_t<uses<typename Joints::Stops>, std::array<JointCoordinates, N>, Absent<27>>;
 
-  std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
+  std::conditional_t<uses<typename Joints::Prescribed>, std::array<JointCoordinates, N>, Absent<8>>
+      prescribed_q;
   [[no_unique_address]] Coordinates q;  // where the stage starts, turns counted
   bool is_stiff =
       false;  // a stop or a force of a joint may have turned something round within the last stage
@@ -205,11 +209,11 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
   const bool has_parent = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
   if constexpr (Motion::num_turns == 3) {
-    set_off_shift(a, child.beta.v);  // any turn is allowed: beta has none
+    add_shift_bias(a, child.beta.v);  // any turn is allowed: beta has none
     eliminate_turns(a);
     if (has_parent) add_mass_to_parent(a, child.d, parent.body);
   } else {
-    set_off(a, child.beta);
+    add_bias(a, child.beta);
     std::size_t c = 0;
     constexpr std::size_t last = Motion::num_turns + Motion::num_slides - 1;
     const auto axis = [&]<bool turns>(std::bool_constant<turns>, const Vec3& s) noexcept {
@@ -263,7 +267,7 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& 
                Tree<N, Joints>& tree) noexcept {
   TreeNode& child = tree.nodes[i];
   TreeNode& parent = tree.parent(par);
-  with_motion<Joints>(par, tree.led, i, [&](auto kind, auto motion) {
+  with_motion<Joints>(par, tree.prescribed_q, i, [&](auto kind, auto motion) {
     const JointAt joint = joint_at(par, parent.at, child.at);
     child.d = Column(Vec3(child.at.a_W - parent.at.a_W));
     const auto m = motion(joint.X);
@@ -303,7 +307,7 @@ StageVelocity solve_back(const typename Joints::Params& par, std::size_t i, Real
                          Tree<N, Joints>& tree) noexcept {
   TreeNode& node = tree.nodes[i];
   if (par.kind == JointKind::free) node.V = solved(node.body.A, node.body.b);
-  with_motion<Joints>(par, tree.led, i, [&](auto, auto motion) {
+  with_motion<Joints>(par, tree.prescribed_q, i, [&](auto, auto motion) {
     solve_back<decltype(motion(JointFrames{}))>(par.parent != world, h, tree.parent(par), node);
   });
   const Vec3 w_W = node.V.w.vec();

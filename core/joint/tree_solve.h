@@ -41,13 +41,13 @@ struct EliminatedAxis {
 };
 
 /// b - A beta.
-inline void set_off(ArticulatedBody& a, const SpatialVector& beta) noexcept {
+inline void add_bias(ArticulatedBody& a, const SpatialVector& beta) noexcept {
   a.b.w -= a.A.ww * beta.w + a.A.wv * beta.v;
   a.b.v -= a.A.vw * beta.w + a.A.vv * beta.v;
 }
 
 /// The same for a beta without a turn.
-inline void set_off_shift(ArticulatedBody& a, const Column& beta_v) noexcept {
+inline void add_shift_bias(ArticulatedBody& a, const Column& beta_v) noexcept {
   a.b.w -= a.A.wv * beta_v;
   a.b.v -= a.A.vv * beta_v;
 }

@@ -43,13 +43,13 @@ struct BoxShape {
     for (int k = 0; k < 3; ++k) n[k] = a[k] * scale;
   }
   /// For four points. Inside, the face with this outward normal, one of the six.
-  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& way_out, Pack& distance,
-                      Vector3<Pack>& n) noexcept {
+  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& exit_direction,
+                      Pack& distance, Vector3<Pack>& n) noexcept {
     nearest(half_extents, p, distance, n);
     const PackMask outside = Pack(0) < distance;
-    const Pack depth =
-        p[0] * way_out[0] + p[1] * way_out[1] + p[2] * way_out[2] - half_extents.dot(way_out.cwiseAbs());
-    for (int k = 0; k < 3; ++k) n[k] = select(outside, n[k], Pack(way_out[k]));
+    const Pack depth = p[0] * exit_direction[0] + p[1] * exit_direction[1] + p[2] * exit_direction[2] -
+                       half_extents.dot(exit_direction.cwiseAbs());
+    for (int k = 0; k < 3; ++k) n[k] = select(outside, n[k], Pack(exit_direction[k]));
     distance = select(outside, distance, depth);
   }
 };

@@ -81,7 +81,7 @@ struct HeightFieldShape {
     // The surface below or above p, or the nearest point of the border, bounds the search.
     const Real side = !beside && p.z() < z ? -1 : 1;
     SurfacePoint best = nearest_triangle(field, p, std::min(reach, length), side, visited);
-    if (side < 0) look_at_walls(field, p, best);
+    if (side < 0) visit_walls(field, p, best);
     return best;
   }
 
@@ -96,20 +96,20 @@ struct HeightFieldShape {
     const std::uint32_t last_i = grid_cell(p.x() + reach, field.spacing, columns);
     const std::uint32_t last_j = grid_cell(p.y() + reach, field.spacing, rows);
     SurfacePoint best{.distance = side * std::numeric_limits<Real>::infinity()};
-    look_at_cell(field, own_i, own_j, p, side, best);
+    visit_cell(field, own_i, own_j, p, side, best);
     visited += 2;
     for (std::uint32_t j = grid_cell(p.y() - reach, field.spacing, rows); j <= last_j; ++j) {
       for (std::uint32_t i = grid_cell(p.x() - reach, field.spacing, columns); i <= last_i; ++i) {
         if (i == own_i && j == own_j) continue;
-        look_at_cell(field, i, j, p, side, best);
+        visit_cell(field, i, j, p, side, best);
         visited += 2;
       }
     }
     return best;
   }
 
-  static void look_at_cell(const HeightField& field, std::uint32_t i, std::uint32_t j, const Vec3& p,
-                           Real side, SurfacePoint& best) noexcept {
+  static void visit_cell(const HeightField& field, std::uint32_t i, std::uint32_t j, const Vec3& p, Real side,
+                         SurfacePoint& best) noexcept {
     for (const bool upper : {false, true}) {
       const Corners t = cell_triangle(field, i, j, upper);
       if (box_distance_sq(t, p) > best.distance * best.distance) continue;
@@ -130,7 +130,7 @@ struct HeightFieldShape {
   }
 
   /// p inside: the walls as far down as they go; their upper edges belong to the triangles.
-  static void look_at_walls(const HeightField& field, const Vec3& p, SurfacePoint& best) noexcept {
+  static void visit_walls(const HeightField& field, const Vec3& p, SurfacePoint& best) noexcept {
     const Vec3 end((field.columns - 1) * field.spacing, (field.rows - 1) * field.spacing, 0);
     for (int k = 0; k < 2; ++k) {
       for (const Real sign : {Real(-1), Real(1)}) {

@@ -85,7 +85,7 @@ struct MeshShape {
       if ((p - p.cwiseMax(low).cwiseMin(high)).squaredNorm() > best.point.distance_sq) return;
       const std::size_t cell = grid.index(i, j, k);
       for (std::uint32_t c = grid.start[cell]; c < grid.start[cell + 1]; ++c) {
-        look_at(mesh, grid.triangles[c], p, best);
+        update_nearest(mesh, grid.triangles[c], p, best);
         ++visited;
       }
     });
@@ -102,8 +102,8 @@ struct MeshShape {
   };
 
   /// Where triangles are equally near `best` is the one with the lowest index: it does not depend on the grid.
-  static void look_at(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& p,
-                      Nearest& best) noexcept {
+  static void update_nearest(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& p,
+                             Nearest& best) noexcept {
     const Corners t = mesh.corners(triangle);
     const Vec3& n = mesh.face_normals[triangle];
     const Real height = n.dot(p - t[0]);

@@ -83,21 +83,21 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
 struct EdgesToSide {
   PackMask first;  // on either side of the next axis, along which n leads less out; or of the one after it
   Pack h;          // half extent there
-  Pack at_other;   // along the other axis, where both are
-  Pack less;       // by how much the one on the positive side is deeper than the other
+  Pack coordinate_on_other;  // along the other axis, where both are
+  Pack less;                 // by how much the one on the positive side is deeper than the other
 
   EdgesToSide(const Pack& n_1, const Pack& h_1, const Pack& n_2, const Pack& h_2) noexcept {
     const Pack out_1 = h_1 * n_1, out_2 = h_2 * n_2;
     first = abs(out_1) < abs(out_2);
     h = select(first, h_1, h_2);
-    at_other = select(first, select(n_2 < 0, -h_2, h_2), select(n_1 < 0, -h_1, h_1));
+    coordinate_on_other = select(first, select(n_2 < 0, -h_2, h_2), select(n_1 < 0, -h_1, h_1));
     less = 2 * select(first, out_1, out_2);
   }
   /// How much less deep than the deeper one the edge on this side is.
   Pack lost(bool positive) const noexcept { return max(positive ? -less : less, Pack(0)); }
   /// Which of the four: two bits, its sides.
   std::uint32_t number(std::size_t j, bool positive) const noexcept {
-    const bool outer = at_other[j] > 0, is_first = (bits(first) >> j & 1) != 0;
+    const bool outer = coordinate_on_other[j] > 0, is_first = (bits(first) >> j & 1) != 0;
     return ((is_first ? positive : outer) ? 1u : 0u) | ((is_first ? outer : positive) ? 2u : 0u);
   }
 };
@@ -157,7 +157,8 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
              b_a_other = select(b.first, next(next(R_i)), next(R_i));
   // of two edges the points that are nearest to each other, from their middles, times the sine squared
   const Pack sine_sq = 1 - R_i * R_i, end = sine_sq * (1 - edge_end);
-  const Pack on_a = component(w.p_A, i) + b.at_other * b_a_other, on_b = w.p_B - a.at_other * a_b_other;
+  const Pack on_a = component(w.p_A, i) + b.coordinate_on_other * b_a_other,
+             on_b = w.p_B - a.coordinate_on_other * a_b_other;
   // on the negative and the positive side of a, and of b
   const std::array<Pack, 2> to_a{on_b + a.h * a_b, on_b - a.h * a_b}, lost_a{a.lost(false), a.lost(true)};
   const std::array<Pack, 2> to_b{on_a - b.h * b_a, on_a + b.h * b_a}, lost_b{b.lost(false), b.lost(true)};
@@ -183,7 +184,7 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
       const bool above_a = (c & 1) != 0, above_b = (c & 2) != 0;
       p_A[i] = t_a[c][j] / sine_sq[j];
       p_A[a_first ? k : l] = above_a ? a.h[j] : -a.h[j];
-      p_A[a_first ? l : k] = a.at_other[j];
+      p_A[a_first ? l : k] = a.coordinate_on_other[j];
       f(static_cast<std::uint32_t>(i) << 6 | static_cast<std::uint32_t>(j) << 4 | b.number(j, above_b) << 2 |
             a.number(j, above_a),
         depth[c][j], p_A, n_A);

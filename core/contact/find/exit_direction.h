@@ -17,7 +17,7 @@ inline Vector3<Pack> in_frame(const Vec3& p_WS, const Mat3& R_WS, const Vector3<
 }
 
 /// A direction in the world, and how far to go.
-struct WayOut {
+struct ExitDirection {
   Vec3 n_W = Vec3::UnitZ();
   Real distance = std::numeric_limits<Real>::infinity();
 };
@@ -46,9 +46,9 @@ inline Vec3 face_normal(const PlacedShape& box, int face) noexcept {
 /// of theirs. pushed_W: force on the body by these surfaces in the step before, N; if there is one, the face looks
 /// along it.
 template <class Contacts, std::size_t N>
-WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::uint32_t end,
-               std::uint32_t body, const Vec3& pushed_W) noexcept {
-  WayOut shortest;
+ExitDirection exit_direction(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::uint32_t end,
+                             std::uint32_t body, const Vec3& pushed_W) noexcept {
+  ExitDirection shortest;
   const Real least_along = same_contact * pushed_W.norm();
   const auto& owned = w.owned[body];
   const SpherePack* const packs = w.packs.data() + owned.first_pack;
@@ -72,9 +72,9 @@ template <class Contacts, std::size_t N>
 Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
              const Vec3& pushed_W) noexcept {
   const auto out_of = [&](std::uint32_t of, std::uint32_t body, const Vec3& pushed) noexcept {
-    return way_out(w, w.owned[of].first_surface, w.owned[of].end_surface, body, pushed);
+    return exit_direction(w, w.owned[of].first_surface, w.owned[of].end_surface, body, pushed);
   };
-  const WayOut a_moves = out_of(b, a, pushed_W), b_moves = out_of(a, b, -pushed_W);
+  const ExitDirection a_moves = out_of(b, a, pushed_W), b_moves = out_of(a, b, -pushed_W);
   return a_moves.distance <= b_moves.distance ? a_moves.n_W : Vec3(-b_moves.n_W);
 }
 

@@ -32,10 +32,10 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
     const Real ball = ball_round(w.placed[o]);
     for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
       const SpherePack& pack = w.packs[k];
-      std::uint32_t sought = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
+      std::uint32_t searched = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
       if constexpr (Contacts::between_bodies) {
-        if (b < N) sought &= reaching(pack, on_a.travel, w.broad.boxes[b]);
-        if (sought == 0) continue;
+        if (b < N) searched &= reaching(pack, on_a.travel, w.broad.boxes[b]);
+        if (searched == 0) continue;
       }
       const PlacedShape& shape = w.placed[o];
       const auto found = [&](std::uint32_t j, Real d, const Vec3& n_W) noexcept {
@@ -80,16 +80,16 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       Pack d;
       Vector3<Pack> n_W;
       if (shape.kind() == ShapeKind::plane) {
-        const std::uint32_t hits = sought & near_plane(shape, pack, travel, d, n_W);
+        const std::uint32_t hits = searched & near_plane(shape, pack, travel, d, n_W);
         found_all(hits, d, n_W);
         continue;
       }
       if (Contacts::between_bodies && on_a.has_surfaces() && shape.kind() == ShapeKind::box) {
         std::uint32_t hits = 0;
         if (leaving_W != nullptr) {
-          hits = sought & behind_face(shape, pack, face_along(shape.R_WS(), *leaving_W), d, n_W);
+          hits = searched & behind_face(shape, pack, face_along(shape.R_WS(), *leaving_W), d, n_W);
         } else {
-          hits = sought & near_box(shape, pack, travel, nullptr, d, n_W);
+          hits = searched & near_box(shape, pack, travel, nullptr, d, n_W);
           // it may have come in over another face, or be through
           const std::uint32_t past = shape.half_extents().minCoeff() < travel ? 15 : bits(Pack(0) < d);
           std::uint32_t fast = hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
@@ -108,14 +108,14 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           }
           if ((hits & bits(pack.r <= d)) != 0) {
             if (b < N) return true;
-            const Vec3 face = face_along(shape.R_WS(), way_out(w, o, o + 1, a, Vec3::Zero()).n_W);
-            hits = sought & near_box(shape, pack, travel, &face, d, n_W);
+            const Vec3 face = face_along(shape.R_WS(), exit_direction(w, o, o + 1, a, Vec3::Zero()).n_W);
+            hits = searched & near_box(shape, pack, travel, &face, d, n_W);
           }
         }
         found_all(hits, d, n_W);
         continue;
       }
-      std::uint32_t hits = sought & may_touch(shape, ball, pack, travel);
+      std::uint32_t hits = searched & may_touch(shape, ball, pack, travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;

@@ -19,7 +19,7 @@ struct ContactFinder {
     std::uint32_t tree = 0;           // of the bodies on joints that do not touch each other
     Real travel = 0;                  // bound of how far its spheres move in the stage, m
     Real farthest = 0, smallest = 0;  // of its spheres: distance from the centre of mass, radius, m
-    Twist pulled;                     // its velocity without contacts, beyond what it was predicted to be
+    Twist beyond_predicted;           // its velocity without contacts, beyond what it was predicted to be
 
     std::uint32_t num_packs() const noexcept { return (end_sphere - first_sphere + 3) / 4; }
     bool has_surfaces() const noexcept { return end_surface > first_surface; }
@@ -33,8 +33,8 @@ struct ContactFinder {
   Real extrapolated = 0;  // s, by which its base is ahead of where anything has been
   // what contacts carried over: from the step before, and from the stage before if it is of this step
   const ContactMemories<Contacts::max_contacts>*before = nullptr, *of_stage = nullptr;
-  std::size_t num_fixed = 0;  // surfaces of the world
-  bool strays = false;        // a body is pulled from where its contacts are sought, unless they hold it
+  std::size_t num_fixed = 0;      // surfaces of the world
+  bool may_leave_search = false;  // a body is pulled from where its contacts are sought, unless they hold it
   std::array<TreePlace, N> at;
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
   std::array<PlacedShape, max_surfaces> placed;             // surfaces in the world
@@ -134,7 +134,7 @@ inline Real speed_bound(const Twist& V, Real farthest) noexcept {
 
 /// Some sphere moves farther than it is large with velocities that are so much beyond what was predicted.
 template <class Owned>
-bool is_astray(const Owned& owned, const Twist& beyond, Real h) noexcept {
+bool is_outside_search(const Owned& owned, const Twist& beyond, Real h) noexcept {
   return h * speed_bound(beyond, owned.farthest) > owned.smallest;
 }
 
@@ -146,7 +146,7 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
   for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o)
     w.placed[o] = PlacedShape(par.surfaces[o].shape);
   w.num_fixed = o;
-  w.strays = false;
+  w.may_leave_search = false;
   if constexpr (Contacts::between_bodies) w.broad.num_entries = 0;
   for (std::uint32_t i = 0; i < num_bodies; ++i) {
     auto& owned = w.owned[i];
@@ -156,7 +156,7 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     owned.first_pack = num_packs;
     num_packs += place_spheres(par, s, w.at[i], w.packs.data() + num_packs, owned);
     owned.travel = w.since() * speed_bound(w.at[i].V, owned.farthest);
-    w.strays = w.strays || is_astray(owned, owned.pulled, w.h);
+    w.may_leave_search = w.may_leave_search || is_outside_search(owned, owned.beyond_predicted, w.h);
     if constexpr (Contacts::between_bodies) o = place_surfaces(par, i, o, w);
   }
 }

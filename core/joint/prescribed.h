@@ -13,9 +13,9 @@ struct JointMotionSample {
 };
 
 /// The imposed part of the joints. What the joint needs is in the reaction F_C.
-struct ImposedJoints {
+struct PrescribedJoints {
   struct Params {
-    bool imposed = false;
+    bool prescribed = false;
   };
   struct State {
     JointMotionSample last;  // where the coordinates were led in the last step
@@ -24,15 +24,15 @@ struct ImposedJoints {
 };
 
 /// Where a joint is led during one step.
-struct Lead {
+struct PrescribedMotion {
   JointMotionSample from, to;
 };
 
 /// Towards the device's coordinates while it is engaged; during its ramp by the share that ends on them with the
 /// ramp, so that engaging moves nothing at once. Let go, or after the bridge over missing samples, the joint rests.
-inline Lead lead(const ImposedJoints::State& x, int turns, const JointMotionSample& in,
-                 const RampState& before, const Pull& pull, Real h) noexcept {
-  Lead l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
+inline PrescribedMotion prescribe(const PrescribedJoints::State& x, int turns, const JointMotionSample& in,
+                                  const RampState& before, const Pull& pull, Real h) noexcept {
+  PrescribedMotion l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
   if (!pull.ramp.engaged || !pull.live) {
     if (pull.ramp.engaged && pull.gap.bridged)
       l.to = {.q = x.last.q + h * x.last.q_dot, .q_dot = x.last.q_dot};
@@ -50,7 +50,7 @@ inline Lead lead(const ImposedJoints::State& x, int turns, const JointMotionSamp
 }
 
 /// Coordinates at the fraction s of a step of length h: the cubic through both ends and their rates, as (15).
-inline JointCoordinates interpolated(const Lead& l, Real s, Real h) noexcept {
+inline JointCoordinates interpolated(const PrescribedMotion& l, Real s, Real h) noexcept {
   const Real r = 1 - s;
   return r * r * (1 + 2 * s) * l.from.q + s * s * (1 + 2 * r) * l.to.q + h * s * r * r * l.from.q_dot -
          h * s * s * r * l.to.q_dot;
