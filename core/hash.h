@@ -1,5 +1,5 @@
-// A hash of the whole state, field by field (padding has no say): equal hashes after equal runs are how
-// determinism is tested.
+// Hash of the whole state, field by field, without padding. Tests of determinism require equal hashes of
+// equal runs.
 #pragma once
 
 #include <bit>
@@ -14,7 +14,7 @@
 
 namespace godobject {
 
-/// FNV-1a over 64-bit words.
+/// FNV-1a hash over 64-bit words.
 class Hash {
  public:
   void add(std::uint64_t word) noexcept { value_ = (value_ ^ word) * 0x100000001b3u; }

@@ -14,7 +14,7 @@ struct ImplicitEuler {
   using Memory = Empty;
   using NodeMemory = Empty;
 
-  /// One step of all bodies from x to w.next, towards the targets at the end of the step.
+  /// Advances all bodies by one step, from x to w.next, towards the targets at the end of the step.
   template <Scene S>
   static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     for (std::size_t g = 0; g < num_groups(par); ++g) {

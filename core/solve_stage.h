@@ -1,4 +1,4 @@
-// A stage, from its bases to the velocities it ends with. Where it has joints it is solved until they hold.
+// Solution of a stage, from its bases to the velocities at its end, repeated until the joints hold.
 #pragma once
 
 #include "core/node_stage.h"
@@ -7,8 +7,9 @@
 
 namespace godobject {
 
-/// (39)  Whether the joints hold where the bodies are moved to: h |dw| sqrt(h^2 |dw|^2 + h^2 |w+|^2) is what turns leave of
-/// a lever, dw the change against the velocities for which the joints were taken; those are from(g).
+/// True if the joints hold at the moved bodies (39). Rotation violates a joint by h |dw| sqrt(h^2 |dw|^2 +
+/// h^2 |w+|^2) of a lever. dw: change of w against the velocities from(g) at which the joints were
+/// linearised.
 template <Scene S, class VelocityOfGroup>
 bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, const Scratch<S>& w) noexcept {
   using T = Lanes<S>;
@@ -26,10 +27,11 @@ bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, cons
   return (h * h) * (h * h) * sum <= min_iterated_violation * min_iterated_violation;
 }
 
-/// A stop is linear where it is predicted once, and does not gain; taken again it may go to and fro.
+/// Returned if a joint stop is active. Stops are linearised once per stage; relinearising them may alternate
+/// between active and inactive.
 inline constexpr int stop_is_active = -1;
 
-/// The stage from the bases again: its contacts begin where they began.
+/// Re-solves the stage from the same base state, with the contact memory of before the first solve.
 template <Solve which, Scene S, class TargetOfGroup>
 void resolve(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
              Scratch<S>& w) noexcept {
@@ -38,7 +40,8 @@ void resolve(const Params<S>& par, const State<S>& x, Real h, const TargetOfGrou
   solve_once<which>(par, x, h, target_of, w);
 }
 
-/// (39)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
+/// Iterates the solution over h until the joints hold (39). Returns the number of iterations, more than
+/// max_joint_iterations if they do not hold.
 template <Scene S, class TargetOfGroup>
 int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                    Scratch<S>& w) noexcept {
@@ -52,7 +55,8 @@ int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const Target
   return max_joint_iterations + 1;
 }
 
-/// Whether the joints held where the step starts. One that is apart is closed as far as a straight line goes, once.
+/// True if every joint's violation at the start of the step is below max_apart. Only then may the stage be
+/// iterated; larger violations are corrected once, clamped.
 template <Scene S>
 bool joints_hold_at_start(const Params<S>& par, const State<S>& x) noexcept {
   bool hold = true;
@@ -73,7 +77,7 @@ bool joints_hold_at_start(const Params<S>& par, const State<S>& x) noexcept {
   return hold;
 }
 
-/// What contacts carry over from part to part of a stage that was solved in one.
+/// Contact memory of a stage that is repeated in substeps.
 template <Scene S>
 class SubstepContacts {
  public:
@@ -89,7 +93,7 @@ class SubstepContacts {
       if constexpr (has_stages<S>) w.net.of_stage_before.assign(net.memories[last_of_nets_]);
     }
   }
-  /// Before part k.
+  /// Prepares the contacts of substep k.
   void begin([[maybe_unused]] int k, [[maybe_unused]] int substeps,
              [[maybe_unused]] Scratch<S>& w) const noexcept {
     if constexpr (uses<ContactsOf<S>>) {
@@ -113,7 +117,8 @@ class SubstepContacts {
   std::size_t last_ = 0, last_of_nets_ = 0;
 };
 
-/// The bases of another Euler step, or part: where the one before, of length h_1, has ended. Its forces go into the means.
+/// Sets the bases of another Euler step or substep to the end of the previous one, of length h_1. Adds its
+/// forces to the means.
 template <Scene S>
 void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
   add_to_means(par, h_1 / par.h, w);
@@ -123,8 +128,8 @@ void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>&
   follow_nodes(par, x, h_1, w);
 }
 
-/// (39)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
-/// w.velocities are those of the last.
+/// Solves the stage in as few implicit Euler substeps as make the joints hold (39). Returns the length of a
+/// substep, s. w.bases and w.velocities are those of the last substep.
 template <Scene S, class TargetOfGroup>
 Real solve_substeps(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                     Scratch<S>& w) noexcept {
@@ -158,15 +163,15 @@ Real solve_substeps(const Params<S>& par, const State<S>& x, Real h, const Targe
   }
 }
 
-/// What became of a stage.
+/// Outcome of a stage solve.
 struct StageEnd {
-  bool solved = true;  // false: its joints do not hold, and it was not to be parted
+  bool solved = true;  // false if the joints did not converge and substeps were not allowed
   bool acceleration_valid =
-      true;  // false: forces of joints changed so much in it that its accelerations say nothing of the next
-  Real h;    // from w.bases to the end: shorter than the stage where it was parted (39)
+      true;  // false if joint forces jumped in this stage, so that its accelerations do not extrapolate
+  Real h;    // s, from w.bases to the end; shorter than a subdivided stage (39)
 };
 
-/// A stage that is solved once and whose joints do not hold. Out of the way of those that do.
+/// Completes a stage whose joints do not hold after one solve. Not inlined: keeps it out of the hot path.
 template <Scene S, class TargetOfGroup>
 [[gnu::noinline]] StageEnd solve_until_joints_hold(const Params<S>& par, const State<S>& x, Real h,
                                                    bool may_subdivide, const TargetOfGroup& target_of,
@@ -183,8 +188,8 @@ template <Scene S, class TargetOfGroup>
   return {.acceleration_valid = false, .h = solve_substeps(par, x, h, target_of, w)};
 }
 
-/// Something pulls a body in the stage to where its contacts were not sought: it moves otherwise than predicted, and farther,
-/// or nothing holds it.
+/// True if a body's solved motion leaves the region in which its contacts were searched. Checked for bodies
+/// that move farther than predicted or have no contact force.
 template <Scene S>
 [[gnu::noinline]] bool ends_outside_search(const Params<S>& par, Real h, bool may_be_held,
                                            const Scratch<S>& w) noexcept {
@@ -204,13 +209,13 @@ template <Scene S>
   return false;
 }
 
-/// Solves the stage over h from w.bases. may_subdivide: it is an implicit Euler step.
+/// Solves the stage over h from w.bases. may_subdivide: the stage is an implicit Euler step.
 template <Scene S, class TargetOfGroup>
 StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_unused]] bool may_subdivide,
                      const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
   solve_once(par, x, h, target_of, w);
   if constexpr (uses<ContactsOf<S>>) {
-    // a step of second order has no straight way to seek contacts on
+    // second-order stages have no straight path along which contacts could be searched
     if (w.contacts.finder.may_leave_search && ends_outside_search(par, h, !may_subdivide, w)) [[unlikely]] {
       if (!may_subdivide) return {.solved = false, .acceleration_valid = false, .h = h};
       resolve<Solve::again>(par, x, h, target_of, w);

@@ -1,4 +1,4 @@
-// One stage of an integrator: from the bases of all bodies to the velocities they move with.
+// One stage of an integrator: from the bases of all bodies to their velocities.
 #pragma once
 
 #include "core/body/implicit_stage.h"
@@ -6,11 +6,12 @@
 
 namespace godobject {
 
-/// Which solve of a stage: the forces of joints (21) are those of the solve before, or of the step before in its first;
-/// joints are taken where the base's velocities lead to, or (39) those of the solve before.
+/// Kind of a solve. It selects the joint forces in the geometric stiffness (21): of the previous solve, or of
+/// the previous step for `first`. It selects the linearisation of joints: at the base's velocities, or at
+/// those of the previous solve (39).
 enum class Solve : std::uint8_t { first, first_of_substep, again };
 
-/// (7): the velocities of all bodies, from their systems in the tree.
+/// Solves the tree of joints for the velocities of all bodies (7).
 template <Solve which, Scene S>
 void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
   w.tree.is_stiff = w.tree.stop_acts = w.tree.stop_changes = false;
@@ -25,8 +26,7 @@ void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) 
   }
 }
 
-/// The bodies of a group by themselves: where they are predicted to be, their stages, and their velocities without
-/// contacts.
+/// Sets up the bodies of a group without contacts: predicted places, stage systems, velocities.
 template <Scene S, class T>
 void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
                  const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
@@ -66,7 +66,7 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
   }
 }
 
-/// The nodes: where they are predicted to be, their stages, and their velocities by themselves.
+/// Sets up the nodes without contacts: predicted places, stage systems, velocities.
 template <Scene S>
 void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
@@ -85,7 +85,7 @@ void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
   }
 }
 
-/// The same, with what they touch and what else acts on them. Compiled once for all stages of a step.
+/// Solves a stage with contacts, nodes and terms. Compiled once for all stages of a step.
 template <Scene S>
 [[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which,
                                       Real h, Scratch<S>& w) noexcept {
@@ -115,7 +115,8 @@ template <Scene S>
       w.nodes.velocities[j] = contacts.x.V[node_number<S>(j)].v.vec();
 }
 
-/// What a stage starts from: contacts dragged on for t_0 at the rate of the step, t_1 at that of the stage before.
+/// Sets how the stage extrapolates contact drag: t_0 times the rate of the previous step plus t_1 times that
+/// of the previous stage.
 template <Scene S>
 void begin_stage(const ContactStage& stage, Scratch<S>& w) noexcept {
   if constexpr (uses<ContactsOf<S>>) {
@@ -124,7 +125,7 @@ void begin_stage(const ContactStage& stage, Scratch<S>& w) noexcept {
   }
 }
 
-/// The attitude errors of the step before, by which a stage keeps its side near the half turn.
+/// Restores the attitude errors of the previous step, by which a stage keeps its side near the half turn.
 template <Scene S>
 void recall_errors(const GroupIn<S>& group, const State<S>& x, Next<S>& next) noexcept {
   if constexpr (uses<typename S::Coupling>)
@@ -132,8 +133,9 @@ void recall_errors(const GroupIn<S>& group, const State<S>& x, Next<S>& next) no
         gathered(group, [&](std::size_t i) -> const Vec3& { return x.bodies[i].coupling.phi_B; });
 }
 
-/// Solves (10) and (11), linearised once, for every body over a time h from w.bases; target_of(g) are the targets of
-/// group g at the end of the stage. w.next holds the attitude error of the stage before, then of this one.
+/// Solves (10) and (11), linearised once, for every body over a time h from w.bases. target_of(g): targets of
+/// group g at the end of the stage. w.next: attitude errors of the previous stage, replaced by those of this
+/// one.
 template <Solve which = Solve::first, Scene S, class TargetOfGroup>
 void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                 Scratch<S>& w) noexcept {
@@ -190,13 +192,13 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
   }
 }
 
-/// The bodies at the end of a stage.
+/// Returns the bodies at the end of a stage.
 template <class T>
 RigidBodyStateOf<T> moved(const RigidBodyStateOf<T>& base, const StageVelocityOf<T>& V, Real h) noexcept {
   return {.X_WB = moved<T>(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
 }
 
-/// Imposed joints at the fraction s of the step: where the coming stage is to lead them.
+/// Sets the prescribed joint coordinates for the coming stage, which ends at the fraction s of the step.
 template <Scene S>
 void prescribe_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   if constexpr (prescribes<S>) {
@@ -205,7 +207,7 @@ void prescribe_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   }
 }
 
-/// Applied forces at the fraction s of the step, where the coming stage ends.
+/// Sets the applied forces for the coming stage, which ends at the fraction s of the step.
 template <Scene S>
 void prescribe_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   if constexpr (uses<typename S::Device>) {
@@ -217,7 +219,7 @@ void prescribe_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   }
 }
 
-/// The joints' coordinates where the step starts.
+/// Copies the joint coordinates at the start of the step.
 template <Scene S>
 void start_coordinates(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   if constexpr (counts_turns<S>) {
@@ -225,7 +227,7 @@ void start_coordinates(const Params<S>& par, const State<S>& x, Scratch<S>& w) n
   }
 }
 
-/// Follows the joints' coordinates over a time t, s, to where the bodies are then: at(i).
+/// Updates the joint coordinates over a time t, s, to the bodies' places at(i).
 template <Scene S, class StateOfBody>
 void follow_coordinates(const Params<S>& par, Real t, const StateOfBody& at, Scratch<S>& w) noexcept {
   if constexpr (counts_turns<S>) {
@@ -245,14 +247,14 @@ void follow_coordinates(const Params<S>& par, Real t, const StateOfBody& at, Scr
   }
 }
 
-/// Those at the end of the step, a time t, s, after the coordinates that are known.
+/// Updates the joint coordinates to the end of the step, a time t, s, after those stored.
 template <Scene S>
 void end_coordinates(const Params<S>& par, Real t, Scratch<S>& w) noexcept {
   follow_coordinates(
       par, t, [&w](std::size_t i) { return lane(w.next[i / lanes<S>].x, i % lanes<S>); }, w);
 }
 
-/// The targets at the end of the step.
+/// Returns the targets at the end of the step, by group.
 template <Scene S>
 auto targets_at_the_end(const Params<S>& par, const Scratch<S>& w) noexcept {
   return [&](std::size_t g) -> decltype(auto) {

@@ -54,14 +54,14 @@ bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
   return is_finite(all);
 }
 
-/// (8) at the end of the step, scaled by the ramp.
+/// Returns the feedback (8) at the end of the step, scaled by the ramp.
 template <class S>
 Wrench feedback(const BodyParams<S>& par, const Pull& pull, const BodyState<S>& body) noexcept {
   const RotationError error = rotation_error(body.x.X_WB.q, pull.to.X_WD.q, body.coupling.phi_B);
   return S::Feedback::wrench(ramped(par.feedback.gains, pull.ramp.s), body.x, pull.to, error.phi_B);
 }
 
-/// (9) from the leaves up: what links without a motor should show goes to their parents. The device's links are
+/// Moves feedback of links without a motor to their parents (9), from the leaves up. Links of the device are
 /// where the targets are.
 template <class S>
 void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
@@ -77,7 +77,7 @@ void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
   }
 }
 
-/// Limits that the solver has met in a step that was taken.
+/// Returns the limits that the solver reached in a step that was taken.
 template <class S>
 Limited limits_of(const Scratch<S>& w) noexcept {
   Limited limited = Limited::none;
@@ -187,7 +187,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   // output
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const BodyState<S>& body = x.bodies[i];
-    // after a fault the state is that of the step before, unless the caller damaged it: then the last pose stands
+    // after a fault the previous state remains; the last pose too, if the caller damaged the state
     if (any(out.fault) && !is_finite(sum(body.x.X_WB) + body.x.v_W.sum() + body.x.w_B.sum())) continue;
     if constexpr (uses<typename S::Joints>) {
       if (!any(out.fault)) out.bodies[i].joint = w.means.bodies[i].joint;
