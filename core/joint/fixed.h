@@ -14,7 +14,7 @@ inline Vec3 misalignment(const JointFrames& X) noexcept {
 
 struct FixedJoint {
   static constexpr const char* name = "fixed";
-  static constexpr const char* meaning = "nothing";  // what the child may do
+  static constexpr const char* meaning = "nothing";  // motion of the child against the parent
 
   static JointMotion<0, 0> motion(const JointFrames& X) noexcept {
     JointMotion<0, 0> m;

@@ -1,4 +1,5 @@
-// Imposed joints: g(x, t) = 0, the coordinates follow the device instead of the forces (the paper's imposed jaws).
+// Prescribed joints: g(x, t) = 0, the coordinates follow the device instead of the forces (the paper's
+// imposed jaws).
 #pragma once
 
 #include "core/device/device.h"
@@ -6,30 +7,31 @@
 
 namespace godobject {
 
-/// Coordinates of an imposed joint and their rates.
+/// Coordinates of a prescribed joint and their rates.
 struct JointMotionSample {
   JointCoordinates q = JointCoordinates::Zero();
   JointCoordinates q_dot = JointCoordinates::Zero();
 };
 
-/// The imposed part of the joints. What the joint needs is in the reaction F_C.
+/// Prescribed part of the joints. The force that the motion needs is in the reaction F_C.
 struct PrescribedJoints {
   struct Params {
     bool prescribed = false;
   };
   struct State {
-    JointMotionSample last;  // where the coordinates were led in the last step
+    JointMotionSample last;  // prescribed coordinates of the previous step
   };
   using Input = JointMotionSample;  // at the END of the step; turns of any count
 };
 
-/// Where a joint is led during one step.
+/// Prescribed motion of a joint during one step.
 struct PrescribedMotion {
   JointMotionSample from, to;
 };
 
-/// Towards the device's coordinates while it is engaged; during its ramp by the share that ends on them with the
-/// ramp, so that engaging moves nothing at once. Let go, or after the bridge over missing samples, the joint rests.
+/// Returns the prescribed coordinates for this step: the device's while engaged, blended in during the ramp,
+/// so that engaging moves nothing at once. Constant while disengaged and after more than bridged_steps
+/// missing samples.
 inline PrescribedMotion prescribe(const PrescribedJoints::State& x, int turns, const JointMotionSample& in,
                                   const RampState& before, const Pull& pull, Real h) noexcept {
   PrescribedMotion l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
@@ -49,7 +51,8 @@ inline PrescribedMotion prescribe(const PrescribedJoints::State& x, int turns, c
   return l;
 }
 
-/// Coordinates at the fraction s of a step of length h: the cubic through both ends and their rates, as (15).
+/// Interpolates the coordinates at the fraction s of a step of length h: the cubic through both ends and
+/// their rates, as (15).
 inline JointCoordinates interpolated(const PrescribedMotion& l, Real s, Real h) noexcept {
   const Real r = 1 - s;
   return r * r * (1 + 2 * s) * l.from.q + s * s * (1 + 2 * r) * l.to.q + h * s * r * r * l.from.q_dot -

@@ -14,7 +14,8 @@ struct BoxShape {
     return is_dimension(b.x()) && is_dimension(b.y()) && is_dimension(b.z());
   }
 
-  /// Inside, the nearest face: of several the first of x, y, z; of two opposite ones the positive.
+  /// Returns the surface seen from p. Inside, that of the nearest face: of several the first of x, y, z; of
+  /// two opposite ones the positive.
   static SurfacePoint nearest(const ShapeParams& par, const Vec3& p, Real) noexcept {
     const Vec3& b = par.half_extents;
     const Vec3 beyond = p.cwiseAbs() - b;
@@ -29,7 +30,7 @@ struct BoxShape {
     return {.distance = length, .n = direction(a, length, face)};
   }
 
-  /// The same for four points, of those outside. Inside, no distance and no normal.
+  /// Computes distances and normals of four points outside. Inside, there is no distance and no normal.
   static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, Pack& distance,
                       Vector3<Pack>& n) noexcept {
     Vector3<Pack> a;
@@ -42,7 +43,8 @@ struct BoxShape {
     const Pack scale = 1 / max(length, Pack(min_length));
     for (int k = 0; k < 3; ++k) n[k] = a[k] * scale;
   }
-  /// For four points. Inside, the face with this outward normal, one of the six.
+  /// Computes distances and normals of four points. Inside, those of the face with the given outward normal,
+  /// one of the six.
   static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& exit_direction,
                       Pack& distance, Vector3<Pack>& n) noexcept {
     nearest(half_extents, p, distance, n);
