@@ -2,7 +2,7 @@
 // Its neighbours are then joined to each other.
 //
 // Jointed unknowns follow all their descendants. If blocks are short, those of terms are allocated first, in
-// the order of coupling, and fill-in as long as blocks remain.
+// the order of coupling; fill-in gets the remaining ones.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace godobject {
 
-/// Computes the elimination order of the unknowns, by place. Room is counted in blocks.
+/// Computes the elimination order of the unknowns, by place. The available blocks are counted.
 template <class System>
 class BlockOrder {
  public:

@@ -15,7 +15,7 @@ struct Pivot {
   Column D_inverse_w, D_inverse_v;
 };
 
-/// Returns the lanes after j, zero before.
+/// Returns the lanes after j, zero elsewhere.
 template <int j>
 Pack below(const Pack& a) noexcept {
   return a * Pack(j < 0 ? 1 : 0, j < 1 ? 1 : 0, j < 2 ? 1 : 0, 0);
