@@ -4,8 +4,8 @@
 //
 //   (38)  E - W falls:  E = motion, gravity, springs (coupling, contacts, stops, terms);  W = external work
 //
-// Dampers, friction and the integrators only dissipate. W is bounded from above: the work of a coupling is
-// that of its target moving before the body, or of the mean of its forces, whichever is greater.
+// Dampers, friction and the integrators only dissipate. W is bounded from above. The work of a coupling is
+// that of its target moving before the body, or of the mean of its forces: the greater one.
 #pragma once
 
 #include <utility>

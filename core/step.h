@@ -119,8 +119,8 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
 
 /// Advances a scene by one time step of length h.
 /// x: state, replaced by that at the end of the step. in: samples of the devices at the end of the step.
-/// Returns the outputs for the devices. A step whose input or result is not finite, or that fails (58), leaves x
-/// unchanged but for the displayed wrench, which falls to zero within its rate limit.
+/// out: outputs for the devices. A step with a non-finite input or result, or one that fails (58), leaves x
+/// unchanged. Only the displayed wrench changes: it falls to zero within its rate limit.
 template <Scene S>
 // NOLINTNEXTLINE(readability-function-size): one flat list
 GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,

@@ -22,8 +22,8 @@ inline constexpr Real max_swing = 0.5;
 /// rad, of h^2 |w'|. Steps with a larger initial change of rotation are taken as implicit Euler stages. As
 /// max_swing, without a sweep of its own.
 inline constexpr Real max_swing_change = 0.5;
-/// Of |cos(alpha / 2)|: nearer to the half turn than this, an attitude error keeps its side (16). 0.1 rad
-/// exceeds the tremor of a tracked hand. A kept side holds at most 6 % more energy than the shorter one
+/// Half-turn band, of |cos(alpha / 2)|: nearer to the half turn, an attitude error keeps its side (16). 0.1
+/// rad exceeds the tremor of a tracked hand. A kept side holds at most 6 % more energy than the shorter one
 /// (docs/theory/stage.md). No sweep.
 inline constexpr Real half_turn_band = 0.05;
 

@@ -1,4 +1,4 @@
-// Contacts where a stage begins, four at a time: their laws, what they carried over, and what the stage knows of them (24).
+// Start of contacts in a stage, four at a time: laws, carried-over memory, and the linearisation (24).
 #pragma once
 
 #include "core/contact/pairs.h"
@@ -6,8 +6,9 @@
 
 namespace godobject {
 
-/// The law of contacts in a stage of length h, e relaxed for so long, of bodies the lighter of which has mass m. Against the
-/// world e may be behind the depth as far as it is.
+/// Returns the law of contacts in a stage of length h.
+/// m: mass of the lighter body. relaxing: time over which e is relaxed, s. on_world: e may be below the depth
+/// without bound.
 template <class Contacts>
 StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing, bool on_world) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
@@ -27,7 +28,7 @@ StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing,
           .max_stored_penetration = stored};
 }
 
-/// Up to four near contacts in a row; in lanes that are left the last again.
+/// Up to four consecutive near contacts; unused lanes repeat the last one.
 struct NearFour {
   std::uint32_t size;
   std::array<const NearContact*, 4> of;
@@ -40,11 +41,12 @@ struct NearFour {
   auto all(Member member) const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> decltype(auto) { return (of[j]->*member); });
   }
-  /// 1, and 0 in lanes that are left.
+  /// Returns 1, and 0 in unused lanes.
   Pack live() const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> Real { return j < size ? 1 : 0; });
   }
-  /// 1 where the normal is off what body a touches, -1 where it is off the body; 0 in lanes that are left.
+  /// Returns 1 where the normal points off the surface that body a touches, -1 where it points off the body,
+  /// 0 in unused lanes.
   Pack sides(std::uint32_t a) const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> Real {
       return j >= size ? 0 : of[j]->a == a ? 1 : -1;
@@ -52,7 +54,7 @@ struct NearFour {
   }
 };
 
-/// Four laws, number by number.
+/// Returns four laws, number by number.
 template <class F>
 StageLawOf<Pack> each_number(F of) noexcept {
   using Law = StageLawOf<Real>;
@@ -73,8 +75,8 @@ inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noex
       [&](auto number) noexcept { return Pack(of[0].*number, of[1].*number, of[2].*number, of[3].*number); });
 }
 
-/// The laws of near contacts, law_of(contact): mostly this one, which is `law` in the stage; others are stage_law(law). In
-/// lanes that are left nothing bears.
+/// Returns the laws of near contacts. law_of(contact): its law. mostly: the most frequent law, `law` in the
+/// stage; others are stage_law(law). Contacts in unused lanes carry no force.
 template <class LawOf, class OfStage>
 StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const StageLawOf<Real>& law,
                          LawOf law_of, OfStage stage_law) noexcept {
@@ -89,8 +91,9 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const S
   return gathered(each);
 }
 
-/// (24) of four near contacts at r. side: that of the body whose twist they see, 0 where there is none. Returns what their
-/// springs are found with (38), J. penetration_jumps, if there is one: set where (35) finds some too deep.
+/// Linearises four near contacts at r (24). side: the body whose twist is used, 0 without one.
+/// penetration_jumps: set if some depth is unexplained (35). Returns the energy that their springs start with
+/// (38), J.
 template <std::size_t max_contacts, class PenetrationJumps>
 GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
                                   const Vector3<Pack>& r, Real h, const ContactStage& stage,
@@ -104,7 +107,8 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   const ContactPastOf<Pack> by_step = past_by(of_step);
   const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
   const Vector3<Pack> n_W = near.all(&NearContact::n_W);
-  // an extrapolation to where the stage starts is measured; what a stage has led into another, unnoticed, is not
+  // extrapolated approach to the start of the stage counts as measured; unnoticed approach within a stage
+  // does not
   const Pack closed = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
   const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .closed = closed};
   const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
@@ -122,7 +126,7 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   return c.found;
 }
 
-/// What four contacts carry over where the stage ends: those that bear a force, or are deep.
+/// Stores the memory of four contacts at the end of the stage, of active or deep ones.
 template <std::size_t max_contacts>
 GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h,
                                   const InitialMemoryPack& initial, const ContactPack& pack,
@@ -145,7 +149,7 @@ GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h
   }
 }
 
-/// Appends those of four contacts that bear a force.
+/// Appends the active contacts of four to the forces.
 template <std::size_t max_contacts>
 void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack,
                  ContactForces<max_contacts>& forces) noexcept {
@@ -159,7 +163,7 @@ void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack
   }
 }
 
-/// (24) of a group of near contacts, four to a pack, from pack `first` on.
+/// Linearises a group of near contacts (24), four to a pack, from pack `first` on.
 template <class Contacts, std::size_t N>
 std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
                           std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
@@ -186,7 +190,7 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
   return first;
 }
 
-/// (24) of the near contacts.
+/// Linearises the near contacts (24).
 template <class Contacts, std::size_t N>
 void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {

@@ -1,9 +1,10 @@
 // Contacts of bodies with the world and among each other.
 //
-// A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite (core/system): the
-// bodies' own blocks, and an effective mass for each pair that touches. It is solved by its factor (31), (33), a tower in
-// one go, however high and stiff; where that has no room, by conjugate gradients (27), (28). The modes of the contacts
-// (open, stick, slip) are found by Newton iterations over that (29), island by island. What they leave is the residual.
+// A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite
+// (core/system). A contains the bodies' own blocks, and an effective mass for each pair in contact. It is
+// solved by its factor (31), (33), exactly for a tower of any height and stiffness. If blocks are short,
+// conjugate gradients (27), (28) solve it. Newton iterations find the modes of the contacts (open, stick,
+// slip), island by island (29). Their remaining error is reported as the residual.
 #pragma once
 
 #include "core/contact/begin.h"
@@ -23,7 +24,8 @@ constexpr Pass pass_of(int iteration) noexcept {
                                                                             : Pass::unchanged;
 }
 
-/// Effective mass and impulse at rest of the packs [first, end). False: none bears a force.
+/// Sums the effective masses and impulses at rest of the packs [first, end). Returns false if no contact is
+/// active.
 template <bool tangents, std::size_t max_packs>
 bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
             SymmetricSpatialMatrix& A, SpatialVector& F) noexcept {
@@ -39,8 +41,8 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
   return touches;
 }
 
-/// Adds up the contacts of an island in the modes they are in. all: every one, not those alone whose mode has changed. True:
-/// some pair touches that is not coupled in the system.
+/// Sums the contacts of an island in their modes. all: all contacts, not only those with changed modes.
+/// Returns true if an active pair is not coupled in the system.
 template <class Contacts, std::size_t N>
 bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr bool tangents = FrictionSearchOf<Contacts>::tangents;
@@ -62,7 +64,7 @@ bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<
   return is_new;
 }
 
-/// The system of an island: who is in it and who acts on whom.
+/// Builds the sparsity pattern of an island: its unknowns and the pairs they couple.
 template <class Contacts, std::size_t N>
 void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.system.clear();
@@ -80,7 +82,8 @@ void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noex
   order(w.system);
 }
 
-/// first: of the Newton iterations. The terms of the system of an island: stages (10), (11), (34), contacts (24), stops (19).
+/// Loads the system of an island: stages (10), (11), (34), contacts (24), stops (19). first: true in the
+/// first Newton iteration.
 template <class Contacts, std::size_t N>
 void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Island& island,
                  BodyContactScratch<Contacts, N>& w) noexcept {
@@ -106,8 +109,8 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
   }
 }
 
-/// Forces of the contacts of an island at the velocities of their points, and their modes in the next iteration. True:
-/// the forces obey the law.
+/// Evaluates the contact forces of an island at the velocities of its contact points and updates the modes
+/// for the next iteration. Returns true if the forces obey the law.
 template <class FrictionSearch, class Contacts, std::size_t N>
 bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& island,
                           BodyContactScratch<Contacts, N>& w, ContactResidual& most) noexcept {
@@ -129,7 +132,7 @@ bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& 
   return normal && most.friction() <= FrictionSearch::friction_tolerance(iteration) * F_n;
 }
 
-/// V = A^-1 b of the system that is loaded; nothing is left of r.
+/// Solves A V = b with the complete factor and sets the residual r to zero.
 template <class Contacts, std::size_t N>
 void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
   w.system.each([&](std::uint32_t u) noexcept {
@@ -139,23 +142,25 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
   factorize_and_solve(w.system, w.x.Ap, w.x.V);
 }
 
-/// When the iterations of a coupled system are to end.
+/// Termination criteria of the iterations of a coupled system.
 struct Solving {
   bool has_contacts = false;
   int most_iterations = 0;              // in all Newton iterations
   Real tolerance = velocity_tolerance;  // m/s
 
-  /// In the next Newton iteration, after so many: a part of what is left, as contacts may leave their modes.
+  /// Returns the limit for the next Newton iteration: a share of the remaining iterations, because contacts
+  /// may change their modes afterwards.
   int allowed(int iterations) const noexcept {
     const int left = most_iterations - iterations;
     return has_contacts ? (left + net_iteration_divisor - 1) / net_iteration_divisor : left;
   }
 };
 
-/// A residual as a share of the largest normal force. Contacts that bear nothing have none.
+/// Returns a residual as a share of the largest normal force; zero without contact forces.
 inline Real share_of(Real residual, Real F_n) noexcept { return F_n > 0 ? residual / F_n : 0; }
 
-/// Keeps the impulses that bodies of an island move by beyond their contacts' forces, unless their joints bear them.
+/// Stores the impulses on bodies of an island beyond their contact forces, as far as joints do not carry
+/// them.
 template <class Contacts, std::size_t N>
 void keep_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.is_unbalanced = true;
@@ -166,7 +171,7 @@ void keep_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) n
   });
 }
 
-/// The velocities of the bodies of an island; V_0: those they are predicted to have.
+/// Solves for the velocities of the bodies of an island. V_0: predicted velocities.
 template <class System, class Contacts, std::size_t N>
 GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving& how, System& system,
                                     BodyContactScratch<Contacts, N>& w) noexcept {
@@ -202,7 +207,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
       left = largest_residual(system, w);
     }
     if (move_contacts(island, w)) {
-      // those predicted solve nothing that could be lost
+      // predicted velocities solve no system, so nothing is lost by leaving them
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
     }
@@ -233,7 +238,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
   w.report.iterations = std::max(w.report.iterations, iterations);
 }
 
-/// The velocities of all bodies that touch anything; V_0: those they are predicted to have. net: NetInput, or nothing.
+/// Solves for the velocities of all bodies in contact. V_0: predicted velocities. net: NetInput or None.
 template <class Contacts, std::size_t N, class... Net>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w,
@@ -261,7 +266,8 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   (solve_net(h, net, w), ...);
 }
 
-/// The contact forces of packs [first, end) on their body, about its centre of mass; what they say goes into the report.
+/// Returns the sum of the contact forces of packs [first, end) on their body, about its centre of mass, and
+/// adds them to the report.
 template <class Contacts, std::size_t N>
 SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
                          BodyContactScratch<Contacts, N>& w) noexcept {
@@ -279,8 +285,8 @@ SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
   return {.w = sum(tau[0], tau[1], tau[2]), .v = sum(f[0], f[1], f[2])};
 }
 
-/// Adds what moves bodies beyond the forces that their contacts have by (22), (23) to the wrenches and forces that are reported: so
-/// these are the momentum that bodies get.
+/// Adds the impulses on bodies beyond their contact forces (22), (23) to the reported wrenches and forces,
+/// which then equal the change of momentum.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] void report_unbalanced(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   std::array<Vec3, N> missing;
@@ -289,10 +295,10 @@ template <class Contacts, std::size_t N>
     w.wrenches[i].tau += F.w.vec();
     missing[i] = F.v.vec();
   }
-  transfer_residual(missing, w);
+  pass_on(missing, w);
 }
 
-/// What the contacts carry over, and what they say.
+/// Stores the contact memory and completes the report.
 template <class Contacts, std::size_t N>
 void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   w.last = 1 - w.last;

@@ -1,12 +1,12 @@
-// How far a Newton iteration goes. With the friction of each contact as it was solved for, an island's stage is the least
-// value of
+// Line search of a Newton iteration. With the friction of each contact at its solved value, an island's stage
+// is the minimum of
 //
 //   (29)  E(V) = V^T A V / 2 - V^T b + h sum max(F_0 - eta_n v_n, 0)^2 / (2 eta_n)
 //
-// A and b without the normal forces: E is convex, and an iteration is a step of Newton's method. Where it changes the
-// modes of contacts (open, stick, slip) it is taken only as far as E falls, so iterations cannot go round in a circle;
-// and then to the multiple of V where E is least: there V^T dE/dV = 0, the balance of energy with the forces of the law
-// itself, whatever modes were assumed.
+// A and b without the normal forces: E is convex, and an iteration is a step of Newton's method. If it
+// changes the modes of contacts (open, stick, slip), it is shortened to the minimum of E, so that iterations
+// cannot cycle. Then V is scaled to the least E: there V^T dE/dV = 0, the energy balance with the exact law,
+// for any assumed modes.
 #pragma once
 
 #include "core/contact/unbalanced.h"
@@ -14,8 +14,8 @@
 
 namespace godobject {
 
-/// f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island. Those of nets are
-/// among them where V has their nodes.
+/// Calls f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island;
+/// with those of nets if V has their nodes.
 template <class Velocities, class Contacts, std::size_t N, class F>
 void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
@@ -34,8 +34,8 @@ void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) no
   each_pack(w.x.V, island, w, [&](ContactPack& c, const auto&) noexcept { f(c); });
 }
 
-/// The slope of E along a line in velocities, at t: slope + t curvature with the modes that were solved for, and what
-/// the law says of the contacts that leave theirs.
+/// First and second derivative of E along the search direction at step length t, using the exact law for
+/// contacts that change mode.
 struct LineSlope {
   Real slope = 0, curvature = 0;
 };
@@ -52,7 +52,7 @@ LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_pa
           .curvature = line.curvature + h * total(curvature)};
 }
 
-/// The contacts of an island that leave their modes on the line from 0 to `most`, at the normal velocities
+/// Lists the contacts of an island that change their modes for step lengths in [0, most]. Normal velocities:
 /// from(pack) + t by(pack).
 template <class Contacts, std::size_t N, class From, class By>
 void find_mode_changes(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
@@ -65,9 +65,8 @@ void find_mode_changes(Real most, const Island& island, BodyContactScratch<Conta
   });
 }
 
-/// Where the slope, which never falls, comes to -enough, or nearer to zero, but not above: between 0, where it is below,
-/// and `most` >= 1. By Newton's method from 1, which ends where no contact changes its mode any more, within what is
-/// known to hold the zero.
+/// Finds t in [0, most] with -tolerance <= dE/dt <= 0 by Newton's method safeguarded with bisection. dE/dt is
+/// monotone because E is convex. Newton starts at 1, and most >= 1.
 template <class Slope>
 Real exact_line_search(Real most, Real tolerance, Slope slope_at) noexcept {
   Real lo = 0, hi = most, t = 1;
@@ -85,13 +84,13 @@ Real exact_line_search(Real most, Real tolerance, Slope slope_at) noexcept {
   return lo;
 }
 
-/// Some contact is not in the mode that was solved for.
+/// True if a contact is not in the mode that was solved for.
 inline bool has_changed_mode(const ContactPack& c) noexcept {
   return differ(mode_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
 }
 
-/// The velocities of the contact points at V; those normal to the surfaces at V_0 in v_n_0. True: some have left their
-/// modes.
+/// Computes the velocities of the contact points at V, and stores their normal velocities at V_0 in v_n_0.
+/// Returns true if a contact has changed its mode.
 template <class Contacts, std::size_t N>
 bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool differs = false;
@@ -103,8 +102,8 @@ bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noe
   return differs;
 }
 
-/// V on the way from V_0 to V where (29) is least. A V_0 = AV_0 and A V = b - r, with the modes that were solved for;
-/// so it is after.
+/// Moves V along the line from V_0 to V to the least E (29). A V_0 = AV_0 and A V = b - r hold, with the
+/// modes that were solved for, before and after.
 template <class System, class Contacts, std::size_t N>
 void search_line(Real h, const Island& island, const System& system,
                  BodyContactScratch<Contacts, N>& w) noexcept {
@@ -130,7 +129,7 @@ void search_line(Real h, const Island& island, const System& system,
   each_pack(x.V, island, w, [](ContactPack& c, const auto& V) noexcept { move(c, V); });
 }
 
-/// True if nothing but the bodies themselves acts in an island: no contact, joint or term with the world, and no device.
+/// True if an island is free: no contact, joint or term with the world, and no device.
 template <class Contacts, std::size_t N>
 bool is_by_itself(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool is = !island.has_terms;
@@ -141,7 +140,7 @@ bool is_by_itself(const Island& island, BodyContactScratch<Contacts, N>& w) noex
   return is;
 }
 
-/// Motion of an island as a whole, with its momentum. Zero where bodies touch the world, or nodes.
+/// Translation of an island as a whole, with its momentum. Zero if bodies touch the world, or nodes.
 template <class System, class Contacts, std::size_t N>
 struct IslandTranslation {
   static constexpr bool is_zero = !Contacts::between_bodies || System::is_coupled;
@@ -161,7 +160,7 @@ struct IslandTranslation {
       v = v * (1 / M);
     }
   }
-  /// V against it, and b less its momentum.
+  /// Returns V relative to the translation; below, b without its momentum.
   template <class U, class Vector>
   auto off(U u, const Vector& V) const noexcept {
     if constexpr (is_zero) return V[u];
@@ -172,7 +171,7 @@ struct IslandTranslation {
     if constexpr (is_zero) return b[u];
     else return b[u] - SpatialVector{.w = Column(Pack(0)), .v = v * w.stages[u].M};
   }
-  /// The velocity s times as far off it.
+  /// Returns the velocity with its relative part scaled by s.
   template <class U, class Vector>
   auto scaled(U u, const Vector& V, Real s) const noexcept {
     if constexpr (is_zero) return V[u] * s;
@@ -180,8 +179,8 @@ struct IslandTranslation {
   }
 };
 
-/// The multiple of V, against the motion c of the island as a whole, where (29) is least: so bodies that nothing else acts on keep
-/// their momentum. Returns the largest force that is left unbalanced, times h; r is all of them.
+/// Scales V, relative to the translation c of the island, to the least E (29), so that free bodies keep their
+/// momentum. Returns the largest unbalanced force times h; r: all of them.
 ///
 ///   V = c + s (V - c),   r = (b - M c) (1 - s) + s r,   c = sum b / sum M
 template <class System, class Contacts, std::size_t N>

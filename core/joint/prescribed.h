@@ -1,5 +1,5 @@
-// Prescribed joints: g(x, t) = 0, the coordinates follow the device instead of the forces (the paper's
-// imposed jaws).
+// Prescribed joints: g(x, t) = 0, the coordinates follow the device instead of the forces (the jaws of
+// the paper).
 #pragma once
 
 #include "core/device/device.h"

@@ -17,7 +17,7 @@ class BlockOrder {
  public:
   explicit BlockOrder(System& w) noexcept : w_(w) {}
 
-  /// Orders for a complete factor. Returns false, without an order, if the fill-in exceeds the room.
+  /// Orders for a complete factor. Returns false, without an order, if the fill-in exceeds the available blocks.
   bool find_complete() noexcept {
     if (!find_neighbours(w_.max_unknowns * w_.max_unknowns)) return false;
     std::size_t used = 0;
@@ -34,7 +34,7 @@ class BlockOrder {
     });
   }
 
-  /// Orders for an incomplete factor, within the room.
+  /// Orders for an incomplete factor, within the available blocks.
   void find_incomplete() noexcept {
     find_neighbours(w_.room);
     static_cast<void>(eliminate([&](std::uint32_t next) noexcept {

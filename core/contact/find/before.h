@@ -67,8 +67,8 @@ class RecallDeepPairs {
   std::size_t at_ = 0;
 };
 
-/// Returns the surface seen from a point p that is or was inside a box: behind the face that carried the
-/// contact force before, else the nearest one.
+/// Returns the surface seen from a point p that is or was inside a box. The face that carried the contact
+/// force before, else the nearest one.
 template <std::size_t max_contacts>
 SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>* of_step,
                                 const ContactMemories<max_contacts>* of_stage, const PlacedShape& box,

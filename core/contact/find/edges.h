@@ -200,8 +200,8 @@ inline Real reach_of_edges(const PlacedShape& a, const PlacedShape& b) noexcept 
   return edge_reach * std::min(a.half_extents().minCoeff(), b.half_extents().minCoeff());
 }
 
-/// Calls f(crossing) for the edges of box a that touch edges of box b, or are near them; none if the boxes
-/// are sunk and may be.
+/// Calls f(crossing) for the edges of box a that touch or are near edges of box b. None if the boxes are sunk
+/// and may be.
 template <class F>
 BoxesAre each_crossing(const PlacedShape& a, const PlacedShape& b, bool may_be_sunk, F f) noexcept {
   const BoxOnBox w(a, b);

@@ -1,9 +1,9 @@
 // Search for contacts: spheres of bodies near each other, near shapes on other bodies, and near the world.
 //
 // A body with shapes is touched by spheres of others at its shapes, one without at its spheres. Bodies of one
-// tree of joints do not touch each other. Bound: that of the broad phase; for each pair of bodies with
-// overlapping boxes, a query for each sphere in the other's box; for each body, surface of the world and four
-// spheres, a test of nearness and a query for those that are near.
+// tree of joints do not touch each other. Bound: that of the broad phase. For each pair of bodies with
+// overlapping boxes, a query for each sphere in the other's box. For each body and surface of the world, a
+// test of nearness per four spheres, and a query for each near one.
 #pragma once
 
 #include "core/contact/find/on_surfaces.h"

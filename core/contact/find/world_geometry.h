@@ -109,7 +109,7 @@ inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real tra
   return box;
 }
 
-/// Places the surfaces of a body in the world, from number o on, and computes the box round its whole contact
+/// Places the surfaces of a body in the world, from number o on. Computes the box round its whole contact
 /// geometry, its entry of the broad phase. Returns the number after them.
 template <class Contacts, std::size_t N>
 std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t i, std::uint32_t o,
