@@ -65,9 +65,9 @@ struct Tool : FollowerOnJoints<I, N, TreeJoints<>> {};
 template <class I, std::size_t N>
 struct ToolWithStops : FollowerOnJoints<I, N, TreeJoints<JointStops>> {};
 template <class I, std::size_t N>
-struct ToolWithImposed : FollowerOnJoints<I, N, TreeJoints<None, ImposedJoints>> {};
+struct ToolWithImposed : FollowerOnJoints<I, N, TreeJoints<None, PrescribedJoints>> {};
 template <class I, std::size_t N>
-struct ToolWithAll : FollowerOnJoints<I, N, TreeJoints<JointStops, ImposedJoints>> {};
+struct ToolWithAll : FollowerOnJoints<I, N, TreeJoints<JointStops, PrescribedJoints>> {};
 
 /// A tool whose joints are held by another stabilisation. Those that need the base are of first order.
 template <class I, std::size_t N, class Stabilisation>
