@@ -82,7 +82,7 @@ def last_torque_s(status):
 
 
 def test_unknown_fault_is_refused(simulator):
-    with pytest.raises(AssertionError, match="no verb"):
+    with pytest.raises(AssertionError, match="unknown verb"):
         simulator.fault("dorp bus=can0")
 
 
