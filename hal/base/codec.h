@@ -1,7 +1,4 @@
 // Integers to and from the little-endian bytes of a message, and numbers to integers without overflow.
-//
-// The room: what wires and protocols share: cobs.h and crc16.h, fixed_queue.h, clock_map.h and stamp_clock.h for
-// clocks that are not ours, one_euro.h for noisy poses, format.h for what people read.
 #pragma once
 
 #include <bit>

@@ -1,8 +1,6 @@
 // Encoder boards on a serial line: a microcontroller sends its counts, unrequested, at its own rate. One
 // frame is COBS( u8 type, u8 sequence, u32 t_us, n x i32 counts, u16 status, u16 CRC-16/CCITT-FALSE of all
 // preceding bytes ), 00; little-endian. docs/encoder-board has a sketch that sends it.
-//
-// The room: nodes.h shows such a board's encoders to a rig as nodes of a bus.
 #pragma once
 
 #include <array>

@@ -1,7 +1,4 @@
 // CAN bus interface. A backend is one file that implements this class.
-//
-// The room: frame.h, error.h and timing.h of CAN itself, filter.h and transmit_slots.h for what comes in and goes out,
-// candump.h and slcan.h, its texts. Which protocol is spoken on it is in canopen/ and drive/.
 #pragma once
 
 #include <string_view>

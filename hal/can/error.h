@@ -1,4 +1,4 @@
-// Decodes error frames of Linux CAN drivers (linux/can/error.h) into changes of bus state and counters.
+// Decodes error frames of Linux CAN drivers (<linux/can/error.h>) into changes of bus state and counters.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ CanErrorReport decode_can_error(std::uint32_t error_class, std::span<const std::
 /// Applies a report to state and counters. A bus that is closed, down or gone keeps its state.
 void apply(const CanErrorReport& report, BusState& state, BusCounters& counters) noexcept;
 
-/// Copies of constants of linux/can/error.h, because this layer includes no OS headers.
+/// Copies of constants of <linux/can/error.h>, because this layer includes no OS headers.
 namespace can_error {
 inline constexpr std::uint32_t transmit_timeout = 0x1, lost_arbitration = 0x2, controller = 0x4,
                                protocol = 0x8, transceiver = 0x10, no_acknowledge = 0x20, bus_off = 0x40,

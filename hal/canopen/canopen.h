@@ -1,7 +1,4 @@
 // CANopen (CiA 301): identifiers, network management, heartbeat, SYNC and emergency messages.
-//
-// The room: message.h names any frame; object.h, sdo/ and pdo_map.h are the object dictionary over the wire, lss.h
-// node ids, cia401.h and cia406.h device profiles; node_profile.h, commissioning*.h set a node up and read it back.
 #pragma once
 
 #include <algorithm>

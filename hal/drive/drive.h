@@ -1,8 +1,5 @@
 // One motor drive: position, torque and state in, limited torque commands out. DriveLink implements its
 // protocol.
-//
-// The room: link.h is what a protocol implements; cia402*.h, odrive.h and moteus.h do; watchdog.h says what stops a
-// drive when its host dies.
 #pragma once
 
 #include "hal/drive/link.h"

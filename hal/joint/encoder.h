@@ -1,7 +1,4 @@
 // One joint sensor: raw counts and their times in; joint coordinate with validity, time and age out.
-//
-// The room: velocity_estimator.h, slip.h (encoder against drive), sync_attribution.h (which SYNC a frame answers),
-// kinematic_tree.h from joints to handles and back, inverse_kinematics.h.
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,7 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
     {RigFault::send_refused, "send_refused", "the transmit queue of a bus refused three consecutive frames",
      "lower the bus load; check that another node acknowledges the frames"},
     {RigFault::command_not_finite, "command_not_finite", "the commanded wrench was not a finite number",
-     "a defect of the caller: see the faults of the simulation"},
+     "read the faults of the simulation; without any it is a defect of the caller"},
     {RigFault::drive_error, "drive_error", "a drive reported an error without an emergency message",
      "look the code up in the drive's manual, remove the cause, clear the faults"},
     {RigFault::quick_stop, "quick_stop", "the motors were stopped on request",
@@ -53,15 +53,16 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "others (1F80h) or has the host's node id"},
     {RigFault::deadlines_missed, "deadlines_missed",
      "the host missed 20 consecutive deadlines and gave no command in that time",
-     "check the load and the real-time set-up of this machine; then clear the faults and arm again"},
+     "end other programs on this machine and check the real-time set-up; then clear the faults and arm "
+     "again"},
     {RigFault::force_oscillates, "force_oscillates",
      "the displayed force, or a motor's command, oscillated between its bounds for 0.5 s",
      "the feedback is unstable on this device: lower the gains that godobject check names with the margin of "
      "each axis"},
     {RigFault::energy_gained, "energy_gained",
-     "the energy of the scene rose by more than 1 % of that at work within 1 s, without external work; the "
-     "simulation is not valid from then on",
-     "use a shorter step; softer couplings, contacts or stops; less contrast of masses in an articulated "
+     "the scene's total energy rose by more than 1 % within 1 s without external work; its forces are not "
+     "valid from then on",
+     "shorten the step; soften couplings, contacts or stops; lower the ratio of masses in an articulated "
      "tool"},
 }};
 

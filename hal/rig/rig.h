@@ -4,10 +4,6 @@
 // construction. The caller owns the buses. A bus has one protocol, that of its drives (hal/drive/link.h).
 // CANopen buses, also those without a drive, have SYNC, NMT and heartbeats. On other buses each drive
 // receives a request and is supervised by its answers.
-//
-// The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what
-// brings its buses, bus_load.h what they carry; receive.cc, supervise.cc and rig_text.cc are parts of Rig;
-// swing_watch.h watches commands for oscillation.
 #pragma once
 
 #include <array>

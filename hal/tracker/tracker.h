@@ -1,7 +1,5 @@
 // Base of all trackers: bytes in, bytes out, and a report with the newest sample of every tool. A tracker is
 // a slow, delayed source of poses with its own thread; an invisible tool is not a fault.
-//
-// The room: params.h and link.h; ndi*.h and polhemus*.h are the protocols; pose_track.h plays samples back without stairs.
 #pragma once
 
 #include <array>

@@ -1,7 +1,4 @@
 // Simulated CAN wire and its controllers: event driven, on a simulated clock.
-//
-// The room: can_wire.cc and can_port.cc are its halves: arbitration and frame times, controllers and their queues;
-// fault_confinement.h counts errors as ISO 11898-1 does; random.h.
 #pragma once
 
 #include <array>

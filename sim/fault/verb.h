@@ -1,7 +1,4 @@
 // Faults that a simulated rig can inject: one table of names, values and effects.
-//
-// The room: target.h finds what a fault acts on, injector.h plays it, sensor_fault.h bends a measurement; promise.h
-// says what the rig must do about each, and tests play it.
 #pragma once
 
 #include <array>

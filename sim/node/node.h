@@ -1,7 +1,4 @@
 // A simulated node on a simulated wire, of any protocol.
-//
-// The room: canopen/ is a CANopen slave; encoder.h, drive.h, button.h are devices on
-// it; moteus.h and odrive.h; encoder_board.h on a serial line; second_host.h, another master that should not be there.
 #pragma once
 
 #include <algorithm>

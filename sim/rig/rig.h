@@ -1,7 +1,5 @@
 // Simulated rig of a scene: wires, encoder and drive nodes, their mechanics and the hand that moves it. The
 // Rig at the other end of the buses does not depend on it.
-//
-// The room: plant.h is the mechanics and the hand that holds them, link.h brings a rig's buses to a Rig.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,5 @@
 // Simulated tracker: the far end of its serial line. Bytes in, bytes out; it measures the given poses at its
 // own rate. Nothing allocates after construction.
-//
-// The room: ndi.h and polhemus.h speak the protocols; link.h joins one to its Tracker; trackers.h moves all of a device's.
 #pragma once
 
 #include <array>

@@ -51,7 +51,7 @@ TEST(CliSdo, SaysWhyNot) {
   EXPECT_EQ(encoder.run("sdo", "--node 5 write 6003 x --type u32").exit_code, 2);
   EXPECT_EQ(test::run_program("sdo --bus slcan:/dev/nothing --node 5 read 6004").exit_code, 3);
   EXPECT_THAT(test::run_program("sdo --bus replay:x.log --node 5 read 6004").output,
-              HasSubstr("a log gives no answers"));
+              HasSubstr("a log does not answer requests"));
 }
 
 /// All would get the ID; nothing is changed, and none is left in configuration mode.
@@ -79,7 +79,7 @@ TEST(CliLss, GivesANodeItsIdAndBitRate) {
   EXPECT_EQ(encoder.run("lss", "--select 0xDEB 0x406 0x10000 1 bit-rate 500000").exit_code, 0);
   const test::ProgramResult other = encoder.run("lss", "--timeout 0.1 --select 1 2 3 4 node-id 9");
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.output, HasSubstr("has a node this identity"));
+  EXPECT_THAT(other.output, HasSubstr("check that a node has this identity"));
   EXPECT_EQ(encoder.run("lss", "--select 0xDEB 0x406 0x10000 1 node-id 9").exit_code, 0);
   EXPECT_EQ(encoder.run("lss", "node-id 9 --alone").exit_code, 0);
   EXPECT_EQ(encoder.run("lss", "bit-rate 100000").exit_code, 2);

@@ -1,8 +1,6 @@
 // Service data objects (CiA 301 7.2.4.3): expedited and segmented transfers, both directions. Block transfer
 // is not supported. Each message has eight bytes; some servers omit unused bytes at the end. The direction of
 // a message determines the meaning of its first byte, the command.
-//
-// The room: client.h makes one transfer on a bus, sequence.h several in a row.
 #pragma once
 
 #include <algorithm>

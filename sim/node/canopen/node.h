@@ -1,7 +1,5 @@
 // Simulated CANopen slave: boot-up, network management, heartbeats, SYNC, SDO, PDOs, LSS. Base class of
 // devices.
-//
-// The room: object_dictionary.h is what it can be asked for, sdo_server.h, pdo.h and lss.h are what it answers to.
 #pragma once
 
 #include <deque>

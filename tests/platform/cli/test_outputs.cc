@@ -61,7 +61,7 @@ TEST_F(BackgroundFiles, NobodyWhoReadsKeepsNobody) {
   EXPECT_FALSE(file.write(std::string(2 * room, '\n'))) << "no room: all of it is left out";
   const BackgroundFile::Result result = file.close(Clock::now() + milliseconds(100));
   EXPECT_LT(Clock::now() - begin, milliseconds(1500));
-  EXPECT_THAT(result.why, HasSubstr("took no more"));
+  EXPECT_THAT(result.why, HasSubstr("accepted no more"));
   EXPECT_EQ(result.lost_lines, 10 + 2 * room);
 }
 
@@ -254,7 +254,7 @@ TEST_F(BackgroundFiles, FoldersOfAnOutputAreMadeWithTheirParents) {
   const ProgramResult below_a_file =
       run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + report + "/x/t.csv");
   EXPECT_EQ(below_a_file.exit_code, 2);
-  EXPECT_THAT(below_a_file.output, HasSubstr("is no folder"));
+  EXPECT_THAT(below_a_file.output, HasSubstr("is not a folder"));
 }
 
 /// `ulimit -s`, which a process without rights cannot raise.
