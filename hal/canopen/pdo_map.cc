@@ -47,7 +47,7 @@ SdoStep as(SdoAction action, SdoStep written) {
   return written;
 }
 
-/// Appends steps that compare the `wanted` values and perform `change` only if one differs. The count of a
+/// Appends steps that compare the required values and perform `change` only if one differs. The count of a
 /// mapping is compared before its entries.
 void append_unless_same(std::vector<SdoStep> wanted, const std::vector<SdoStep>& change,
                         std::vector<SdoStep>& steps) {
