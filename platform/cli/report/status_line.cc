@@ -44,7 +44,7 @@ void StatusLine::show(const CycleRecord& record) {
   static_cast<void>(console_.write(line.data()));
 }
 
-/// What is said at once.
+/// Prints the begin or end of a hold at once.
 void StatusLine::say(const CycleRecord& record) {
   on_hold_ = record.on_hold;
   std::array<char, 200> line{};
