@@ -21,7 +21,8 @@ bool is_path(const std::string& name) {
   return name.find('/') != std::string::npos || name.ends_with(extension);
 }
 
-/// The profile a name or path means, from the scene's folder or the shipped ones; none where there is none.
+/// Finds the profile of a name or path in the scene's folder or among the shipped ones; none if there is
+/// none.
 std::optional<ProfileResult> find_profile(const std::string& name, const fs::path& scene_folder) {
   const std::string file = is_path(name) ? name : name + extension;
   if (const FilePath found = path_below(scene_folder.string(), file); !found.path.empty())

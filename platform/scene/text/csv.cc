@@ -33,7 +33,7 @@ CsvTable CsvTable::selected(std::span<const CsvColumn> columns) const {
   return table;
 }
 
-/// One pass over the text, line by line.
+/// Parses the text in one pass, line by line.
 class CsvParser {
  public:
   CsvParser(const std::string& file, std::string_view word_column, const CsvWanted& wanted)
@@ -62,7 +62,7 @@ class CsvParser {
     }
     std::size_t num_cells = 0;
     for_each_cell(line, [&](std::string_view cell, std::uint32_t column) {
-      if (num_cells++ >= is_kept_.size()) return;  // counted, and refused below
+      if (num_cells++ >= is_kept_.size()) return;  // counted, and rejected below
       if (!is_kept_[num_cells - 1]) return;
       const bool is_word = table_.columns_[table_.values_.size() % table_.columns_.size()] == word_column_;
       is_word ? add_word(cell, column) : add_value(cell, column);
@@ -122,7 +122,7 @@ class CsvParser {
   Diagnostics log_;
   std::string_view word_column_;
   const CsvWanted& wanted_;
-  std::vector<bool> is_kept_;  // of each column of the file
+  std::vector<bool> is_kept_;  // for each column of the file
   CsvTable table_;
   std::uint32_t line_ = 0;
   std::size_t num_errors_ = 0;

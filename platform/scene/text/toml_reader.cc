@@ -11,12 +11,12 @@ namespace godobject {
 
 namespace {
 
-constexpr double unit_tolerance = 1e-6;     // of a written-out quaternion or axis
-constexpr double rounding = 1e-15;          // already unit: stays bit for bit
-constexpr double inertia_tolerance = 1e-9;  // relative, symmetry and triangle inequality
-constexpr std::size_t max_strings = 1000;   // of an array
-constexpr std::size_t max_word = 100;       // bytes: no key or name is longer, and none is near to one
-constexpr std::size_t max_dots = 1000;      // without a comma, '=' or line end: how deep a.b.c nests
+constexpr double unit_tolerance = 1e-6;     // of a quaternion or axis written in decimals
+constexpr double rounding = 1e-15;          // within this already unit, and kept bit for bit
+constexpr double inertia_tolerance = 1e-9;  // relative, for symmetry and triangle inequality
+constexpr std::size_t max_strings = 1000;   // in an array
+constexpr std::size_t max_word = 100;       // bytes; longer than any key or name, so none is near
+constexpr std::size_t max_dots = 1000;      // depth of a.b.c, counted without a comma, '=' or line end
 
 TextPosition place(const toml::source_region& source) {
   return {std::max(source.begin.line, 1u), std::max(source.begin.column, 1u)};
@@ -57,7 +57,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-/// Line on which tables nest deeper than a parser may follow them; 0: none.
+/// Returns the line on which tables nest deeper than the parser can follow; 0 if there is none.
 std::uint32_t too_deep_line(std::string_view toml) {
   std::uint32_t line = 1;
   std::size_t dots = 0;
@@ -83,7 +83,7 @@ std::string listed(const Vec3& moments) {
 }  // namespace
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates, std::size_t most) {
-  if (word.size() > max_word) return "";  // the time for it is quadratic
+  if (word.size() > max_word) return "";  // avoids quadratic time
   const auto distance = [&](const std::string& candidate) {
     return candidate.size() > max_word ? std::string::npos : edit_distance(word, candidate);
   };
@@ -209,7 +209,7 @@ void TomlReader::value(const Key& key, std::optional<double>& x) {
 
 void TomlReader::value(const Key& key, std::optional<Vec3>& x) {
   if (!has(key.name)) {
-    find(key);  // known from now on
+    find(key);  // marks the key as known
     return;
   }
   x = Vec3::Zero();
@@ -333,7 +333,7 @@ void TomlReader::inertia(const Key& key, Mat3& I) {
 
 void TomlReader::one_of(const Key& key, const std::vector<std::string>& names, std::size_t& index) {
   if (!has(key.name)) {
-    find(key);  // known from now on; an error where it is required
+    find(key);  // marks the key as known; an error if it is required
     return;
   }
   std::string text;
@@ -397,7 +397,8 @@ void TomlReader::finish() {
   for (const auto& [key, node] : table_) {
     const std::string_view name = key.str();
     if (std::ranges::find(known_, name) != known_.end()) continue;
-    const std::string guess = log_.full() ? "" : nearest(name, known_);  // which takes its time
+    // omitted after many errors, because it takes time
+    const std::string guess = log_.full() ? "" : nearest(name, known_);
     log_.error(place(key.source()), "unknown key " + excerpt(name) + " in " + title_ +
                                         (guess.empty() ? "" : "; the nearest known key is '" + guess + "'"));
   }
