@@ -10,12 +10,12 @@ namespace {
 constexpr std::array pose_suffixes{".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"};
 constexpr std::array wrench_suffixes{".fx", ".fy", ".fz", ".tx", ".ty", ".tz"};
 
-/// Columns of the trace and the names that they have in a motion.
+/// Columns of the trace with their names in a motion.
 class Columns {
  public:
   explicit Columns(const CsvTable& table) : table_(table) {}
 
-  /// False, and nothing is added, where one of them is missing.
+  /// Adds the columns of a group. Returns false, and adds nothing, if one is missing.
   template <class Suffixes>
   bool add_all(const std::vector<std::string>& targets, const std::string& group, const Suffixes& suffixes) {
     std::vector<CsvColumn> found;
@@ -28,7 +28,8 @@ class Columns {
     columns.insert(columns.end(), found.begin(), found.end());
     return true;
   }
-  /// False likewise, and where no row has a number for one of them.
+  /// Adds the columns of the joints. Returns false, and adds nothing, if one is missing or has no number in
+  /// any row.
   bool add_joints(const std::vector<DeviceJoint>& joints) {
     std::vector<CsvColumn> found;
     for (const DeviceJoint& joint : joints) {

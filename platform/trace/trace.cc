@@ -9,7 +9,7 @@ namespace {
 
 bool has_contacts(const SceneConfig& scene) { return contact_scope(scene) != ContactScope::none; }
 
-/// Bodies with contact columns.
+/// Returns the bodies with contact columns.
 std::vector<std::size_t> touchable_bodies(const SceneConfig& scene) {
   std::vector<std::size_t> touchable;
   for (std::size_t i = 0; has_contacts(scene) && i < scene.bodies.size(); ++i)
