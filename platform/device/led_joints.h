@@ -1,4 +1,4 @@
-// Joints of the scene that the device's joints of the same names lead.
+// Prescribed joints of the scene: they follow the device's joints of the same names.
 #pragma once
 
 #include <array>
@@ -14,17 +14,19 @@ namespace godobject {
 class LedJoints {
  public:
   LedJoints() = default;
-  /// scene: its imposed joints have coordinates that the device's rig has. Allocates; nothing later does.
+  /// Allocates; the other functions do not. scene: each coordinate of its prescribed joints must be a joint
+  /// of the device's rig.
   explicit LedJoints(const SceneConfig& scene);
 
-  /// Writes the device's coordinates into the samples of the joints' children. valid: what the device says counts.
-  /// A joint is held and let go with its body's handle, or else with the first driven body's.
+  /// Writes the device's coordinates into the samples of the joints' children. valid: true if the device's
+  /// sample is valid.
+  /// A joint is engaged with its body's handle, or else with the first driven body's.
   void lead(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
 
  private:
   struct Joint {
     std::size_t body = 0;  // the joint's child
-    bool driven = false;   // by a handle
+    bool driven = false;   // true if a handle drives the body
     std::size_t num_coordinates = 0;
     std::array<Eigen::Index, 2> device_joints{};
   };

@@ -19,7 +19,7 @@ Pose start_of(const SceneConfig& scene) {
   return scene.bodies[named.value_or(led_body(scene))].X_WB;
 }
 
-/// 0 within the deadband, +-1 at full scale and beyond.
+/// Returns 0 within the deadband, +-1 at full scale and beyond.
 double deflection(double counts, const SpaceMouseConfig& config) noexcept {
   const double beyond = std::abs(counts) - config.deadband;
   return std::copysign(std::clamp(beyond / (config.full_scale - config.deadband), 0.0, 1.0), counts);
@@ -44,7 +44,7 @@ SpaceMouse::SpaceMouse(const SceneConfig& scene, Nanoseconds (*clock)() noexcept
   said_ = {.X_WD = start_of(scene), .t = clock_()};
 }
 
-/// v_W, w_W since the last sample or event; no longer than the last deflection counts.
+/// Moves the target by v_W, w_W since the last sample or event, at most until the last deflection is stale.
 void SpaceMouse::go_on(Nanoseconds now) noexcept {
   const Nanoseconds until = std::min(now, t_event_ + stale_after_);
   const double dt = 1e-9 * static_cast<double>(std::max(until - said_.t, Nanoseconds{0}));
@@ -70,7 +70,7 @@ void SpaceMouse::tick(bool connected) noexcept {
   using State = StreamedSample::State;
   const Nanoseconds now = clock_();
   go_on(now);
-  if (!connected) {  // the cap and the buttons are released, as far as anyone knows
+  if (!connected) {  // the cap and the buttons are assumed released
     v_W_ = w_W_ = Vec3::Zero();
     said_.clutch = true;
   }

@@ -1,4 +1,4 @@
-// Session: what it is made of, and the complaints about what cannot be.
+// Session: construction and validation.
 #include <algorithm>
 
 #include "platform/session/session.h"
@@ -6,7 +6,7 @@
 namespace godobject {
 namespace {
 
-/// A joint that is to be led needs the device's joints, which a motion of poses does not have.
+/// Checks that the motion moves the device's joints if any joint of the scene is prescribed.
 void check_imposed_joints(const SceneConfig& scene, const Motion& motion, bool real,
                           std::vector<std::string>& errors) {
   if (motion.has_joints() || real) return;
@@ -82,7 +82,8 @@ void Session::connect(DeviceParts device, std::vector<std::string>& errors) {
                      "' describes no buses, encoders and joints: add them, or run it with --bus direct");
   if (has_rig) {
     for (const std::string& error : RigDevice::complaints(scene_)) errors.push_back(error);
-    if (!device.buses) errors.push_back("the device of scene '" + scene_.name + "' has buses: give them");
+    if (!device.buses)
+      errors.push_back("the device of scene '" + scene_.name + "' has buses: pass them to make()");
     if (errors.empty()) phases_.add(rig_.emplace(scene_, std::move(device.buses)));
   }
   if (has_trackers) {

@@ -23,7 +23,7 @@ void SimulatedTruth::start(std::span<const BodySample> samples) {
   engine_ = make_engine(scene_, samples_, why_not);
 }
 
-/// Where what moves this driven body really is; where nothing does, the hand's target.
+/// Returns the exact pose of the handle of this driven body; without a handle, the hand's target.
 Target SimulatedTruth::target(std::size_t driven, double t) const noexcept {
   const std::size_t index = takes_hold_ ? 0 : driven;
   if (handle_[index]) return link_->rig().handle(*handle_[index]);

@@ -19,9 +19,6 @@
 //   per joint of the device         device.<joint>.q
 //   per drive                       drive.<joint>.torque
 // The columns from t_bus on have all that a motion of the trace requires, and the commands.
-//
-// The room: contacts.h writes the contacts of a run to a file of their own, nets.h the nodes of its nets, csv_rows.h is how
-// numbers are written.
 #pragma once
 
 #include <array>

@@ -3,7 +3,7 @@
 namespace godobject {
 namespace {
 
-/// Between a frame and the question for the next one; with the server's own period 60 frames a second at most.
+/// Pause between a frame and the next request, ns; with the server's own period at most 60 frames a second.
 constexpr Nanoseconds frame_pause = 13'000'000;
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace godobject {
 namespace {
 
-/// At the first body that can be held, and holding nothing.
+/// Returns a sample at the first driven body that holds no body.
 StreamedSample start_of(const SceneConfig& scene, const std::vector<std::size_t>& driven) {
   StreamedSample start;
   if (!driven.empty()) start.X_WD.p = scene.bodies[driven.front()].X_WB.p;
@@ -34,7 +34,7 @@ bool PointerDevice::take(std::uint64_t client, const PointerMessage& message, co
   if (message.target >= driven_.size() || (is_holder && message.number <= number_)) return false;
   const Nanoseconds now = clock_();
   const std::size_t body = driven_[message.target];
-  if (message.holds && said_.wish != wish_for(body)) {  // taken where it is
+  if (message.holds && said_.wish != wish_for(body)) {  // gripped at its present position
     said_.X_WD = {.p = p_WB, .q = Quat::Identity()};
     ++said_.path;
   } else if (message.holds && message.moves) {
@@ -78,7 +78,7 @@ void lead_by_pointer(SceneConfig& scene) {
   pointer.name = "pointer";
   pointer.kind = shows ? DeviceKind::impedance : DeviceKind::non_haptic;
   pointer.limits = limits;
-  pointer.grab_radius = 1;  // it takes hold
+  pointer.grab_radius = 1;  // makes it a device that grips bodies
   scene.device = pointer;
   scene.motion.reset();
   scene.faults.clear();

@@ -204,7 +204,7 @@ def test_a_defect_leaves_time_for_the_last_frames(start, name):
     assert run.host.popen.wait(8) == -number(name)
     run.expect_zero(name, event)
     run.expect_last_frames(event[0])
-    assert f"ended by {name}; the drives were told" in run.host.error_text()
+    assert f"ended by {name}; the drives were commanded" in run.host.error_text()
 
 
 @pytest.mark.parametrize("name", IGNORED)

@@ -187,7 +187,7 @@ TEST(CliDrive, ADefectSwitchesOff) {
   for (const int signal : {SIGABRT, SIGSEGV}) {
     DriveOnPty rig;
     const test::ProgramResult result = signalled_move(rig, signal);
-    EXPECT_THAT(result.output, HasSubstr("the drives were told to switch their motors off"));
+    EXPECT_THAT(result.output, HasSubstr("the drives were commanded to switch their motors off"));
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_TRUE(rig.call(is_off));
   }

@@ -50,7 +50,7 @@ TEST(CliSdo, SaysWhyNot) {
   EXPECT_EQ(encoder.run("sdo", "--node 5 write 6003 x --type u32").exit_code, 2);
   EXPECT_EQ(test::run_program("sdo --bus slcan:/dev/nothing --node 5 read 6004").exit_code, 3);
   EXPECT_THAT(test::run_program("sdo --bus replay:x.log --node 5 read 6004").output,
-              HasSubstr("a log gives no answers"));
+              HasSubstr("a log does not answer requests"));
 }
 
 /// All would get the ID; nothing is changed, and none is left in configuration mode.

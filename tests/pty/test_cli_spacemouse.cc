@@ -125,7 +125,7 @@ TEST_F(CliSpaceMouse, WhatIsNoEventEndsTheConnection) {
     std::this_thread::sleep_for(1500ms);
   });
   EXPECT_EQ(result_.exit_code, 0) << result_.output;
-  EXPECT_THAT(result_.output, HasSubstr("what came is no event of spacenavd"));
+  EXPECT_THAT(result_.output, HasSubstr("the received bytes are no event of spacenavd"));
   EXPECT_EQ(report["spacemouse"]["malformed"], 1);
 }
 

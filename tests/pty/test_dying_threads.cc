@@ -172,7 +172,7 @@ TEST_F(DeviceThread, OfATrackerWritesTheLastFrames) {
   TrackerParams params = loaded.scene->device->trackers.front();
   params.port = "/dev/no-such-port";
   const auto make = [&] { return std::make_unique<TrackerThread>(make_tracker(params, {}).tracker); };
-  EXPECT_EXIT(die_in_thread("tracker", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were told");
+  EXPECT_EXIT(die_in_thread("tracker", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were commanded");
   EXPECT_EQ(written(), "last");
 }
 
@@ -192,7 +192,8 @@ TEST_F(DeviceThread, OfASpaceMouseWritesTheLastFrames) {
     return SpaceMouseThread::start(
         where, mouse, [](const std::string&) {}, why_not);
   };
-  EXPECT_EXIT(die_in_thread("spacemouse", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were told");
+  EXPECT_EXIT(die_in_thread("spacemouse", ends_[1], make), KilledBySignal(SIGSEGV),
+              "the drives were commanded");
   EXPECT_EQ(written(), "last");
   close(listener);
 }

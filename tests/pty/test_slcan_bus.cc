@@ -158,7 +158,7 @@ TEST(SlcanBus, GivesUpWhereNothingAnswers) {
   PseudoTerminal silent;
   SlcanBus bus(silent.slave() + ",9600", {});
   EXPECT_FALSE(bus.open());
-  EXPECT_THAT(bus.trouble(), HasSubstr("nothing answers there"));
+  EXPECT_THAT(bus.trouble(), HasSubstr("no adapter answers"));
   EXPECT_THAT(bus.trouble(), HasSubstr("9600 baud"));
 }
 
@@ -243,7 +243,7 @@ TEST(SlcanBus, WhatAnswersVWithoutMeaningItIsNoAdapter) {
   ScriptedAdapter echo({{'V', "V\r"}, {'C', "C\r"}, {'S', "S8\r"}, {'O', "O\r"}, {'F', "F\r"}});
   SlcanBus bus(echo.path(), {});
   EXPECT_FALSE(bus.open());
-  EXPECT_THAT(bus.trouble(), HasSubstr("nothing answers there"));
+  EXPECT_THAT(bus.trouble(), HasSubstr("no adapter answers"));
   PseudoTerminal receiver;
   std::atomic<bool> stop{false};
   std::thread talking([&] {
@@ -255,7 +255,7 @@ TEST(SlcanBus, WhatAnswersVWithoutMeaningItIsNoAdapter) {
   });
   SlcanBus other(receiver.slave(), {});
   EXPECT_FALSE(other.open());
-  EXPECT_THAT(other.trouble(), HasSubstr("nothing answers there"));
+  EXPECT_THAT(other.trouble(), HasSubstr("no adapter answers"));
   stop = true;
   talking.join();
 }

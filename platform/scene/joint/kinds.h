@@ -1,7 +1,4 @@
 // Properties of the kinds of joints for scene files, derived from core/joint/list.h.
-//
-// The room: tree.h checks that joints make trees, params.h is a joint in the core's terms, device_from_joints.h the joints of a
-// device that a scene's joints imply.
 #pragma once
 
 #include <string>

@@ -1,7 +1,5 @@
 // All keys of a scene file with name, unit, range, meaning and member. Keys below [device], [[joint]] and of
 // contacts have files of their own. Visitors: platform/scene/text/visit.h.
-//
-// The room: a table of the file each; reader, writer and docs/scenes.md walk the same list. A new key is a line here.
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,5 @@
-// Common part of the lists of keys (keys/scene.h, joint.h, contact.h, device.h, net.h). A visitor V walks the
-// lists: toml_reader.h fills a SceneConfig from a file, toml_writer.h prints one, key_reference.h writes the
-// reference of the format. V offers
+// Common part of the lists of keys (../keys/). A visitor V walks the lists: toml_reader.h fills a SceneConfig
+// from a file, toml_writer.h prints one, key_reference.h writes the reference of the format. V offers
 //   value, unit_vector, attitude, inertia, one_of   a key and its member
 //   path         a file in the folder of the file being read, or below; returns its path
 //   either       two spellings of one number: value, or other * unit_of_other; else the fallback

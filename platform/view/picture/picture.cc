@@ -22,7 +22,7 @@ Colour between(const Colour& a, const Colour& b, double s) {
   return c;
 }
 
-/// What there is to look at, as in the page: all that has an end, as the scene begins.
+/// Sets centre and extent as in the page: the bounds of all finite solids at the start of the scene.
 void set_bounds(const SceneConfig& scene, const Drawing& drawing, Picture& picture) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
   const auto add = [&](const Vec3& p) {
@@ -76,7 +76,8 @@ class PictureBuilder {
   }
 
  private:
-  /// A device is drawn at each driven body; one that takes hold of bodies, at the one that it holds.
+  /// True if the device is drawn at this body: at each driven body, or at the held one if the device grips
+  /// bodies.
   bool is_shown(std::size_t body) const {
     return takes_hold(scene_) ? record_.held == body : std::ranges::find(driven_, body) != driven_.end();
   }

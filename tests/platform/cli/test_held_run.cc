@@ -80,7 +80,7 @@ TEST(HeldRun, WhatTheKernelKeptIsInTheSummary) {
   RunReport report = make_report(options, run, result, {});
   ASSERT_FALSE(report.buses.empty());
   EXPECT_THAT(summary_of(report), Not(HasSubstr("WARNING                    can0: /dev")));
-  report.buses[0].slowness = "/dev/ttyACM0: 7 reads or writes of this terminal were kept";
+  report.buses[0].slowness = "/dev/ttyACM0: 7 reads or writes of this terminal were delayed";
   EXPECT_THAT(summary_of(report), HasSubstr("7 reads or writes"));
 }
 

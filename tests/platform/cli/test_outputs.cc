@@ -61,7 +61,7 @@ TEST_F(BackgroundFiles, NobodyWhoReadsKeepsNobody) {
   EXPECT_FALSE(file.write(std::string(2 * room, '\n'))) << "no room: all of it is left out";
   const BackgroundFile::Result result = file.close(Clock::now() + milliseconds(100));
   EXPECT_LT(Clock::now() - begin, milliseconds(1500));
-  EXPECT_THAT(result.why, HasSubstr("took no more"));
+  EXPECT_THAT(result.why, HasSubstr("accepted no more"));
   EXPECT_EQ(result.lost_lines, 10 + 2 * room);
 }
 

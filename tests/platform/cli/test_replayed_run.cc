@@ -111,7 +111,7 @@ TEST_F(ReplayedRun, WhatCannotBeReplayedIsSaid) {
   EXPECT_THAT(result.output, HasSubstr("holds no frame of the scene's buses"));
   result = replay(scene, "can0=replay:" + log + ",can3 --bus can1=replay:" + log);
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.output, HasSubstr("holds nothing of can3"));
+  EXPECT_THAT(result.output, HasSubstr("holds no frame of can3"));
   result = replay(scene, "can0=replay:" + log + " --bus can1=pty");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, HasSubstr("do not go together"));

@@ -198,7 +198,7 @@ TEST_F(LogOfARig, ComplaintsNameTheFileAndTheLine) {
   EXPECT_THAT(link.read(std::vector<LogSource>(2, {.path = path("none.log"), .interface = ""})),
               HasSubstr("cannot"));
   EXPECT_THAT(link.read(std::vector<LogSource>(2, {.path = path("run.log"), .interface = "can5"})),
-              HasSubstr("holds nothing of can5"));
+              HasSubstr("holds no frame of can5"));
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ void die(const Wire& wire, const Defect& defect) {
 
 TEST(LastResort, TerminateWritesTheLastFrames) {
   const Wire wire;
-  EXPECT_EXIT(die(wire, [] { std::terminate(); }), KilledBySignal(SIGABRT), "the drives were told");
+  EXPECT_EXIT(die(wire, [] { std::terminate(); }), KilledBySignal(SIGABRT), "the drives were commanded");
   EXPECT_EQ(wire.text(), "first second");
 }
 
@@ -70,14 +70,14 @@ TEST(LastResort, TheRestOfACutLineComesFirst) {
         const LastResort last({words});
         std::terminate();
       },
-      KilledBySignal(SIGABRT), "the drives were told");
+      KilledBySignal(SIGABRT), "the drives were commanded");
   EXPECT_EQ(wire.text(), "4400000000\rfirst second");
 }
 
 TEST(LastResort, AnExceptionThatEscapesWritesTheLastFrames) {
   const Wire wire;
   const auto escape = [] { std::thread([] { throw std::runtime_error("torn"); }).join(); };
-  EXPECT_EXIT(die(wire, escape), KilledBySignal(SIGABRT), "torn; the drives were told");
+  EXPECT_EXIT(die(wire, escape), KilledBySignal(SIGABRT), "torn; the drives were commanded");
   EXPECT_EQ(wire.text(), "first second");
 }
 
@@ -100,7 +100,7 @@ TEST(LastResort, AStackOverflowWritesTheLastFrames) {
                     const char begin = 1;
                     static_cast<void>(recurse(&begin, 1u << 20));
                   }),
-              KilledBySignal(SIGSEGV), "ended by SIGSEGV; the drives were told");
+              KilledBySignal(SIGSEGV), "ended by SIGSEGV; the drives were commanded");
   EXPECT_EQ(wire.text(), "first second");
 }
 
@@ -114,7 +114,7 @@ TEST(LastResort, ABusThatTakesNothingDoesNotKeepTheOthers) {
         const LastResort last({full.words(), {.descriptor = -1, .writes = {"lost"}}, wire.words()});
         std::terminate();
       },
-      KilledBySignal(SIGABRT), "the drives were told");
+      KilledBySignal(SIGABRT), "the drives were commanded");
   EXPECT_EQ(wire.text(), "first second");
 }
 

@@ -58,7 +58,7 @@ TEST(Passivity, ALightDeviceWithDampingInSoftwareIsNamedWithWhatToLower) {
   const std::vector<std::string> warnings = passivity_warnings(result);
   ASSERT_THAT(warnings, SizeIs(3));
   EXPECT_THAT(warnings, Each(HasSubstr("needs 2.69 N s/m of its own damping and has 0.01")));
-  EXPECT_THAT(warnings, Each(HasSubstr("lower its stiffness to 5.3 % of what it is")));
+  EXPECT_THAT(warnings, Each(HasSubstr("lower its stiffness to 5.3 % of its present value")));
   EXPECT_THAT(warnings, Each(HasSubstr("feedback damping alone: from 0.828 N s/m on")));
 }
 
