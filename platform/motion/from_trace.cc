@@ -95,11 +95,11 @@ TraceMotion motion_of_trace(const CsvTable& table, const std::string& file, cons
              "' requires: give the trace of this scene"}};
   }
   for (const std::string& target : targets) {
-    if (!takes_hold(scene)) columns.add(target + ".engaged", target + ".engaged");
+    if (!grips_bodies(scene)) columns.add(target + ".engaged", target + ".engaged");
     if (scene.device && scene.device->kind == DeviceKind::relative)
       columns.add(target + ".clutch", target + ".clutch");
   }
-  if (takes_hold(scene))
+  if (grips_bodies(scene))
     columns.add("held", "hold", [&](double held) {
       const bool is_body = held >= 0 && held < static_cast<double>(scene.bodies.size());
       return is_body ? scene.bodies[static_cast<std::size_t>(held)].name : std::string("-");

@@ -53,7 +53,7 @@ Motion::Motion(const SceneConfig& scene) : built_in_(scene.motion) {
   for (const std::size_t body : driven_bodies(scene)) starts_.push_back(scene.bodies[body].X_WB);
   starts_.resize(motion_targets(scene).size());
   handles_.resize(starts_.size());
-  if (takes_hold(scene)) take_holds(scene);
+  if (grips_bodies(scene)) take_holds(scene);
   const KinematicTreeParams* const tree = device_tree(scene);
   if (tree == nullptr) return;
   tree_.emplace(*tree);

@@ -1,5 +1,5 @@
-// Motion of the hand as a function of time: the target of every driven body, or the wrench on it, and the
-// switches of the device.
+// Motion of the hand as a function of time. It gives the target of every driven body, or the wrench on it,
+// and the switches of the device.
 #pragma once
 
 #include <optional>

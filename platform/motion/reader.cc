@@ -61,7 +61,7 @@ class MotionReader {
   std::vector<std::string> pose_columns() const { return columns_of_bodies(pose_suffixes); }
   std::vector<std::string> wrench_columns() const { return columns_of_bodies(wrench_suffixes); }
   std::vector<std::string> switch_columns() const {
-    if (!takes_hold(scene_)) return columns_of_bodies(switch_suffixes);
+    if (!grips_bodies(scene_)) return columns_of_bodies(switch_suffixes);
     std::vector<std::string> columns = columns_of_bodies(holding_switch_suffixes);
     columns.emplace_back(button_column);
     return columns;
@@ -172,7 +172,7 @@ class MotionReader {
   }
 
   void check_holds() {
-    if (!takes_hold(scene_)) {
+    if (!grips_bodies(scene_)) {
       if (table_.find(hold_column))
         log_.error(
             {1, 1},
@@ -323,7 +323,7 @@ class MotionReader {
         if (clutch) values[row].clutch = table_.at(row, *clutch) == 1;
       }
     }
-    if (takes_hold(scene_) && table_.find(button_column))
+    if (grips_bodies(scene_) && table_.find(button_column))
       for (const double value : numbers(button_column)) motion_.buttons_.push_back(value == 1);
   }
 

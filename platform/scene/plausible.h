@@ -18,8 +18,8 @@ inline constexpr double max_hand_speed = 5;                        // m/s
 
 std::string doubt_of_gyration(const BodyConfig& body);
 /// Estimates the volume as the larger one of the shapes and of the spheres' bounding box. Without shapes, or
-/// with mass beyond them, its bounds are the homogeneous ellipsoid of the body's mass and inertia, and the
-/// ball of its radius of gyration.
+/// with mass beyond them, the volume has bounds. They are the homogeneous ellipsoid of the body's mass and
+/// inertia, and the ball of its radius of gyration.
 std::string doubt_of_density(const BodyConfig& body);
 /// thickness: thickness of the net, m; 0: not checked.
 std::string doubt_of_density(double surface_density, double thickness);

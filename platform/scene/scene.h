@@ -135,7 +135,7 @@ struct MotionConfig {
   Vec3 angle_amplitude = Vec3::Zero(), angle_frequency_hz = Vec3::Zero(),
        angle_phase = Vec3::Zero();  // rad (z, y, x)
   Pose X_WD;                        // centre of the motion
-  // Wrench of the hand for admittance devices, which take no pose, in world axes about the body's origin:
+  // Wrench of the hand for admittance devices, which take no pose, in world axes about the body's origin.
   // f(t) = F sin(2 pi f t + phase), tau(t) = T sin(2 pi f t + phase) per axis (x, y, z).
   Vec3 force_amplitude = Vec3::Zero(), torque_amplitude = Vec3::Zero();  // N, N m
   // Motions of the device's joints instead of the target's pose: each handle moves its body. Other joints
@@ -192,14 +192,14 @@ inline std::optional<std::size_t> body_named(const SceneConfig& scene, const std
 }
 
 /// True if the device grips and releases coupled bodies, one at a time; otherwise it is tied to them.
-inline bool takes_hold(const SceneConfig& scene) {
+inline bool grips_bodies(const SceneConfig& scene) {
   return scene.device && (!scene.device->holds.empty() || scene.device->grab_radius ||
                           (scene.motion && !scene.motion->holds.empty()));
 }
 
 /// Returns the names of motion columns: the driven bodies; the device if it grips bodies.
 inline std::vector<std::string> motion_targets(const SceneConfig& scene) {
-  if (takes_hold(scene)) return {scene.device->name};
+  if (grips_bodies(scene)) return {scene.device->name};
   std::vector<std::string> names;
   for (const std::size_t body : driven_bodies(scene)) names.push_back(scene.bodies[body].name);
   return names;
@@ -218,7 +218,7 @@ inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConf
   std::vector<std::optional<std::size_t>> by_handle;
   const KinematicTreeParams* const tree = device_tree(scene);
   if (tree == nullptr) return by_handle;
-  if (takes_hold(scene)) return {0};
+  if (grips_bodies(scene)) return {0};
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const HandleParams& handle : tree->handles) {
     by_handle.emplace_back();
@@ -242,7 +242,7 @@ inline RigParams rig_of(const SceneConfig& scene) {
 
 /// Returns the index in motion_targets() of a tracker's tool.
 inline std::size_t driven_by_tool(const SceneConfig& scene, const TrackedToolParams& tool) {
-  if (takes_hold(scene)) return 0;
+  if (grips_bodies(scene)) return 0;
   const std::vector<std::size_t> driven = driven_bodies(scene);
   std::size_t i = 0;
   while (i < driven.size() && scene.bodies[driven[i]].name != tool.body) ++i;

@@ -9,8 +9,8 @@
 namespace godobject {
 namespace {
 
-/// Returns TR-BDF2 where it is of second order. Among bodies that touch each other nearly every step has a
-/// contact that becomes active or inactive, and is of first order (docs/decisions/046-default-integrator.md).
+/// Returns TR-BDF2 where it is of second order. Among bodies that touch each other nearly every step is of
+/// first order, because a contact becomes active or inactive (docs/decisions/046-default-integrator.md).
 std::string default_integrator(const SceneConfig& scene) {
   return contact_scope(scene) == ContactScope::bodies ? "implicit-euler" : "tr-bdf2";
 }

@@ -102,7 +102,7 @@ class Search {
   void of_boxes(const Surface& a, const Surface& b) {
     if (a.shape.kind != ShapeKind::box || b.shape.kind != ShapeKind::box || tools_[a.body] == tools_[b.body])
       return;
-    if (imposed(a.body) && imposed(b.body)) return;
+    if (is_prescribed(a.body) && is_prescribed(b.body)) return;
     const double T = std::min(a.shape.half_extents.minCoeff(), b.shape.half_extents.minCoeff());
     const Springs springs = springs_between(a.body, b.body, contacts_.laws[a.material][b.material].k);
     keep({.what =
@@ -119,7 +119,7 @@ class Search {
   }
 
   /// True if the body is placed at its target, regardless of contacts.
-  bool imposed(std::size_t body) const {
+  bool is_prescribed(std::size_t body) const {
     return scene_.coupling == CouplingMode::imposed && sums_[body].k_c > 0;
   }
 
@@ -141,14 +141,14 @@ class Search {
       springs.mass = springs.mass * sums_[other].mass / (springs.mass + sums_[other].mass);
       springs.k_c = std::max(springs.k_c, sums_[other].k_c);
     }
-    if (imposed(body) || (other != world && imposed(other))) springs.k_c = infinite;
+    if (is_prescribed(body) || (other != world && is_prescribed(other))) springs.k_c = infinite;
     return springs;
   }
 
-  /// Bounds the travel of an imposed body, which nothing stops. It passes obstacles at any speed, but must
+  /// Bounds the travel of a prescribed body, which nothing stops. It passes obstacles at any speed, but must
   /// touch a movable body in some step.
-  void take_imposed(const BodySphere& sphere, std::size_t other, double depth, const std::string& name) {
-    if (other == world || (imposed(sphere.body) && imposed(other))) return;
+  void take_prescribed(const BodySphere& sphere, std::size_t other, double depth, const std::string& name) {
+    if (other == world || (is_prescribed(sphere.body) && is_prescribed(other))) return;
     keep({.what = what(sphere, name), .travel = depth / scene_.step, .energy = infinite, .hand = infinite});
   }
 
@@ -163,8 +163,8 @@ class Search {
   void take(const BodySphere& sphere, MaterialId material, std::size_t other, double T,
             const std::string& name) {
     const double k = contacts_.laws[sphere.material][material].k, depth = sphere.radius + T;
-    if (imposed(sphere.body) || (other != world && imposed(other)))
-      return take_imposed(sphere, other, depth, name);
+    if (is_prescribed(sphere.body) || (other != world && is_prescribed(other)))
+      return take_prescribed(sphere, other, depth, name);
     const Springs springs = springs_between(sphere.body, other, k);
     keep({.what = what(sphere, name),
           .travel = depth / scene_.step,

@@ -1,6 +1,6 @@
 // Speed up to which the contacts of a scene let nothing pass.
 //
-// A sphere of radius r touches a solid that is 2 T thick at its thinnest: T is half a box's shortest edge, or
+// A sphere of radius r touches a solid that is 2 T thick at its thinnest. T is half a box's shortest edge, or
 // the radius of a sphere or capsule. For a mesh it is at most the reach of a query inside; for a plane it is
 // infinite. Beyond the middle the nearest surface is the far one, where the contact pushes the sphere out. So
 //
@@ -21,8 +21,8 @@
 // k: stiffness of one sphere's contact, without damping.
 //
 // A hand that keeps pushing has a bound of its own. Its target x_H deep is held if the coupling k_c balances
-// the contact at less than r + T: x_H < (r + T) (1 + k / k_c). A body placed at its target by coupling =
-// "imposed" is stopped by nothing. Only the travel bounds it, and only against bodies that it can push.
+// the contact at less than r + T: x_H < (r + T) (1 + k / k_c). A prescribed body, placed at its target
+// in every step, is stopped by nothing. Only the travel bounds it, and only against bodies that it can push.
 //
 // Not included: shapes that touch others only with spheres (contact/spheres_alone.h), and nodes of nets.
 // Obstacles stop nodes at any speed. But the carrier and other nodes pull them on by springs, with a force

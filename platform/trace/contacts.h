@@ -1,6 +1,9 @@
-// Contacts of a run as CSV: a row for each contact with a force in a step. Columns: t, body and on (names;
-// for a node the name of its net), contact point x y z, normal nx ny nz off `on`, force fx fy fz on `body`.
-// World frame, SI.
+// Contacts of a run as CSV: a row for each contact with a force in a step. World frame, SI. Columns:
+//   t
+//   body, on      names; for a node the name of its net
+//   x y z         contact point
+//   nx ny nz      normal off `on`
+//   fx fy fz      force on `body`
 #pragma once
 
 #include <span>

@@ -27,7 +27,7 @@ void add_dialogue_options(CLI::App& verb, DialogueOptions& options);
 
 class BusDialogue {
  public:
-  /// Opens the bus to receive the frames that match `wanted`. On failure prints the reason to stderr and
+  /// Opens the bus to receive the frames that match a filter. On failure prints the reason to stderr and
   /// returns its exit code.
   ExitCode open(const DialogueOptions& options, std::span<const CanFilter> wanted);
   /// As above, for answers that share one COB-ID.

@@ -20,7 +20,7 @@ class StatusLine {
 
  private:
   void show(const CycleRecord& record);
-  void say(const CycleRecord& record);
+  void print_hold(const CycleRecord& record);
 
   BackgroundFile& console_;
   bool quiet_;

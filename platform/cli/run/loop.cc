@@ -69,7 +69,7 @@ class StopNotices {
   StopNotices(const StopSignals& signals, RunEvents& events) : signals_(signals), events_(events) {}
 
   void look(double t_s) {
-    if (signals_.requested() && !std::exchange(told_, true))
+    if (signals_.requested() && !std::exchange(announced_, true))
       events_.tell(RunEventKind::stop, t_s,
                    std::string(signals_.name()) + ": the torque runs down, then the drives are turned off",
                    "send it again for a quick stop");
@@ -80,7 +80,7 @@ class StopNotices {
  private:
   const StopSignals& signals_;
   RunEvents& events_;
-  bool told_ = false, insisted_ = false;
+  bool announced_ = false, insisted_ = false;
 };
 
 /// Moves cycles and frames from the rings to the files, the status line and the console.

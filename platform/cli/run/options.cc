@@ -308,14 +308,14 @@ PreparedRun prepare(const RunOptions& options) {
   if (!motion || !run.errors.empty()) return run;
 
   constexpr double until_stopped = 1e6;  // s
-  const bool led_by_hand = options.view_input || options.spacemouse;
-  const double of_scene = led_by_hand ? until_stopped : motion->end().value_or(scene.duration);
+  const bool moved_by_hand = options.view_input || options.spacemouse;
+  const double of_scene = moved_by_hand ? until_stopped : motion->end().value_or(scene.duration);
   const double duration = options.duration.value_or(of_scene);
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm,
               .quiet = options.quiet};
   check_passivity(options, scene, *motion, run);
-  const bool follows_motion = !led_by_hand && run.buses.choice != BusChoice::real;
+  const bool follows_motion = !moved_by_hand && run.buses.choice != BusChoice::real;
   const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;
   if (follows_motion && !motion_targets(scene).empty())
     check_speed(scene, *motion, duration, speed_of, run.warnings);

@@ -12,10 +12,10 @@
 
 namespace godobject {
 
-/// Applies the values of --tracker: NAME=PORT for each tracker of the scene, a port alone for a single
-/// tracker, or "scene" for the scene's ports. Writes the ports into the scene, and plans a device without
-/// buses as `real`. Default: trackers are simulated. Trackers share the clock of the buses, so real trackers
-/// with simulated buses are an error.
+/// Applies the values of --tracker. Each is NAME=PORT, or a port alone for a single tracker, or "scene" for
+/// the scene's ports. Writes the ports into the scene, and plans a device without buses as `real`. Default:
+/// trackers are simulated. Trackers share the clock of the buses, so real trackers with simulated buses are
+/// an error.
 void plan_trackers(std::span<const std::string> given, bool buses_are_given, SceneConfig& scene,
                    BusPlan& plan, std::vector<std::string>& errors);
 

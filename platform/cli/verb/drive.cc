@@ -88,7 +88,7 @@ ExitCode print_status(const DriveOptions& options) {
   return complete ? ExitCode::ok : ExitCode::fault;
 }
 
-/// Waits until `wanted` accepts the drive's state, for at most `patience`. Returns none if there is no
+/// Waits for an accepted state of the drive, for at most `patience`. Returns none if there is no
 /// answer.
 template <class Wanted>
 std::optional<DriveState> wait_for(DriveDialogue& drive, Nanoseconds patience, const Wanted& wanted) {

@@ -128,7 +128,7 @@ class LssCall {
   BusDialogue bus_;
 };
 
-ExitCode say(bool ok, const char* what) {
+ExitCode print_outcome(bool ok, const char* what) {
   if (ok) std::printf("%s\n", what);
   return ok ? ExitCode::ok : ExitCode::fault;
 }
@@ -170,9 +170,10 @@ ExitCode set_node_id(const LssOptions& options) {
     return ExitCode::fault;
   }
   const bool ok = call.set_node_id(options.node_id) && call.leave();
-  return say(ok,
-             "set; in effect after the node's communication is reset; to keep it without power: godobject "
-             "lss store");
+  return print_outcome(
+      ok,
+      "set; in effect after the node's communication is reset; to keep it without power: godobject "
+      "lss store");
 }
 
 ExitCode set_bit_rate(const LssOptions& options) {
@@ -190,16 +191,17 @@ ExitCode set_bit_rate(const LssOptions& options) {
   if (options.activate_ms) {
     // This side has the wrong rate from here on, so it cannot switch the node out of configuration mode.
     ok = ok && call.store() && call.activate(*options.activate_ms);
-    return say(ok, "stored and activated: set the interface to the new bit rate, and reset the node");
+    return print_outcome(ok,
+                         "stored and activated: set the interface to the new bit rate, and reset the node");
   }
   ok = ok && call.leave();
-  return say(ok, "set; in effect once stored (godobject lss store) and the node's power was off");
+  return print_outcome(ok, "set; in effect once stored (godobject lss store) and the node's power was off");
 }
 
 ExitCode store(const LssOptions& options) {
   LssCall call(options);
   if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
-  return say(call.select() && call.store() && call.leave(), "stored");
+  return print_outcome(call.select() && call.store() && call.leave(), "stored");
 }
 
 }  // namespace

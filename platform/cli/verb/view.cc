@@ -93,9 +93,9 @@ bool add_nets(const ViewOptions& options, Recording& recording) {
 RecordingResult read_trace_of(const std::string& path, const SceneConfig& scene) {
   RecordingResult result = read_trace(path, scene);
   if (result.recording) return result;
-  SceneConfig led = scene;
-  lead_by_pointer(led);
-  RecordingResult of_pointer = read_trace(path, led);
+  SceneConfig moved = scene;
+  lead_by_pointer(moved);
+  RecordingResult of_pointer = read_trace(path, moved);
   return of_pointer.recording ? of_pointer : result;
 }
 

@@ -187,8 +187,8 @@ void visit_button(V& v, const RigNames& names, ButtonParams& b) {
   v.value(Key{"active_low", "", "true if the input is 0 while pressed"}, b.active_low);
 }
 
-/// Default mechanics of a slider: 0.1 kg and 1 N s/m, equal to a hinge's 1e-3 kg m^2 and 1e-2 N m s/rad on a
-/// lever of 0.1 m, held by an arm of about 500 N/m.
+/// Default mechanics of a slider, equal to those of a hinge of 1e-3 kg m^2 and 1e-2 N m s/rad on a lever of
+/// 0.1 m. The arm has about 500 N/m.
 inline constexpr JointPlant plant_of_sliders{
     .inertia = 0.1, .damping = 1, .friction = 0.01, .hand_stiffness = 500, .hand_damping = 10};
 

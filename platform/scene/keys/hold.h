@@ -63,7 +63,7 @@ template <class V>
 void check_holding(V& v, const SceneConfig& s) {
   v.check(s.device || !s.motion || s.motion->holds.empty(), "motion",
           "has holds, which require a [device]: add one, or remove the holds");
-  if (!takes_hold(s)) return;
+  if (!grips_bodies(s)) return;
   v.check(s.device->kind != DeviceKind::admittance, "device",
           "of kind \"admittance\" has no pose at which it could hold a body: remove 'holds', 'grab_radius' "
           "and [[motion.hold]]");

@@ -233,14 +233,14 @@ inline std::vector<std::string> device_joints(const SceneConfig& s) {
 /// Removes the tool's joints from a device that grips bodies, since it has one handle, unless a motion moves
 /// them.
 inline void drop_idle_tree(SceneConfig& s) {
-  if (!takes_hold(s) || !s.device->unmeasured_tree) return;
+  if (!grips_bodies(s) || !s.device->unmeasured_tree) return;
   const bool moved = s.motion && !s.motion->joints.empty();
   if (!moved && s.device->unmeasured_tree->handles.size() > 1) s.device->unmeasured_tree.reset();
 }
 
-/// Checks that the device has the coordinates of imposed joints.
+/// Checks that the device has the coordinates of prescribed joints.
 template <class V>
-void check_imposed(V& v, const SceneConfig& s) {
+void check_prescribed_joints(V& v, const SceneConfig& s) {
   const std::vector<std::string> of_device = device_joints(s);
   for (const JointConfig& joint : s.joints) {
     if (!joint.imposed) continue;
@@ -269,7 +269,7 @@ void check_coupling_mode(V& v, const SceneConfig& s) {
 template <class V>
 void check_scene(V& v, const SceneConfig& s) {
   const auto coupled = [](const BodyConfig& b) { return b.coupling.has_value(); };
-  check_imposed(v, s);
+  check_prescribed_joints(v, s);
   check_coupling_mode(v, s);
   check_holding(v, s);
   const auto with_feedback = [](const BodyConfig& b) { return b.feedback.has_value(); };

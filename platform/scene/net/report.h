@@ -13,10 +13,10 @@ namespace godobject {
 /// Fastest: 1 / omega, omega^2 <= max_i (2 sum_j k_ij + k_i) / m_i by Gershgorin's theorem on M^-1 K.
 ///
 /// Slowest: an eigenvector of M x'' + G x' + K x = 0 has the polynomial p(s) = m s^2 - g s + k of its decay
-/// rate s. p is a sum of terms, each times a square: p_i(s) = m_i s^2 - g_i s + k_i of each node on its anchor,
-/// and k_s - g_s s of each spring. An oscillating mode has s = g / 2m >= min_i g_i / 2 m_i. A creeping mode
-/// has p(s) = 0. Below the slower real roots of all p_i and below k_s / g_s of all springs no term is
-/// negative, and some p_i(s) > 0. So
+/// rate s. p is a sum of terms, each times a square: p_i(s) = m_i s^2 - g_i s + k_i of each node on its
+/// anchor, and k_s - g_s s of each spring. An oscillating mode has s = g / 2m >= min_i g_i / 2 m_i. A
+/// creeping mode has p(s) = 0. Below the slower real roots of all p_i and below k_s / g_s of all springs no
+/// term is negative, and some p_i(s) > 0. So
 ///
 ///   1 / s <= max(time constant of the slowest node on its anchor alone, largest g_s / k_s of all springs)
 ///

@@ -36,8 +36,8 @@ CsvTable CsvTable::selected(std::span<const CsvColumn> columns) const {
 /// Parses the text in one pass, line by line.
 class CsvParser {
  public:
-  CsvParser(const std::string& file, std::string_view word_column, const CsvWanted& wanted)
-      : log_(file), word_column_(word_column), wanted_(wanted) {}
+  CsvParser(const std::string& file, std::string_view word_column, const CsvWanted& keeps)
+      : log_(file), word_column_(word_column), keeps_(keeps) {}
 
   CsvResult parse(std::string_view text) {
     if (text.starts_with(utf8_byte_order_mark)) text.remove_prefix(utf8_byte_order_mark.size());
@@ -88,7 +88,7 @@ class CsvParser {
   }
 
   void add_column(std::string_view name, std::uint32_t column) {
-    is_kept_.push_back(!wanted_ || wanted_(name));
+    is_kept_.push_back(!keeps_ || keeps_(name));
     if (!is_kept_.back()) return;
     if (table_.columns_.size() == max_columns)
       error(column, "more than " + std::to_string(max_columns) + " columns");
@@ -121,7 +121,7 @@ class CsvParser {
 
   Diagnostics log_;
   std::string_view word_column_;
-  const CsvWanted& wanted_;
+  const CsvWanted& keeps_;
   std::vector<bool> is_kept_;  // for each column of the file
   CsvTable table_;
   std::uint32_t line_ = 0;
@@ -129,8 +129,8 @@ class CsvParser {
 };
 
 CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column,
-                    const CsvWanted& wanted) {
-  return CsvParser(file, word_column, wanted).parse(text);
+                    const CsvWanted& keeps) {
+  return CsvParser(file, word_column, keeps).parse(text);
 }
 
 CsvResult read_csv(const std::string& path, std::string_view word_column, std::size_t max_bytes) {

@@ -52,9 +52,9 @@ CsvResult read_csv(const std::string& path, std::string_view word_column = {},
                    std::size_t max_bytes = max_csv_bytes);
 /// As read_csv for a text.
 /// file: name in messages.
-/// wanted: returns true for names of columns to keep; others are not counted. Null: all are kept.
+/// keeps: returns true for names of columns to keep; others are not counted. Null: all are kept.
 using CsvWanted = std::function<bool(std::string_view)>;
 CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column = {},
-                    const CsvWanted& wanted = nullptr);
+                    const CsvWanted& keeps = nullptr);
 
 }  // namespace godobject

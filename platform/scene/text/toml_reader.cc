@@ -127,17 +127,17 @@ std::optional<double> TomlReader::number(const Key& key, const toml::node& node)
   } else if (const auto* whole = node.as_integer()) {
     x = static_cast<double>(whole->get());
   } else {
-    error(node, said(key.name, "must be a number" + with_unit(key) + ", not " + article_and_type(node)));
+    error(node, sentence(key.name, "must be a number" + with_unit(key) + ", not " + article_and_type(node)));
     return std::nullopt;
   }
   if (!std::isfinite(x)) {
-    error(node, said(key.name, "must be finite"));
+    error(node, sentence(key.name, "must be finite"));
     return std::nullopt;
   }
   if (!key.range.contains(x)) {
     const std::string written = node.is_integer() ? std::to_string(node.as_integer()->get()) : shortest(x);
-    error(node, said(key.name, "is " + written + ", out of range: admissible is " + to_string(key.range) +
-                                   with_unit(key)));
+    error(node, sentence(key.name, "is " + written + ", out of range: admissible is " + to_string(key.range) +
+                                       with_unit(key)));
     return std::nullopt;
   }
   return x;
@@ -153,7 +153,7 @@ std::optional<std::int64_t> TomlReader::integer(const Key& key) {
   const toml::node* node = find(key);
   if (!node) return std::nullopt;
   if (!node->is_integer()) {
-    error(*node, said(key.name, "must be an integer, not " + article_and_type(*node)));
+    error(*node, sentence(key.name, "must be an integer, not " + article_and_type(*node)));
     return std::nullopt;
   }
   if (!number(key, *node)) return std::nullopt;
@@ -166,7 +166,7 @@ void TomlReader::value(const Key& key, std::string& x) {
   if (const auto* text = node->as_string()) {
     x = text->get();
   } else {
-    error(*node, said(key.name, "must be a string, not " + article_and_type(*node)));
+    error(*node, sentence(key.name, "must be a string, not " + article_and_type(*node)));
   }
 }
 
@@ -174,8 +174,8 @@ std::vector<double> TomlReader::numbers(const Key& key, const toml::node& node, 
   const toml::array* array = node.as_array();
   if (!array || array->size() != n) {
     const std::string is = array ? std::to_string(array->size()) + " of them" : article_and_type(node);
-    error(node, said(key.name, "must be an array of " + std::to_string(n) + " numbers" + with_unit(key) +
-                                   ", not " + is));
+    error(node, sentence(key.name, "must be an array of " + std::to_string(n) + " numbers" + with_unit(key) +
+                                       ", not " + is));
     return {};
   }
   std::vector<double> values;
@@ -199,7 +199,7 @@ void TomlReader::value(const Key& key, bool& x) {
   if (const auto* yes = node->as_boolean()) {
     x = yes->get();
   } else {
-    error(*node, said(key.name, "must be true or false, not " + article_and_type(*node)));
+    error(*node, sentence(key.name, "must be true or false, not " + article_and_type(*node)));
   }
 }
 
@@ -229,12 +229,12 @@ void TomlReader::value(const Key& key, std::vector<std::string>& x) {
   if (!node) return;
   const toml::array* array = node->as_array();
   if (!array || !std::ranges::all_of(*array, [](const toml::node& n) { return n.is_string(); })) {
-    error(*node, said(key.name, "must be an array of strings"));
+    error(*node, sentence(key.name, "must be an array of strings"));
     return;
   }
   if (array->size() > max_strings) {
-    error(*node, said(key.name, "has " + std::to_string(array->size()) + " strings; at most " +
-                                    std::to_string(max_strings) + " are possible"));
+    error(*node, sentence(key.name, "has " + std::to_string(array->size()) + " strings; at most " +
+                                        std::to_string(max_strings) + " are possible"));
     return;
   }
   x.clear();
@@ -270,7 +270,7 @@ void TomlReader::unit_vector(const Key& key, Vec3& x) {
   if (values.empty()) return;
   const Vec3 a(values[0], values[1], values[2]);
   if (std::abs(a.norm() - 1) > unit_tolerance) {
-    error(*node, said(key.name, "must have length 1; its length is " + shortest(a.norm())));
+    error(*node, sentence(key.name, "must have length 1; its length is " + shortest(a.norm())));
     return;
   }
   x = std::abs(a.norm() - 1) > rounding ? a.normalized().eval() : a;
@@ -284,7 +284,7 @@ void TomlReader::attitude(const Key& key, Quat& q) {
   const Quat read(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
   if (std::abs(read.norm() - 1) > unit_tolerance) {
     error(*node,
-          said(key.name, "must be a unit quaternion [w, x, y, z]; its norm is " + shortest(read.norm())));
+          sentence(key.name, "must be a unit quaternion [w, x, y, z]; its norm is " + shortest(read.norm())));
     return;
   }
   q = std::abs(read.norm() - 1) > rounding ? Quat(read.normalized()) : read;
@@ -293,7 +293,7 @@ void TomlReader::attitude(const Key& key, Quat& q) {
 std::optional<Mat3> TomlReader::matrix(const Key& key, const toml::node& node) {
   const toml::array* rows = node.as_array();
   if (!rows || rows->size() != 3) {
-    error(node, said(key.name, "must be 3 principal moments or a 3x3 matrix" + with_unit(key)));
+    error(node, sentence(key.name, "must be 3 principal moments or a 3x3 matrix" + with_unit(key)));
     return std::nullopt;
   }
   if (!rows->get(0)->is_array()) {
@@ -316,12 +316,12 @@ void TomlReader::inertia(const Key& key, Mat3& I) {
   const std::optional<Mat3> read = matrix(key, *node);
   if (!read) return;
   if (!is_symmetric(*read)) {
-    error(*node, said(key.name, "must be symmetric"));
+    error(*node, sentence(key.name, "must be symmetric"));
     return;
   }
   const Vec3 moments = principal_moments(*read);
   if (!(moments.x() > 0)) {
-    error(*node, said(key.name, "must be positive definite; " + listed(moments)));
+    error(*node, sentence(key.name, "must be positive definite; " + listed(moments)));
     return;
   }
   I = 0.5 * (*read + read->transpose());
@@ -345,7 +345,7 @@ void TomlReader::one_of(const Key& key, const std::vector<std::string>& names, s
     const std::string near = nearest(text, names);
     const std::string guess = near.empty() ? "" : "; the nearest is \"" + near + "\"";
     error(node,
-          said(key.name, "is \"" + shortened(text) + "\"; admissible is " + quoted_list(names) + guess));
+          sentence(key.name, "is \"" + shortened(text) + "\"; admissible is " + quoted_list(names) + guess));
     return;
   }
   index = static_cast<std::size_t>(found - names.begin());
@@ -357,8 +357,8 @@ const toml::node* TomlReader::subtable(const TableKey& key) {
   const toml::node* node =
       find(Key{.name = key.name, .unit = "", .meaning = key.meaning, .required = key.required});
   if (!node || node->is_table()) return node;
-  error(*node,
-        said(key.name, "must be a table, written [" + path_of(key) + "], not " + article_and_type(*node)));
+  error(*node, sentence(key.name,
+                        "must be a table, written [" + path_of(key) + "], not " + article_and_type(*node)));
   return nullptr;
 }
 
@@ -369,7 +369,7 @@ std::vector<const toml::table*> TomlReader::subtables(const TableKey& key) {
   if (!node) return tables;
   const toml::array* array = node->as_array();
   if (!array || !std::ranges::all_of(*array, [](const toml::node& n) { return n.is_table(); })) {
-    error(*node, said(key.name, "must be an array of tables: write each as [[" + path_of(key) + "]]"));
+    error(*node, sentence(key.name, "must be an array of tables: write each as [[" + path_of(key) + "]]"));
     return tables;
   }
   if (array->size() > key.max) {
@@ -386,11 +386,11 @@ bool TomlReader::understood(std::string_view name) const {
 }
 
 void TomlReader::check(bool ok, std::string_view name, const std::string& what) {
-  if (!ok) log_.error(place_of(name), said(name, what));
+  if (!ok) log_.error(place_of(name), sentence(name, what));
 }
 
 void TomlReader::advise(bool ok, std::string_view name, const std::string& what) {
-  if (!ok) log_.warning(place_of(name), said(name, what));
+  if (!ok) log_.warning(place_of(name), sentence(name, what));
 }
 
 void TomlReader::finish() {
@@ -408,7 +408,7 @@ std::string TomlReader::path_of(const TableKey& key) const {
   return path_.empty() ? std::string(key.name) : path_ + "." + std::string(key.name);
 }
 
-std::string TomlReader::said(std::string_view name, const std::string& what) const {
+std::string TomlReader::sentence(std::string_view name, const std::string& what) const {
   return name.empty() ? what : "'" + std::string(name) + "' " + what;
 }
 

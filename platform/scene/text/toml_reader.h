@@ -78,8 +78,7 @@ class TomlReader {
   bool understood(std::string_view name) const;
   /// Returns the line of the key's value, or of the table if there is none.
   unsigned line_of(std::string_view name) const { return static_cast<unsigned>(place_of(name).line); }
-  /// Checks a rule between keys.
-  /// what: completes a sentence about the key, or is a sentence if name is "".
+  /// Checks a rule between keys. The text completes a sentence about the key, or is a sentence if name is "".
   void check(bool ok, std::string_view name, const std::string& what);
   void advise(bool ok, std::string_view name, const std::string& what);
 
@@ -98,7 +97,7 @@ class TomlReader {
   std::vector<const toml::table*> subtables(const TableKey& key);
 
   std::string path_of(const TableKey& key) const;
-  std::string said(std::string_view name, const std::string& what) const;
+  std::string sentence(std::string_view name, const std::string& what) const;
   TextPosition place_of(std::string_view name) const;
   void error(const toml::node& node, const std::string& what);
 
