@@ -41,7 +41,7 @@ inline AnyDevice::Kind kind_of(const SceneConfig& scene) noexcept {
     case DeviceKind::relative: return AnyDevice::Kind::relative;
     case DeviceKind::admittance: return AnyDevice::Kind::admittance;
   }
-  return takes_hold(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
+  return grips_bodies(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
 }
 
 inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
@@ -81,7 +81,7 @@ inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
 
 inline Real ramp_of(const SceneConfig& scene, const LimitConfig& limits) {
   if (!scene.device || scene.coupling == CouplingMode::imposed) return 0;
-  return takes_hold(scene) ? limits.grab_ramp : limits.ramp;
+  return grips_bodies(scene) ? limits.grab_ramp : limits.ramp;
 }
 
 template <Scene S>

@@ -9,7 +9,7 @@ SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const H
       link_(link),
       driven_(driven_bodies(scene)),
       handle_(driven_.size()),
-      takes_hold_(takes_hold(scene)) {
+      grips_bodies_(grips_bodies(scene)) {
   if (link_ == nullptr) return;
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t k = 0; k < by_handle.size(); ++k)
@@ -25,7 +25,7 @@ void SimulatedTruth::start(std::span<const BodySample> samples) {
 
 /// Returns the exact pose of the handle of this driven body; without a handle, the hand's target.
 Target SimulatedTruth::target(std::size_t driven, double t) const noexcept {
-  const std::size_t index = takes_hold_ ? 0 : driven;
+  const std::size_t index = grips_bodies_ ? 0 : driven;
   if (handle_[index]) return link_->rig().handle(*handle_[index]);
   return hand_->target(index, t);
 }
