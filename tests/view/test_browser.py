@@ -22,7 +22,7 @@ ARGS = arguments()
 FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update "
          "--disable-sync --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=900,620").split()
 TOOL, GHOST = (0xD5, 0x45, 0x2C), (0xE0, 0x8A, 0x1E)
-SLOW = 15  # s: of a page in software, on a busy machine
+SLOW = 15  # s: limit of a page drawn in software, on a busy machine
 
 try:
     from selenium import webdriver
@@ -121,7 +121,8 @@ def print_first_pictures(browser, scene, url):
     print(f"  {scene}: first picture {times[2]:.2f} s after the page is opened, median of 5, {times[0]:.2f} to {times[-1]:.2f} s")
 
 
-# ms: the page's own part of a picture (poses, what is drawn, words), and a picture until a machine without a graphics card has it
+# ms: the page's own share of a picture (poses, drawing, texts), and a complete picture without a graphics
+# card
 COSTS = """(() => {
   const { view, state } = godobject, gl = view.renderer.getContext(), pixel = new Uint8Array(4), n = 30;
   let own = 0, whole = 0;
@@ -322,7 +323,7 @@ def test_a_recording_has_a_slider(browser, folder):
     with ViewedRun(ARGS.program, "view", trace, "--scene", "sim/scenes/wall.toml", folder=folder) as run:
         page = Page(browser, run.url)
         page.js("godobject.player.playing = false, godobject.player.seek(2.5)")
-        # asked for again until it is there; a longer recording is thinned out
+        # repeated until it is there; a longer recording is thinned out
         page.wait("(godobject.player.seek(2.5), Math.abs(godobject.state.frame.t - 2.5) < 0.02 && godobject.target('peg')[0] > 0.09)", "the instant that was asked for")
         assert not page.js("document.getElementById('player').hidden")
         page.js("godobject.player.toggle()")

@@ -76,7 +76,7 @@ def test_what_is_no_pointer(run):
         assert stream.closed() == 1008, payload
         stream.close()
     stream = run.stream()
-    stream.send(pointer(1))  # well formed, and nobody has asked for pointers
+    stream.send(pointer(1))  # well formed, but pointers are not enabled
     stream.frame()
     stream.close()
     wait_for(lambda: "a pointer message was ignored" in run.text(), "the log has the pointer")

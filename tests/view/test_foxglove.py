@@ -71,7 +71,8 @@ def main():
             assert json.loads(stream.message()[1])["op"] == "status", nonsense
         stream.close()
 
-    # under a sanitizer a step of 25 nodes takes most of a millisecond, and a run that misses too many of its periods is held
+    # under a sanitizer a step of 25 nodes takes most of a millisecond, and a run that misses too many periods
+    # is held
     with ViewedRun(ARGS.program, "run", "sim/scenes/net-small.toml", "--bus", "direct", "--view", "--duration", "120", "--step", "0.01") as run:
         result = call(f"ws://{run.host}:{run.port}/stream?token={run.token}", 12, 1e-3)
         assert result.returncode == 0, result.stderr[-2000:]

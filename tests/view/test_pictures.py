@@ -112,7 +112,7 @@ def main():
     godobject("run", "sim/scenes/grasper.toml", "--fast", "--quiet", "--duration", "2", "--record", path("bus.log"))
     godobject("view", path("bus.log"), "--scene", "sim/scenes/grasper.toml", "--picture", path("bus.png"), "--time", "1.5")
     centre(image(path("bus.png"))[0], TOOL)
-    # A log with a gap takes no longer than one without, and one that was cut is shown up to the cut.
+    # A log with a gap takes no longer than one without, and a truncated one is displayed up to the cut.
     lines = open(path("bus.log"), encoding="utf-8").read().splitlines()
     stamp = [float(line[1:line.index(")")]) for line in lines]
     for gap in (3600, 86400, 10_000_000):

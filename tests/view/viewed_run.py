@@ -32,7 +32,7 @@ class ViewedRun:
 
     def __init__(self, program, *args, folder=None):
         self.folder = folder or tempfile.mkdtemp(prefix="godobject-view-")
-        environment = dict(os.environ, XDG_RUNTIME_DIR=self.folder)  # the token is this folder's
+        environment = dict(os.environ, XDG_RUNTIME_DIR=self.folder)  # uses the token of this folder
         self.log_path = os.path.join(self.folder, f"log-{time.monotonic_ns()}")
         self.log = open(self.log_path, "wb")
         self.process = subprocess.Popen([program, *args], cwd=SOURCE, env=environment, stdout=self.log, stderr=self.log)
@@ -81,7 +81,7 @@ class ViewedRun:
                 while part := line.recv(65536):
                     answer += part
             except ConnectionResetError:
-                pass  # dropped, with what it had sent unread
+                pass  # closed by the server, with unread data
         head, _, body = answer.partition(b"\r\n\r\n")
         return int(head.split()[1]) if head else 0, body
 
