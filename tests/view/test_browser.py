@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The view's page in a real browser: the tool is where the run says, the device beyond the wall, the pointer moves it, and the page knows when
-the run is gone and when it is back. Skipped where chromium, chromedriver, selenium, WebGL or the page itself is not there.
+"""The view's page in a real browser: the tool has the pose of the run, the device is beyond the wall, and the
+pointer moves it. The page detects the end and the return of the run. Skipped if chromium, chromedriver,
+selenium, WebGL or the page itself is missing.
 
 usage: test_browser.py --program PATH
 """
@@ -71,7 +72,7 @@ class Page:
                 and "ERR_CONNECTION_REFUSED" not in entry["message"]]
 
     def pixels(self):
-        """Rows of the canvas, drawn this moment."""
+        """Returns the rows of the canvas, drawn now."""
         data = self.js("(() => { godobject.view.render(); return document.getElementById('canvas').toDataURL('image/png'); })()")
         return png_rows(base64.b64decode(data.split(",")[1]))
 
@@ -101,7 +102,7 @@ def png_rows(data):
 
 
 def like(pixel, colour):
-    """Of this hue, in whatever light."""
+    """True for a pixel of this hue, in any light."""
     light = max(pixel) / max(colour)
     return light > 0.4 and all(abs(p - light * c) < 30 for p, c in zip(pixel, colour))
 
@@ -149,7 +150,7 @@ def print_costs(page, scene):
 
 
 def seen_on(page, tool):
-    """Cycle, where the frame has the tool, and where it is drawn."""
+    """Returns the cycle, the tool's position in the frame, and the drawn position."""
     return page.js(f"(godobject.view.update(godobject.state.frame), [godobject.state.frame.cycle, godobject.body('{tool}'), godobject.drawnAt('{tool}')])")
 
 
@@ -248,7 +249,7 @@ def press(browser, kind, key):
 
 
 def hover(browser, page, body):
-    """Moves the pointer onto this body as it is drawn."""
+    """Moves the pointer onto the drawn body."""
     at, width, height = page.js(f"[godobject.pixel(godobject.drawnAt('{body}')), godobject.view.width, godobject.view.height]")
     canvas = browser.find_element("id", "canvas")
     ActionChains(browser, duration=40).move_to_element_with_offset(canvas, int(at["x"] - width / 2), int(at["y"] - height / 2)).perform()

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The official npm client of foxglove.websocket.v1 connects, subscribes and gets the poses. Skipped where there is no node or no client.
+"""The official npm client of foxglove.websocket.v1 connects, subscribes and receives the poses. Skipped
+without node or the client.
 
 usage: test_foxglove.py --program PATH
 """

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Pictures without a browser: what the files hold, and that the device is seen apart from the tool while that is pressed on the wall.
+"""Pictures without a browser: contents of the files; the device is visible apart from the tool while that is
+pressed on the wall.
 
 usage: test_pictures.py --program PATH
 """
@@ -36,7 +37,7 @@ def chunks(data):
 
 
 def image(path):
-    """Rows of pixels, and how many frames there are."""
+    """Returns the rows of pixels and the number of frames."""
     with open(path, "rb") as file:
         parts = list(chunks(file.read()))
     width, height = struct.unpack_from(">II", parts[0][1])
@@ -55,7 +56,7 @@ def image(path):
 
 
 def like(pixel, colour, shade=0.45):
-    """The colour in some light: its channels in the same ratio."""
+    """True if the channels have the colour's ratio, in any light."""
     light = max(pixel) / max(colour)
     return light > shade and all(abs(p - light * c) < 14 for p, c in zip(pixel, colour))
 
