@@ -117,10 +117,10 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   x.tick += 1;
 }
 
-/// One time step of length par.h: from state x and the devices' samples at the end of the step to the new
-/// state and what the devices are to show. A step whose input or result is not finite, or that breaks (58),
-/// is not taken: x
-/// keeps all but the shown wrench, which goes to zero within its rate limit.
+/// Advances a scene by one time step of length h.
+/// x: state, replaced by that at the end of the step. in: samples of the devices at the end of the step.
+/// Returns the outputs for the devices. A step whose input or result is not finite, or that fails (58), leaves x
+/// unchanged but for the displayed wrench, which falls to zero within its rate limit.
 template <Scene S>
 // NOLINTNEXTLINE(readability-function-size): one flat list
 GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,

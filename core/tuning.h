@@ -70,10 +70,10 @@ inline constexpr Real felt_share = 0.01, stiff_joint_share = 0.1;
 /// tests/core/contact/test_pressed_rest.cc.
 inline constexpr Real contact_reach = 0.25;
 /// The cosine between normals below which the contact is another one: the normal has turned round a corner.
-/// tests/core/contact/test_sample_gaps.cc, test_touching_ridges.cc.
+/// tests/core/contact/test_sample_gaps.cc, bodies/test_ridges.cc.
 inline constexpr Real same_contact = 0.5;
 /// Share of the thinnest half extent: edges nearer than that may come to bear a force. This and the next five:
-/// tests/core/contact/bodies/test_edges.cc, test_touching_overlap.cc.
+/// tests/core/contact/bodies/test_edges.cc, bodies/test_overlap.cc.
 inline constexpr Real edge_reach = 0.02;
 /// Share of the half length of an edge: edges that cross nearer to an end are left to the sphere there.
 inline constexpr Real edge_end = 0.01;
@@ -92,17 +92,17 @@ inline constexpr int max_advances = 32;
 /// What is in touch there: of the radius of a sphere, and of the reach of edges.
 inline constexpr Real sweep_tolerance = 0.01, edge_touch = 0.2;
 /// Share of the thinnest half extent: boxes that are deeper in each other are sunk, and part along one axis.
-/// test_touching_overlap.cc, sunk pairs.
+/// bodies/test_overlap.cc, sunk pairs.
 inline constexpr Real sunk_depth = 0.5;
 
 // Rest penetration (35).
 
 /// Multiple of the largest stored penetration by which a body's is relaxed in a stage at most. Bodies that are locked
 /// into each other do not move with it, and solves that stop early may not give all of it back. test_few_blocks.cc,
-/// test_touching_stability.cc: without a bound, cases gain energy.
+/// bodies/test_stability.cc: without a bound, cases gain energy.
 inline constexpr Real max_relaxation = 30;
 /// Stages: between bodies the rest penetration falls below their depth by no more than it is relaxed in so many; nothing
-/// winds up. Against the world it falls on. test_touching_overlap.cc.
+/// winds up. Against the world it falls on. bodies/test_overlap.cc.
 inline constexpr Real max_pushed_steps = 3;
 
 // Room: what is fixed for all scenes.
@@ -120,13 +120,13 @@ inline constexpr std::size_t max_materials = 8;
 // Newton's method over the modes of contacts (29).
 
 /// With fewer some piles gain energy. Bodies on joints need twice as many: what joints take back (18) presses stiff
-/// contacts together. test_touching_stability.cc, test_touching_joint_stability.cc; docs/decisions/022 and 023.
+/// contacts together. bodies/test_stability.cc, bodies/test_joint_stability.cc; docs/decisions/022 and 023.
 inline constexpr int max_newton_iterations = 16, max_newton_iterations_on_joints = 32;
 /// Share of an island's largest normal force: a step whose contact forces miss their laws by more says so. No sweep: ten times what
 /// an iteration that converges may leave. tests/core/contact/bodies/test_solver_limits.cc.
 inline constexpr Real doubtful_residual = 0.1;
 /// Share of the slope at the beginning that a line search (29) may leave; the same of the search for the multiple of V.
-/// test_touching_stability.cc.
+/// bodies/test_stability.cc.
 inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;
 /// Steps of either search: each halves the interval at worst.
 inline constexpr int max_line_steps = 16;
@@ -153,9 +153,9 @@ struct FrictionAmongBodies {
   // friction that would change by less stays as it is in the next iteration: there is less to factor again
   static constexpr Real friction_left_alone = 1e-5;
   // What lasts is found in two iterations, and then to its end: what slips without being pushed is accelerated by what
-  // friction lacks of its cone (test_touching_laws.cc). Where many bodies hit each other the next ones find more of it and
+  // friction lacks of its cone (bodies/test_laws.cc). Where many bodies hit each other the next ones find more of it and
   // are content with less: of friction in the end with what there is, of normal forces with as much as
-  // test_touching_stability.cc allows.
+  // bodies/test_stability.cc allows.
   static constexpr Real friction_tolerance(int iteration) noexcept {
     return iteration > 3 ? 3e-3 * static_cast<Real>(1 << (iteration - 1)) : 1e-5;
   }

@@ -1,7 +1,4 @@
 // A rigid body: what it is (params) and where it is (state).
-//
-// The room: one body by itself. coupling.h is the damped spring (2) to its target, target.h the target between two samples,
-// implicit_stage.h the body's own part (10), (11) of a stage.
 #pragma once
 
 #include "core/math/so3.h"

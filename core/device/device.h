@@ -1,8 +1,7 @@
 // How a device drives a body: what it sends each step, and the target that becomes of it.
 // Impedance and non-haptic devices are PoseDevice (with and without feedback).
 //
-// The room: holding.h is a device that takes hold of bodies and lets go; feedback.h the wrench (8) that the hand is shown,
-// within its bounds; held_feedback.h the same for what is held. Gaps in the samples are bridged, held and faded here.
+// Gaps in the samples are bridged, held and faded here.
 #pragma once
 
 #include <algorithm>

@@ -4,10 +4,6 @@
 // motion is a list of axes, turns about and slides along them, one per coordinate. At an instant a joint gives its
 // axes and how far it is violated, e. The solver needs nothing else: a new joint is one file like hinge.h, named in
 // list.h.
-//
-// The room: a file a kind, list.h with all of them, stops.h (19), imposed.h for coordinates that the device leads,
-// turns.h counts turns, stabilisation.h (5), (18); tree.h and tree_solve.h solve a tree of bodies in linear
-// time (7).
 #pragma once
 
 #include <array>

@@ -4,9 +4,7 @@
 // What a step does to every body alike is written for a number type T: Real, or a Pack of several bodies' numbers
 // (core/math/simd4.h). The names without a T are those of Real, and T is Real where nothing else is said.
 //
-// The room: block.h and spatial.h for blocks of twists, so3.h, rotation_error.h and polynomial.h for rotations, simd4.h and
-// lanes.h for bodies in groups of four, bounded_list.h, bit_set.h and merge_sort.h for lists of fixed capacity, triangle.h.
-// Nothing here knows of bodies, devices or contacts.
+// Independent of bodies, devices and contacts.
 #pragma once
 
 #include <type_traits>

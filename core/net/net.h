@@ -1,11 +1,6 @@
 // Nets: deformable tools and organs, the paper's mass/spring surface nets. Nodes are particles; springs with dampers join
 // them; each may hang by an anchor, a damped spring of zero length, on a point of its carrier, the rigid component of the
 // net, which is a body like any other (the god-object), or on a point of the world. Attachments join nodes to other bodies.
-//
-// The room: springs.h is what anchors and springs are in a stage, attachment.h what attachments are, incomplete_factor.h the
-// preconditioner of the nodes, coupled_system.h bodies and nodes as one system, find.h and contacts.h what nodes touch, solve.h a
-// stage of all of it, momentum.h what a net in flight keeps, setup.h what is checked and put in order before the first step,
-// groups.h by which four nodes, and four springs, are worked on at once.
 #pragma once
 
 #include <algorithm>

@@ -2,8 +2,6 @@
 //
 // A kind of shape answers it in its own frame S; a new one is one file like sphere.h. A sphere of
 // radius r about p touches a shape where the distance of p is below r.
-//
-// The room: a file a kind, list.h with all of them, mesh_setup.h for what meshes and height fields prepare once.
 #pragma once
 
 #include <cstdint>

@@ -3,10 +3,8 @@
 // an effective mass A (h times an impedance) and an impulse b. A term says first between whom it acts, couple(), then, as
 // often as it changes, what it is. Joints are no terms: `joints` take unknowns out (33).
 //
-// The room: block_order.h numbers the unknowns, block_factor.h is L D L^T of the system (31), with joints by
-// block_joint.h (33), pivot.h of a diagonal block; conjugate_gradients.h iterates where the factor has no room for all
-// of its blocks. Like line_search.h it is the approach of Drake's irrotational contact fields (Castro, Han, Masterjohn
-// 2024), with the differences in docs/step.md.
+// Like line_search.h, an implementation of the approach of Drake's irrotational contact fields (Castro, Han,
+// Masterjohn 2024). docs/step.md lists the differences.
 #pragma once
 
 #include <cstdint>

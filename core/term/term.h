@@ -2,10 +2,10 @@
 //
 //   using Terms = TermList<DampedSprings<4>>;
 //
-// The room: this file is the list of a scene's terms; each kind of term is a file of its own and a word in that list, so
-// far damped_spring.h. A kind says how many there may be (max), what one of them is (Param), and in a stage (Stage).
-// ends() are those between whom it acts, begin() is what it is where the stage is predicted to end, linear in the
-// velocities from there; load() is its way into the system, each_impulse() what it does at the velocities of the end.
+// Kinds of terms, a file each, such as damped_spring.h; this file has the list of the kinds of a scene.
+// Members of a kind: max, the largest number of its terms; Param, the parameters of one; Stage, one in a stage.
+// ends(): bodies or nodes that it couples. begin(): linearises it about the predicted end of the stage.
+// load(): adds it to the block system. each_impulse(): its impulses at the velocities of the end.
 #pragma once
 
 #include <tuple>

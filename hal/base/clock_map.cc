@@ -6,7 +6,7 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds no_tolerance = std::numeric_limits<Nanoseconds>::max();
-/// A window is an outlier beyond this many times the median residual, and this much at least.
+/// Residual tolerance of a window: this multiple of the median residual, at least least_tolerance (ns).
 constexpr Nanoseconds outlier_ratio = 4;
 constexpr Nanoseconds least_tolerance = 20'000;
 
@@ -29,7 +29,7 @@ void ClockMap::add(Nanoseconds device, Nanoseconds host) noexcept {
   } else if (point.offset < least_.offset) {
     least_ = point;
   }
-  // Too few windows for a line: the least delay so far.
+  // Fewer than three windows do not determine a line: the smallest offset so far is used.
   if (num_points_ < 3) offset_ = std::min(offset_, point.offset);
 }
 
@@ -46,14 +46,15 @@ void ClockMap::close_window() noexcept {
   fit(std::max(outlier_ratio * *middle, least_tolerance));
 }
 
-/// Through the points within `tolerance` of the present line.
+/// Fits the line by least squares to the points whose residual from the present line is at most `tolerance`
+/// (ns).
 void ClockMap::fit(Nanoseconds tolerance) noexcept {
   const Point& newest = points_[(next_ + num_windows - 1) % num_windows];
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
   for (std::size_t i = 0; i < num_points_; ++i) {
     const Point& p = points_[i];
     if (tolerance != no_tolerance && std::abs(residual(p)) > tolerance) continue;
-    // About the newest point, so that double is exact enough.
+    // Relative to the newest point, because differences of absolute times in double are too coarse.
     const auto x = static_cast<double>(p.device - newest.device);
     const auto y = static_cast<double>(p.offset - newest.offset);
     n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;

@@ -11,7 +11,7 @@ using canopen::ObjectType;
 
 namespace {
 
-constexpr double torque_tolerance = 0.02;  // devices round, and multiply two rounded numbers
+constexpr double torque_tolerance = 0.02;  // devices round, and the product is of two rounded numbers
 
 SdoStep write(canopen::ObjectAddress address, ObjectType type, std::int64_t value, unsigned line,
               std::string hint = {}) {
@@ -29,7 +29,7 @@ void append(const std::vector<ProfileObject>& objects, std::vector<SdoStep>& ste
 
 void append_identity(const NodeProfile& profile, std::vector<SdoStep>& steps) {
   for (const ProfileObject& o : profile.identity) {
-    // The low word of the device type is the device profile's number; the high word tells what kind it is.
+    // The low word of the device type is the number of the device profile; the high word its variant.
     const bool device_type = o.address.index == 0x1000;
     steps.push_back({.action = SdoAction::check,
                      .address = o.address,
@@ -69,8 +69,8 @@ void append_interpolation(const NodeProfile& profile, const NodeSetup& setup, st
   steps.push_back(write({0x60C2, 2}, ObjectType::i8, time.exponent, line));
 }
 
-// Targets travel in per mille of 6076h: where it is not what the scene says, every torque is wrong by that
-// factor and nothing else shows it.
+// Targets are sent in per mille of 6076h. If 6076h differs from the scene, every torque is wrong by that
+// factor, and no other check detects it.
 void append_torque_check(const NodeProfile& profile, const NodeSetup& setup, std::vector<SdoStep>& steps) {
   if (!profile.torque_rated_unit_Nm || !setup.torque_rated_Nm) return;
   const double expected = *setup.torque_rated_Nm / profile.torque_rated_unit_Nm->value;

@@ -94,7 +94,7 @@ bool Master::on_frame(const CanFrame& frame) noexcept {
   if (inquires_) {
     std::uint32_t value = 0;
     ByteReader(std::span(message).subspan(1)).get(value);
-    if (answer_ == Command::inquire_node_id) value &= 0xFF;  // one byte, the rest is reserved
+    if (answer_ == Command::inquire_node_id) value &= 0xFF;  // one byte; the rest is reserved
     if (num_answers_ < answers_.size()) answers_[num_answers_++] = value;
     return true;
   }

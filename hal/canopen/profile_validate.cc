@@ -9,17 +9,17 @@ namespace godobject {
 
 namespace {
 
-/// Bits of the objects in a PDO that the rig takes apart or puts together.
+/// Sizes in bits of the objects in a PDO that the rig decodes or encodes.
 struct Layout {
   PdoDirection direction;
   int number;
   std::vector<std::uint8_t> bits;
 };
 
-/// What a profile is for.
+/// Device type of a profile.
 struct Kind {
   const char* name;
-  std::int64_t device_profile;  // 1000h, low word
+  std::int64_t device_profile;  // low word of 1000h
   std::vector<Layout> layouts;
 };
 
@@ -56,7 +56,7 @@ class Validation {
   std::vector<std::string> take() { return std::move(errors_); }
 
  private:
-  /// An encoder's profile on a drive makes no sense beyond that.
+  /// Checks the device type. Further checks of an encoder's profile on a drive are meaningless.
   bool is_of_kind(const NodeProfile& profile, const Kind& kind, const std::string& joint) {
     const auto other = std::ranges::find_if(profile.identity, [&](const ProfileObject& object) {
       return object.address == canopen::ObjectAddress{0x1000, 0} && object.value != kind.device_profile;
@@ -92,7 +92,7 @@ class Validation {
               "the node would stop between two commands of the host: give it twice the scene's step or more");
   }
 
-  /// The rig commands 6071h. Negative modes are the maker's own.
+  /// Checks the mode: the rig commands 6071h. Negative modes are vendor-specific.
   void check_mode(const NodeProfile& profile) {
     constexpr std::int8_t profile_torque = 4, cyclic_torque = 10;
     if (!profile.mode || profile.mode->value < 0) return;
@@ -119,7 +119,7 @@ class Validation {
           "the rig takes this PDO for objects of " + expected + " bits: see docs/canopen.md");
   }
 
-  // Nodes that share a profile share its errors.
+  // Adds an error once, because nodes that share a profile share its errors.
   void error(const NodeProfile& profile, unsigned line, const std::string& what) {
     std::string text = profile.file + ":" + std::to_string(line) + ": " + what;
     if (std::ranges::find(errors_, text) == errors_.end()) errors_.push_back(std::move(text));

@@ -17,7 +17,7 @@ std::optional<std::int64_t> written(const NodeProfile& profile, canopen::ObjectA
   return value;
 }
 
-/// The deadline of RPDO1, s; none where it has none.
+/// Returns the deadline of RPDO1, s; nullopt if there is none.
 std::optional<double> command_deadline(const NodeProfile& profile) {
   for (const PdoProfile& pdo : profile.pdos)
     if (pdo.direction == PdoDirection::receive && pdo.number == 1 && pdo.timer_ms && pdo.timer_ms->value > 0)
@@ -25,7 +25,8 @@ std::optional<double> command_deadline(const NodeProfile& profile) {
   return std::nullopt;
 }
 
-/// Without 6007h nothing follows from a heartbeat that stays away; what the drive has of itself is not known.
+/// Returns the heartbeat timeout of the host, s; nullopt without a reaction in 6007h. The drive's own
+/// defaults are unknown.
 std::optional<double> host_timeout(const NodeProfile& profile) {
   const bool reacts = written(profile, abort_connection).value_or(0) != 0;
   if (!reacts || !profile.host_timeout_ms || profile.host_timeout_ms->value == 0) return std::nullopt;

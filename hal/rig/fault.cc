@@ -38,7 +38,7 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "the transmit queue of a bus refused frames several times in a row",
      "lower the bus load; check that another node acknowledges the frames"},
     {RigFault::command_not_finite, "command_not_finite", "the commanded wrench was not a finite number",
-     "a defect of the caller: look at the faults of the simulation"},
+     "read the faults of the simulation; without any it is a defect of the caller"},
     {RigFault::drive_error, "drive_error",
      "a drive reported an error of its own, without an emergency message",
      "look the code up in the drive's manual, remove the cause, clear the faults"},
@@ -47,25 +47,26 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
     {RigFault::sensors_disagree, "sensors_disagree",
      "a drive's position and the encoder on its joint have parted by more than its max_slip for longer than "
      "stale_after",
-     "see which of them stands still: encoder, its coupling, a belt or cable that slips; counts per unit of "
-     "both"},
+     "check which of them stands still: encoder, its coupling, a slipping belt or cable; check counts per "
+     "unit of both"},
     {RigFault::second_host, "second_host",
-     "another host sends on a bus what only this one should: SYNC, NMT, the host's heartbeat or a drive's "
-     "commands",
+     "another host sends messages reserved for this one on a bus: SYNC, NMT, the host's heartbeat or a "
+     "drive's commands",
      "end the other program or take the other master off the bus; see that no node sends SYNC (1005h), "
      "starts others (1F80h) or has the host's node id"},
     {RigFault::deadlines_missed, "deadlines_missed",
      "the host missed 20 deadlines in a row: for so long no command was given",
-     "look at what else runs on this machine and at the real-time set-up; then clear the faults and arm "
+     "end other programs on this machine and check the real-time set-up; then clear the faults and arm "
      "again"},
     {RigFault::force_oscillates, "force_oscillates",
-     "the force shown to the hand, or a motor's command, swung between its bounds for 0.5 s",
+     "the displayed force, or a motor's command, swung between its bounds for 0.5 s",
      "the feedback is unstable on this device: godobject check prints the margin of each axis and what to "
      "lower"},
     {RigFault::energy_gained, "energy_gained",
-     "the simulated scene gained energy that nobody gave it: its forces are no longer those of what it "
-     "simulates",
-     "a shorter step; softer couplings, contacts or stops; less contrast of masses in an articulated tool"},
+     "the scene's total energy rose by more than 1 % within 1 s without external work; its forces are not "
+     "valid from then on",
+     "shorten the step; soften couplings, contacts or stops; lower the ratio of masses in an articulated "
+     "tool"},
 }};
 
 }  // namespace

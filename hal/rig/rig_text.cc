@@ -1,4 +1,4 @@
-// Rig: its faults in words.
+// Rig: texts of its faults.
 #include <iomanip>
 #include <sstream>
 
@@ -39,7 +39,7 @@ const char* nmt_text(std::uint8_t state) {
   return "is pre-operational";
 }
 
-/// Begins with a comma: how far a node came that did not boot.
+/// Returns how far the boot of a node got; begins with a comma.
 std::string boot_text(const NodeEvidence& seen, const RigNode& node) {
   const char* const heartbeat = node.canopen ? "heartbeat" : "message that it is supervised by";
   if (!seen.heard && !seen.answered && seen.malformed == 0) return ", nothing was heard of it";
@@ -55,7 +55,7 @@ std::string boot_text(const NodeEvidence& seen, const RigNode& node) {
   return text;
 }
 
-/// Begins with a comma: state and error of a drive in its protocol's words.
+/// Returns state and error of a drive in the terms of its protocol; begins with a comma.
 std::string drive_text(const NodeEvidence& seen, const DriveParams& drive) {
   const BusProtocol protocol = bus_protocol(drive.protocol);
   std::string text;
@@ -76,7 +76,8 @@ std::string Rig::fault_text() const {
   return out.str();
 }
 
-/// Begins with a comma where there is something; of the parameters and the record alone.
+/// Returns the evidence, beginning with a comma, or an empty text. Depends on the parameters and the record
+/// only.
 std::string Rig::evidence_text(const RigFaultRecord& record) const {
   const RigNode* const node = node_at(record.place);
   const RigFault fault = record.place.fault;

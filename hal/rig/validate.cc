@@ -131,7 +131,7 @@ class Checker {
             "status_every_nth_sync is ", int{drive.status_every_nth_sync}, ", must be 1..240");
   }
 
-  // What a drive's protocol asks of it and of its bus.
+  // Checks the requirements of a drive's protocol on the drive and its bus.
   void check_protocol(const DriveParams& drive, const std::string& where) {
     if (drive.protocol == DriveProtocol::cia402) {
       require(drive.torque_max_Nm <= 32.767 * drive.torque_rated_Nm, where, "torque_max_Nm is ",
@@ -161,7 +161,7 @@ class Checker {
     require(has_joint(joint), where, "the device has no such joint");
   }
 
-  // Buttons may be bits of one node; any other device has a node of its own.
+  // Checks a button. Buttons may share a node as bits; any other device has its own node.
   void check_button(const ButtonParams& button) {
     const std::string where = "button of node " + std::to_string(button.node_id) + ": ";
     require(button.bit <= 7, where, "bit is ", int{button.bit}, ", must be 0..7");
@@ -199,7 +199,7 @@ class Checker {
     require(calibration.modulus_counts <= counts_of_32_bits && calibration.modulus_counts != 1, where,
             "modulus_counts is ", calibration.modulus_counts, ", must be 2..2^32, or 0 for none");
     require_positive(max_speed, where, "max_speed");
-    // a travel of half the modulus cannot be told from a turn the other way
+    // a travel of half the modulus is indistinguishable from the opposite turn
     const std::uint64_t modulus =
         calibration.modulus_counts == 0 ? counts_of_32_bits : calibration.modulus_counts;
     const double reach_counts = max_speed * calibration.counts_per_unit * rig_.stale_after_s;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view hex_digits = "0123456789ABCDEF";
 constexpr std::size_t crc_digits = 4;
 
-/// Appends to a command; too much leaves it empty.
+/// Appends to a command; on overflow the command becomes empty.
 class Appender {
  public:
   explicit Appender(Command& command) noexcept : command_(command) {}
@@ -36,7 +36,7 @@ class Appender {
   bool fits_ = true;
 };
 
-/// Value of the digits, upper case as NDI writes them.
+/// Returns the value of hexadecimal digits, upper case as sent by NDI.
 std::optional<unsigned> from_hex(std::span<const std::uint8_t> digits) noexcept {
   unsigned value = 0;
   for (const std::uint8_t digit : digits) {

@@ -9,12 +9,12 @@ constexpr Nanoseconds ms = 1'000'000;
 constexpr Nanoseconds reset_patience = 2500 * ms;
 constexpr Nanoseconds setup_patience = 5000 * ms;  // INIT and PINIT take seconds on some trackers
 constexpr Nanoseconds most_poll_patience = 500 * ms;
-constexpr Nanoseconds poll_margin = 3 * ms;  // between a reply that is still to come and one that is lost
+constexpr Nanoseconds poll_margin = 3 * ms;  // separates a late reply from a lost one
 constexpr Nanoseconds poll_silence = 1500 * ms;
-constexpr Nanoseconds settle = 200 * ms;      // after a change of the bit rate; the API asks for 100
+constexpr Nanoseconds settle = 200 * ms;      // after a change of the bit rate; the API requires 100 ms
 constexpr Nanoseconds quiet = 8 * ms;         // after a broken reply: its rest may follow
-constexpr Nanoseconds most_quiet = 300 * ms;  // the longest reply at 9600 bit/s
-constexpr Nanoseconds poll_period = 1 * ms;   // at least, so that a fast line is not flooded
+constexpr Nanoseconds most_quiet = 300 * ms;  // longest reply at 9600 bit/s
+constexpr Nanoseconds poll_period = 1 * ms;   // minimum: avoids flooding a fast line
 constexpr Nanoseconds retry_period = 5000 * ms;
 
 constexpr std::array step_names{"slow down", "break", "COMM",   "set rate", "INIT",  "PHSR:01",
@@ -69,7 +69,7 @@ void NdiTracker::opened(Nanoseconds now) noexcept {
   restart(now);
 }
 
-/// From the beginning, with the line as it is.
+/// Restarts the initialisation without changing the line.
 void NdiTracker::restart(Nanoseconds now) noexcept {
   for (std::size_t i = 0; i < params_.tools.size(); ++i) {
     if (!definitions_[i].empty()) handles_[i].reset();
@@ -86,8 +86,8 @@ void NdiTracker::restart(Nanoseconds now) noexcept {
     enter(TrackerState::initialising, "resetting the tracker on %.60s", params_.port.c_str());
 }
 
-/// An attempt has failed. The next one takes the other way to begin: a line without breaks (USB, a network port) is
-/// left at its rate.
+/// Handles a failed attempt. The next attempt begins the other way: a line without breaks (USB, a network
+/// port) keeps its rate.
 void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
   if (was_tracking()) {
     ++report_.counters.restarts;
@@ -106,7 +106,7 @@ void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
   not_before_ = now + retry_period;
 }
 
-/// Returns what the bytes look like that came instead of a reply, or `otherwise` where none did.
+/// Returns a description of the bytes received instead of a reply, or `otherwise` if there were none.
 const char* NdiTracker::not_understood(const char* otherwise) noexcept {
   if (unread_.empty()) return otherwise;
   unread_.describe(TrackerProtocol::ndi, params_.baud, unread_text_);
@@ -136,8 +136,10 @@ ndi::Command NdiTracker::command() const noexcept {
     case Step::initialise_handle: return ndi::make_handle_command("PINIT", handle);
     case Step::list_disabled: return ndi::make_command("PHSR", "03");
     case Step::read_plate: return ndi::make_handle_command("PHINF", handle, "0001");
-    case Step::enable_handle: return ndi::make_handle_command("PENA", handle, "D");  // a moving tool
-    case Step::start: return ndi::make_command("TSTART", plain_start_ ? "" : "80");  // frames from zero
+    case Step::enable_handle:
+      return ndi::make_handle_command("PENA", handle, "D");  // a moving tool
+    // frames counted from zero
+    case Step::start: return ndi::make_command("TSTART", plain_start_ ? "" : "80");
     case Step::poll: return ndi::make_command(use_text_ ? "TX" : "BX", "0801");
     default: return {};
   }
@@ -148,9 +150,9 @@ Nanoseconds NdiTracker::patience() const noexcept {
   return step_ == Step::poll ? poll_patience() : setup_patience;
 }
 
-/// How long a reply takes is known from those before: the time of both on the line, and the tracker's own, which with some
-/// ends with a measurement. One that is not there soon after is lost, and asked for again at once; after some in a row
-/// less and less often.
+/// Returns the timeout of a poll, derived from earlier replies: transfer time of command and reply plus the
+/// tracker's own time, which on some trackers lasts until a measurement ends. A later reply counts as lost,
+/// and the poll is repeated at once; after several consecutive losses, less and less often.
 Nanoseconds NdiTracker::poll_patience() const noexcept {
   constexpr int eager_tries = 4;
   if (longest_answer_ == 0) return most_poll_patience;
@@ -195,10 +197,10 @@ LineRequest NdiTracker::next(Nanoseconds now) noexcept {
 void NdiTracker::on_silence(Nanoseconds now) noexcept {
   awaiting_ = false;
   if (step_ == Step::send_break) {
-    go(Step::set_rate);  // perhaps it has not understood the break, but listens
+    go(Step::set_rate);  // the tracker may have ignored the break but still respond
     return;
   }
-  if (step_ == Step::poll && tries_ == 0) return;  // it was answered, once for the two that were sent
+  if (step_ == Step::poll && tries_ == 0) return;  // the poll was answered; the two sent polls got one answer
   ++report_.counters.timeouts;
   if (step_ == Step::poll && now - t_first_asked_ < poll_silence) return;
   const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;
@@ -206,8 +208,9 @@ void NdiTracker::on_silence(Nanoseconds now) noexcept {
     give_up_or_restart(not_understood("no reply: is the tracker switched on, and this its port?"), now);
 }
 
-/// A poll that was sent again may be answered twice: its second answer is waited for, or it would be taken for that to
-/// the next one. When all of them come nothing was lost: the tracker is as slow as the first.
+/// Handles the answer to a poll. A repeated poll may be answered twice: its second answer is awaited,
+/// otherwise it would be attributed to the next poll. If all answers arrive, none was lost: the reply time is
+/// that of the first.
 void NdiTracker::on_poll_answered(Nanoseconds now) noexcept {
   if (tries_ == 1) longest_answer_ -= (longest_answer_ - (now - t_asked_)) / 64;
   if (tries_ > 0) took_ = now - t_first_asked_;
@@ -226,7 +229,7 @@ void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
   if (report_.state == TrackerState::initialising)
     enter(TrackerState::initialising, "%s: %s", name_of(step_), not_understood("replies are not readable"));
   if (step_ == Step::poll) {
-    tries_ = 0;  // it does answer
+    tries_ = 0;  // the tracker does answer
   } else if (tries_ >= max_tries) {
     give_up_or_restart(not_understood("replies are not readable: check cable and baud"), now);
   }
@@ -238,7 +241,8 @@ void NdiTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) n
   for (const std::uint8_t byte : bytes) {
     if (awaiting_ && !reply_began_) t_reply_ = now;
     reply_began_ = true;
-    if (awaiting_ && step_ == Step::poll) deadline_ = std::max(deadline_, now + poll_margin);  // it is coming
+    // the reply is arriving
+    if (awaiting_ && step_ == Step::poll) deadline_ = std::max(deadline_, now + poll_margin);
     if (!awaiting_ && now < quiet_until_) not_before_ = std::max(not_before_, now + quiet);
     const Event event = receiver_.push(byte);
     if (event == Event::text || event == Event::binary) unread_.clear();

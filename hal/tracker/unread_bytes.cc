@@ -18,7 +18,7 @@ bool is_ndi(std::string_view text) noexcept {
          text.find("\rERROR") != text.npos || text.find("\rOKAY") != text.npos;
 }
 
-/// True if a whole record of a Polhemus is among the bytes.
+/// True if the bytes contain a whole Polhemus record.
 bool has_record(std::span<const std::uint8_t> bytes) noexcept {
   polhemus::RecordReceiver receiver;
   return std::ranges::any_of(bytes, [&](std::uint8_t byte) {

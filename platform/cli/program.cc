@@ -23,7 +23,8 @@ bool standard_output_is_complete() {
   std::cout.flush();
   const bool complete = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
   if (!complete) {
-    const char* const why = errno == 0 ? "is its disk full, or its reader gone?" : std::strerror(errno);
+    const char* const why =
+        errno == 0 ? "the disk may be full, or the reader may have closed it" : std::strerror(errno);
     std::fprintf(stderr, "standard output could not be written: %s\n", why);
   }
   return complete;
@@ -66,7 +67,7 @@ std::string hint_for(const CLI::App& app, int argc, char** argv) {
 /// Throws where something is defective or out of memory.
 ExitCode run(int argc, char** argv, const Simulation& simulation) {
   ExitCode code = ExitCode::ok;
-  CLI::App app("A tool in a simulated scene, pulled to a tracked device by a damped spring.", "godobject");
+  CLI::App app("Couple a tool in a simulated scene to a tracked device by a damped spring.", "godobject");
   app.set_version_flag("--version", GODOBJECT_VERSION);
   app.require_subcommand(0, 1);
   app.formatter(std::make_shared<HelpFormat>());
@@ -119,14 +120,18 @@ int run_program(int argc, char** argv, const Simulation& simulation) {
     try {
       code = run(argc, argv, simulation);
     } catch (const std::bad_alloc&) {
-      std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
+      std::fputs(
+          "out of memory: use a smaller scene or a shorter motion, or raise the limit of memory (ulimit "
+          "-v)\n",
+          stderr);
     } catch (const std::exception& error) {
-      std::fprintf(stderr, "a defect of the program: %s\n", error.what());
+      std::fprintf(stderr, "internal error, a defect of this program: %s\n", error.what());
     }
   };
   if (!call_on_large_stack(guarded))
     std::fputs(
-        "out of memory: the stack is small (ulimit -s), and there is no memory for another (ulimit -v)\n",
+        "out of memory: the stack is too small (raise ulimit -s), and another cannot be allocated (raise "
+        "ulimit -v)\n",
         stderr);
   return static_cast<int>(code);
 }

@@ -1,9 +1,4 @@
 // The program's verbs. A new one is a file in verb/, a line in the list below and one in program.cc.
-//
-// The room: program.cc takes the command line apart; verb/ has a file for each verb; bus/ is what verbs do on one bus, drive/
-// on one drive, run/ the verb `run`, report/ what it says, simulate/ the verb `simulate`. check_text.h, fault_texts.h and time_to_zero.h say things in
-// words; option_*.h read what options give; command_documents.h makes the manual page and the
-// completion.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -1,10 +1,5 @@
 // Interface of the devices that a session's bodies follow: a prescribed motion, a rig on its buses, trackers.
 // Each device is one file.
-//
-// The room: rig.h, trackers.h, handed_motion.h, spacemouse.h implement it (and platform/view/pointer.h the page's pointer);
-// phases.h takes devices from their first period to their last; streamed_target.h plays back what another thread says,
-// tracked_poses.h what trackers say, led_joints.h leads joints of the scene by joints of the device, drive_swings.h watches
-// what drives are commanded.
 #pragma once
 
 #include <optional>

@@ -1,8 +1,5 @@
 // A compiled composition of the core behind one virtual call a step, for programs that load scenes at run
 // time. A product with one scene calls godobject::step on its own scene type instead.
-//
-// The room: tool.h is their scene type, with any device (any_device.h), of.h makes an engine of it; row.h is
-// their table; a file a pair of compositions.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,4 @@
 // Buses of a rig on this machine: waiting for frames, and latencies of the service.
-//
-// The room: bus/ is CAN buses; serial_port.h and pty.h are lines of bytes; tracker_thread.h and spacemouse_thread.h read what
-// is not in the loop; can_link.h and receive_stamp.h are what the kernel says of an interface and of a frame.
 #pragma once
 
 #include <poll.h>

@@ -90,8 +90,8 @@ TraceMotion motion_of_trace(const CsvTable& table, const std::string& file, cons
     const std::string wanted =
         targets.empty() ? "" : targets.front() + (by_wrenches ? ".hand.fx" : ".target.x");
     return {std::nullopt,
-            {file + ":1:1: a trace without column '" + wanted + "', which scene '" + scene.name +
-             "' needs: is it of another scene?"}};
+            {file + ":1:1: the trace has no column '" + wanted + "', which scene '" + scene.name +
+             "' requires: give the trace of this scene"}};
   }
   for (const std::string& target : targets) {
     if (!takes_hold(scene)) columns.add(target + ".engaged", target + ".engaged");

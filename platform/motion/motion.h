@@ -1,8 +1,5 @@
 // What the hand does: the target of every driven body, or the wrench on it, and whether it holds the device,
 // as functions of time.
-//
-// The room: reader.cc takes a motion from a recording, from_trace.h from a trace, curve.h is smooth through its samples,
-// sudden_moves.h finds the samples that cannot be true.
 #pragma once
 
 #include <optional>

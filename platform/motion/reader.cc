@@ -116,8 +116,8 @@ class MotionReader {
   }
 
   void check_times() {
-    if (table_.columns().front() != "t") log_.error({1, 1}, "the first column must be 't', in seconds");
-    if (table_.num_rows() == 0) log_.error({1, 1}, "there are no samples below the header");
+    if (table_.columns().front() != "t") log_.error({1, 1}, "the first column must be 't', the time in s");
+    if (table_.num_rows() == 0) log_.error({1, 1}, "no samples follow the header: add a row for each time");
     std::size_t num_errors = 0;
     for (std::size_t row = 0; row < table_.num_rows() && num_errors < max_reported; ++row) {
       const double t = table_.at(row, 0);
@@ -127,7 +127,7 @@ class MotionReader {
       ++num_errors;
       const char* const rule = !increases ? "strictly increasing"
                                : apart    ? "within 1e9 s"
-                                          : "1 us apart or more";
+                                          : "at least 1 us apart";
       log_.error(table_.place(row, 0), std::string("times must be finite and ") + rule);
     }
   }
@@ -140,7 +140,7 @@ class MotionReader {
                          [&](const std::string& c) { return std::ranges::find(known, c) == known.end(); });
     for (const std::string& column : missing(used)) {
       std::string other =
-          alternative.empty() ? "" : "; joint columns '" + alternative.front() + "', ... would do as well";
+          alternative.empty() ? "" : "; joint columns '" + alternative.front() + "', ... are an alternative";
       if (const std::string similar = nearest(column, unused, max_misspelling); !similar.empty())
         other = ": is '" + similar + "' misspelt?";
       log_.error({1, 1}, "column '" + column + "' is missing" + other);
@@ -166,28 +166,30 @@ class MotionReader {
         log_.error(table_.place(row, *column), "'" + name + "' must be 0 or 1");
       }
       if (name.ends_with(".clutch") && !is_device(DeviceKind::relative))
-        log_.warning({1, 1}, "column '" + name + "' has no effect: only relative devices have a clutch");
+        log_.warning({1, 1}, "column '" + name +
+                                 "' has no effect, because only relative devices have a clutch: remove it");
     }
   }
 
   void check_holds() {
     if (!takes_hold(scene_)) {
       if (table_.find(hold_column))
-        log_.error({1, 1},
-                   "column 'hold' needs a device that takes hold of bodies: give [device] 'holds' or "
-                   "'grab_radius'");
+        log_.error(
+            {1, 1},
+            "column 'hold' requires a device that grips bodies: give [device] 'holds' or 'grab_radius'");
       return;
     }
     const bool has_radius = scene_.device->grab_radius.has_value();
     if (table_.find(button_column) && !has_radius)
-      log_.error({1, 1}, "column 'button' takes hold of the nearest body: give [device] 'grab_radius'");
+      log_.error({1, 1},
+                 "column 'button' grips the nearest body and requires a reach: give [device] 'grab_radius'");
     const std::optional<std::size_t> column = table_.find(hold_column);
     std::size_t num_errors = 0;
     for (std::size_t row = 0; column && row < table_.num_rows() && num_errors < max_reported; ++row) {
       const std::string& name = table_.word(row);
       if (name == hold_nothing || (name == nearest_body && has_radius)) continue;
       const std::string why_not = name == nearest_body
-                                      ? "is \"nearest\": how far is that? Give [device] 'grab_radius'"
+                                      ? "is \"nearest\", which requires [device] 'grab_radius': add it"
                                       : why_not_held(scene_, name);
       if (why_not.empty()) continue;
       ++num_errors;
@@ -204,7 +206,7 @@ class MotionReader {
         if (std::abs(value) <= max_value) continue;
         ++num_errors;
         const char* const too_far =
-            is_position(name) ? "' must be within 1e6 m: is it in metres?" : "' must be within 1e6";
+            is_position(name) ? "' must be within 1e6 m: give it in metres" : "' must be within 1e6";
         log_.error(table_.place(row, column),
                    "'" + name + (std::isfinite(value) ? too_far : "' must be finite"));
       }
@@ -274,11 +276,10 @@ class MotionReader {
     const std::optional<SuddenMove> move = sudden_move(*motion_.grid_, least_speed, distance);
     if (!move) return;
     std::array<char, 200> text{};
-    std::snprintf(
-        text.data(), text.size(),
-        " moves by %.3g %s in %.3g s, more than 10 times as fast as before and after: is a sample wrong, or "
-        "one missing?",
-        move->distance, unit, move->time);
+    std::snprintf(text.data(), text.size(),
+                  " moves by %.3g %s in %.3g s, more than 10 times as fast as before and after: check for a "
+                  "wrong or missing sample",
+                  move->distance, unit, move->time);
     log_.warning(table_.place(move->from + 1, *table_.find(column)), "'" + what + "'" + text.data());
   }
 

@@ -88,7 +88,7 @@ RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig
     const std::optional<std::size_t> index = bus_of(bus, by, errors);
     if (!index) continue;
     if (!where.texts[*index].empty())
-      errors.push_back(by.complaint("bus '" + buses[*index].name + "' is given twice"));
+      errors.push_back(by.complaint("bus '" + buses[*index].name + "' is given twice: remove one"));
     std::string error;
     addresses[*index] = parse_bus_address(bus.address, error);
     if (!addresses[*index]) errors.push_back(by.complaint(error));

@@ -1,7 +1,4 @@
 // Buses of a rig on this machine: addresses, opening, filters, and transmit slots.
-//
-// The room: filters.h says which frames a rig lets through; bring_up.h sets nodes up before the loop runs; last_frames.h are
-// for when the program dies; load_advice.h says what a bus bears, profiles.h what nodes are set up by; run.h is all of it around a step of one's own.
 #pragma once
 
 #include <algorithm>

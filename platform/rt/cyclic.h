@@ -1,8 +1,4 @@
 // Loop with absolute deadlines; counts late cycles and skipped periods.
-//
-// The room: clock.h, histogram.h, deadline_watch.h; setup.h and machine.h prepare and describe the machine; ring.h and
-// background_file.h carry records off the loop; last_resort.h writes the last frames when
-// nothing else works, stop_signals.h takes the signals that end a run.
 #pragma once
 
 #include "platform/rt/histogram.h"

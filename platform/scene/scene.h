@@ -1,9 +1,5 @@
 // A scene as its file describes it: plain values, SI, validated. platform/scene/toml.cc fills it,
 // platform/engine/engine.cc turns it into a compiled composition of the core.
-//
-// The room: keys/ lists the keys of each table once, for reader, writer and reference; toml.h, profile.h and fault_file.h read
-// files; joint/ and contact/ check what belongs together and turn it into the core's parameters, net/ makes deformable
-// surfaces; mesh/ reads obstacles; text/ is TOML, CSV and messages.
 #pragma once
 
 #include <array>

@@ -200,11 +200,9 @@ double thinnest(const MeshData& mesh) {
 
 const char* what_does_not_pass(const SceneConfig& scene) {
   const bool nets = !scene.nets.empty();
-  if (spheres_alone(scene).empty())
-    return nets ? "nothing but nodes of nets, of which it does not say," : "nothing";
-  return nets ? "nothing but nodes of nets and shapes that meet others by their spheres alone, of which it "
-                "does not say,"
-              : "nothing but shapes that meet others by their spheres alone, of which it does not say,";
+  if (spheres_alone(scene).empty()) return nets ? "nothing (nodes of nets excepted)" : "nothing";
+  return nets ? "nothing (nodes of nets and shapes that touch others only with spheres excepted)"
+              : "nothing (shapes that touch others only with spheres excepted)";
 }
 
 std::string top_speed_text(const SceneConfig& scene) {
@@ -212,14 +210,14 @@ std::string top_speed_text(const SceneConfig& scene) {
   if (!bound) {
     const std::vector<SpheresAlone> alone = spheres_alone(scene);
     if (alone.empty()) return "";
-    return "none is promised: the shape of body '" + alone[0].body + "' meets " + alone[0].other +
-           " by its spheres alone";
+    return "not bounded: the shape of body '" + alone[0].body + "' touches " + alone[0].other +
+           " only with its spheres";
   }
-  if (std::isinf(bound->top())) return "no limit: what is touched are planes, which have no other side";
+  if (std::isinf(bound->top())) return "no limit: only planes can be touched, and they have no other side";
   std::array<char, 32> top{};
   std::snprintf(top.data(), top.size(), "%.3g", bound->top());
-  return std::string(top.data()) + " m/s: up to it " + what_does_not_pass(scene) + " passes anything, " +
-         bound->what;
+  return std::string(top.data()) + " m/s: up to this speed " + what_does_not_pass(scene) +
+         " passes through a solid, " + bound->what;
 }
 
 std::optional<SpeedBound> top_speed(const SceneConfig& scene) {

@@ -1,10 +1,6 @@
 // A running scene: an engine, and the devices that its bodies follow. A real-time loop calls advance() once
 // per period, from the first NMT command to the last. advance() does not allocate and waits only for answers
 // of real buses.
-//
-// The room: set_up.cc is what a session is made of; grip.h says which body is held; record.h is what a period leaves; truth.h
-// what only a simulated run knows; passivity.h and wrench_swings.h whether what is shown is stable in a hand. What bodies follow,
-// and the phases of a run, are in ../device.
 #pragma once
 
 #include <limits>

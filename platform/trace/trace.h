@@ -9,9 +9,6 @@
 // <target>.device.x .. qz, of admittance devices the hand's wrench <target>.hand.fx .. tz, per joint of the device
 // device.<joint>.q, per drive drive.<joint>.torque.
 // World frame, SI; every number reads back as the same double.
-//
-// The room: contacts.h writes the contacts of a run to a file of their own, nets.h the nodes of its nets, csv_rows.h is how
-// numbers are written.
 #pragma once
 
 #include <array>

@@ -1,8 +1,4 @@
 // A running session as the source of a view.
-//
-// The room: tap.h takes records out of the loop; solids.h, nets.h and scene_json.h say what a scene looks like, frame.h what a
-// period does; pointer.h is the hand in the page as a device; recorded/ shows what was, server/ serves it, page/ is the page,
-// picture/ draws without a browser.
 #pragma once
 
 #include <memory>

@@ -35,14 +35,14 @@ std::string no_such_verb(const std::string& verb) {
   return "there is no verb " + in_quotes(verb) + ": there are " + verb_names();
 }
 
-/// Empty, or what is wrong with the value in effect.
+/// Returns the error in the effective value; empty if valid.
 std::string check_value(const FaultVerbText& text, double value) {
   if (text.value.empty() || (value >= text.min && value <= text.max)) return "";
   return "value " + shortest(value) + " is not from " + shortest(text.min) + " to " + shortest(text.max) +
          " (" + std::string(text.value) + ")";
 }
 
-/// Sets first_bus and end_bus; empty, or what is wrong.
+/// Sets first_bus and end_bus. Returns the error; empty if none.
 std::string find_buses(const FaultConfig& config, const RigParams& rig, SimFault& fault) {
   fault.end_bus = rig.buses.size();
   if (config.bus.empty()) return rig.buses.empty() ? "the scene has no buses" : "";
@@ -53,7 +53,7 @@ std::string find_buses(const FaultConfig& config, const RigParams& rig, SimFault
   return "";
 }
 
-/// Narrows the buses down to the one of the node; empty, or what is wrong.
+/// Restricts the buses to that of the node. Returns the error; empty if none.
 std::string find_node(const RigParams& rig, SimFault& fault) {
   const std::string name = "node " + std::to_string(fault.node_id);
   std::vector<std::size_t> buses;
@@ -66,7 +66,7 @@ std::string find_node(const RigParams& rig, SimFault& fault) {
   return "";
 }
 
-/// Checks the two encoders that exchange their ids: empty, or what is wrong.
+/// Checks two encoders that exchange their ids. Returns the error; empty if none.
 std::string check_swap(const RigParams& rig, const SimFault& fault) {
   const bool are_two = fault.value != fault.node_id && has_encoder(rig, fault.first_bus, fault.node_id) &&
                        has_encoder(rig, fault.first_bus, fault.value);
@@ -80,7 +80,7 @@ bool to_number(std::string_view text, double& out) {
   return !copy.empty() && *end == '\0' && std::isfinite(out);
 }
 
-/// One word key=value of a fault; empty, or what is wrong.
+/// Sets one key=value of a fault. Returns the error; empty if none.
 std::string set(FaultConfig& fault, std::string_view key, std::string_view value) {
   if (key == "bus") fault.bus = value;
   else if (key == "tracker") fault.tracker = value;

@@ -86,7 +86,7 @@ TEST(CliDrive, HomesByTheMethodsItHas) {
   const DriveOnPty rig;
   const test::ProgramResult home = rig.drive("home --offset 750");
   EXPECT_EQ(home.exit_code, 0) << home.output;
-  EXPECT_THAT(home.output, HasSubstr("home is known; it is at 750 counts\noff\n"));
+  EXPECT_THAT(home.output, HasSubstr("home was found, at 750 counts\noff\n"));
   const test::ProgramResult switches = rig.drive("home --method 33");
   EXPECT_EQ(switches.exit_code, 2);
   EXPECT_THAT(switches.output, HasSubstr("--hand-on-the-stop"));
@@ -140,9 +140,9 @@ TEST(CliDrive, RefusesMovesThatNobodyWatchesOrThatAreTooBig) {
            {"--velocity 100 --duration 1", "--hand-on-the-stop"},
            {"--velocity 2001 --duration 1", "2001 is beyond the limit of 2000"},
            {"--torque 51 --duration 1", "51 is beyond the limit of 50"},
-           {"--position -2000 --duration 0.5", "beyond the limit of 2000: raise --duration"},
-           {"--duration 1", "one of --velocity, --position, --torque"},
-           {"--velocity 1 --torque 1 --duration 1", "one of --velocity, --position, --torque"},
+           {"--position -2000 --duration 0.5", "beyond the limit of 2000 counts/s: raise --duration"},
+           {"--duration 1", "exactly one of --velocity, --position and --torque"},
+           {"--velocity 1 --torque 1 --duration 1", "exactly one of --velocity, --position and --torque"},
            {"--velocity 1 --duration 61", "--duration"},
        }) {
     const test::ProgramResult result =
@@ -222,7 +222,7 @@ TEST(CliDrive, LeavesADriveAloneThatAHostRuns) {
   rig.send_syncs(true);
   const test::ProgramResult move = rig.drive("move --velocity 100 --duration 1 --hand-on-the-stop");
   EXPECT_EQ(move.exit_code, 1);
-  EXPECT_THAT(move.output, HasSubstr("a host runs this bus (SYNC): stop it first"));
+  EXPECT_THAT(move.output, HasSubstr("a host runs this bus (SYNC): stop the host first"));
   EXPECT_THAT(rig.drive("status").output, HasSubstr("host             SYNC"));
 }
 
@@ -252,7 +252,7 @@ TEST(CliDrive, SaysThatNobodyAnswersAndWhatIsNoDrive) {
   const test::ProgramResult other =
       test::run_program("encoder --bus slcan:" + rig.name() + " --node 4 status");
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.output, HasSubstr("node 4: is no CiA 406 encoder: its profile (1000h) is 402"));
+  EXPECT_THAT(other.output, HasSubstr("node 4: is not a CiA 406 encoder: its profile (1000h) is 402"));
 }
 
 TEST(MoveRamp, BeginsAndEndsAtRestAndItsWayIsItsIntegral) {

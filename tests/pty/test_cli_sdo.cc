@@ -78,7 +78,7 @@ TEST(CliLss, GivesANodeItsIdAndBitRate) {
   EXPECT_EQ(encoder.run("lss", "--select 0xDEB 0x406 0x10000 1 bit-rate 500000").exit_code, 0);
   const test::ProgramResult other = encoder.run("lss", "--timeout 0.1 --select 1 2 3 4 node-id 9");
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.output, HasSubstr("has a node this identity"));
+  EXPECT_THAT(other.output, HasSubstr("check that a node has this identity"));
   EXPECT_EQ(encoder.run("lss", "--select 0xDEB 0x406 0x10000 1 node-id 9").exit_code, 0);
   EXPECT_EQ(encoder.run("lss", "node-id 9 --alone").exit_code, 0);
   EXPECT_EQ(encoder.run("lss", "bit-rate 100000").exit_code, 2);

@@ -145,8 +145,9 @@ TEST_F(CliSpaceMouse, SaysWhatToInstallWhereThereIsNoDaemon) {
 TEST_F(CliSpaceMouse, WhatDoesNotGoTogetherIsSaid) {
   for (const auto& [arguments, word] :
        {std::pair{"sim/scenes/wall.toml --spacemouse", "add [device.spacemouse]"},
-        std::pair{"sim/scenes/spacemouse.toml --spacemouse --fast", "leave --fast out"},
-        std::pair{"sim/scenes/spacemouse.toml --spacemouse --view --view-input", "leave --view-input out"}}) {
+        std::pair{"sim/scenes/spacemouse.toml --spacemouse --fast", "remove --fast"},
+        std::pair{"sim/scenes/spacemouse.toml --spacemouse --view --view-input",
+                  "excludes --view-input, since both move the tool: remove either"}}) {
     const ProgramResult result = run_program(std::string("run ") + arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments;
     EXPECT_THAT(result.output, HasSubstr(word));

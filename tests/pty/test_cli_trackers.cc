@@ -91,10 +91,10 @@ TEST_F(CliTrackers, WhatIsWrongWithTheOptionIsSaid) {
   for (const auto& [arguments, expected] :
        {std::pair{"run sim/scenes/tracked.toml --tracker vega=/dev/x", "the scene's trackers are 'polaris'"},
         {"run sim/scenes/tracked.toml --tracker polaris=/dev/x --tracker polaris=/dev/y", "given twice"},
-        {"run sim/scenes/tracked.toml --tracker scene --bus direct", "leave --tracker out"},
-        {"run sim/scenes/tracked.toml --tracker scene --fast", "keep time of their own"},
+        {"run sim/scenes/tracked.toml --tracker scene --bus direct", "or remove --tracker"},
+        {"run sim/scenes/tracked.toml --tracker scene --fast", "real buses and trackers run in wall time"},
         {"run sim/scenes/rigid.toml --tracker scene", "has no trackers"},
-        {"simulate sim/scenes/pendulum.toml", "nothing to simulate"}}) {
+        {"simulate sim/scenes/pendulum.toml", "no trackers to simulate"}}) {
     const ProgramResult result = run_program(arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.output;
     EXPECT_THAT(result.output, HasSubstr(expected)) << arguments;

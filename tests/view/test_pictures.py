@@ -137,12 +137,12 @@ def main():
     told, given, at_rest = (image(path(name))[0] for name in ("told.png", "given.png", "at-rest.png"))
     assert told == given and told != at_rest, "deformed where its nodes are known"
     godobject("run", "sim/scenes/wall.toml", "--fast", "--quiet", "--duration", "4", "--trace", path("wall.csv"), "--report", path("report.json"))
-    assert "has no [[net]]" in godobject("view", path("wall.csv"), "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
-    assert "goes with a trace" in godobject("view", "sim/scenes/net-small.toml", "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
+    assert "has no nets: remove --nets" in godobject("view", path("wall.csv"), "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
+    assert "requires a trace" in godobject("view", "sim/scenes/net-small.toml", "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
 
     assert "describes no buses" in godobject("view", path("bus.log"), "--scene", "sim/scenes/wall.toml", "--picture", path("x.png"), code=2)
     os.remove(path("report.json"))
-    assert "of which scene is it?" in godobject("view", path("wall.csv"), "--picture", path("x.png"), code=2)
+    assert "its scene is unknown: give the scene file with --scene" in godobject("view", path("wall.csv"), "--picture", path("x.png"), code=2)
     assert "must end in .png or .gltf" in godobject("view", path("wall.csv"), "--picture", path("x.jpg"), code=2)
     assert "is it of another scene" in godobject("view", path("wall.csv"), "--scene", "sim/scenes/organ.toml", "--picture", path("x.png"), code=2)
 

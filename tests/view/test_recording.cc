@@ -168,7 +168,8 @@ TEST_F(NetRecordingTest, IsRefusedWhereItDoesNotFit) {
     const NetRecordingResult result = read_nets(write("x.csv", changed), of);
     return result.errors.empty() ? std::string("none") : result.errors.front();
   };
-  EXPECT_THAT(error_of(text, scene_named("wall")), HasSubstr("scene 'wall' has no [[net]]"));
+  EXPECT_THAT(error_of(text, scene_named("wall")),
+              HasSubstr("scene 'wall' has no nets: remove --nets, or add a [[net]] table"));
   EXPECT_THAT(error_of(text, scene_named("endobag")),
               HasSubstr("x.csv:1: column 2 is 'tube.0.x', and `run --nets` of scene 'endobag' writes"));
   EXPECT_THAT(error_of("t\n", scene), HasSubstr("column 2 is missing"));

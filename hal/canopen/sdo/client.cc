@@ -73,12 +73,13 @@ void Client::poll(Nanoseconds now, CanBus& bus) noexcept {
     must_send_ = false;
     finish(TransferState::not_sent);
   } else {
-    // The server may be in the middle of its transfer: tell it, with the next poll.
+    // The server may be within its transfer: the next poll sends the abort.
     give_up(TransferState::timed_out, AbortCode::timed_out);
   }
 }
 
-// Some servers abort with index 0. A message without a whole address is an answer to a segment, or an abort.
+// True if the message answers this transfer. Some servers abort with index 0. A message without a whole
+// address answers a segment or is an abort.
 bool Client::is_of_this_transfer(const Message& message, std::size_t size) noexcept {
   const bool is_abort = command_of(message) == static_cast<std::uint8_t>(Response::abort);
   const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
@@ -98,8 +99,8 @@ bool Client::on_frame(const CanFrame& frame) noexcept {
   const bool asked = !must_send_ || (initiating && repeats_ > 0);
   if (!busy() || !asked || parse_response(frame, node_, message, size) != ParseResult::ok) return false;
   const auto response = static_cast<Response>(command_of(message));
-  if (!is_of_this_transfer(message, size)) return false;  // late: of an earlier one
-  must_send_ = false;                                     // a repeat that has found no room
+  if (!is_of_this_transfer(message, size)) return false;  // late answer to an earlier transfer
+  must_send_ = false;                                     // cancels a repeat not yet sent
   if (response == Response::abort) {
     finish(TransferState::aborted, abort_code_of(message));
     return true;
@@ -126,7 +127,7 @@ bool Client::on_frame(const CanFrame& frame) noexcept {
   return true;
 }
 
-// A download has been accepted up to position_.
+// Sends the next segment of a download; the server has accepted the data up to position_.
 void Client::send_segment() noexcept {
   if (size_ <= expedited_capacity || position_ == size_) {
     finish(TransferState::done);

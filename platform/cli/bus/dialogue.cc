@@ -10,11 +10,13 @@
 namespace godobject {
 
 void add_dialogue_options(CLI::App& verb, DialogueOptions& options) {
-  verb.add_option("--bus", options.bus, "socketcan:IFACE, slcan:PATH or pty:; see docs/buses.md")->required();
-  verb.add_option("--bit-rate", options.bit_rate, "of the bus, bit/s")
+  verb.add_option("--bus", options.bus,
+                  "use this bus: socketcan:IFACE, slcan:PATH or pty:; see docs/buses.md")
+      ->required();
+  verb.add_option("--bit-rate", options.bit_rate, "set the bit rate of the bus, bit/s")
       ->check(number_above(0, 1e6))
       ->capture_default_str();
-  verb.add_option("--timeout", options.timeout, "for each answer, s")
+  verb.add_option("--timeout", options.timeout, "wait for each answer up to this time, s")
       ->check(number_above(0, 600))
       ->capture_default_str();
 }

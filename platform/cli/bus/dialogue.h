@@ -1,8 +1,4 @@
 // One bus of this machine, for a verb that asks something on it and waits for the answer.
-//
-// The room: node_dialogue.h asks a CANopen node by SDO;
-// message_decoder.h says frames in words and message_table.h counts them, candump_log.h keeps them;
-// object_text.h and load_text.h are words alone.
 #pragma once
 
 #include <functional>

@@ -108,7 +108,8 @@ std::optional<std::vector<std::uint8_t>> parse_value(std::string_view text, cons
                                                      std::string& error) {
   if (type == hex_type) {
     std::optional<std::vector<std::uint8_t>> bytes = parse_bytes(text);
-    if (!bytes) error = "'" + std::string(text) + "' is not pairs of hexadecimal digits, as 0A00";
+    if (!bytes)
+      error = "'" + std::string(text) + "' is not a sequence of pairs of hexadecimal digits, as 0A00";
     return bytes;
   }
   const std::optional<ObjectType> number = number_type(type);

@@ -1,6 +1,4 @@
 // A CiA 402 drive commanded by SDO: for bringing it up, not for running it.
-//
-// The room: home.h finds its reference, move.h turns it, each for the verb `drive`.
 #pragma once
 
 #include "hal/drive/cia402_text.h"

@@ -271,9 +271,8 @@ nlohmann::ordered_json to_json(const RunReport& report) {
                  : Json(nullptr)},
             {"timing", timing(report.result.timing, statistics)}};
   if (report.session.follows()) {
-    json["truth"] = report.session.bus() == BusChoice::real
-                        ? "none: errors are against what the core was told"
-                        : "where the handle is";
+    json["truth"] = report.session.bus() == BusChoice::real ? "none: errors are relative to the core's target"
+                                                            : "where the handle is";
     json["following"] = to_json(statistics.following);
     if (report.session.bus() != BusChoice::real) json["sensing"] = to_json(statistics.sensing);
     if (report.session.bus() == BusChoice::sim) {

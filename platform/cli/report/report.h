@@ -1,7 +1,4 @@
 // What a run came to: one collection of facts, shown as the summary and written as report.json.
-//
-// The room: summary.cc is for people, json.cc for programs; statistics.h adds up periods; files.h keeps traces and logs while
-// the run goes on, events.h and status_line.h tell of it.
 #pragma once
 
 #include <cstdio>

@@ -49,8 +49,8 @@ void StatusLine::say(const CycleRecord& record) {
   on_hold_ = record.on_hold;
   std::array<char, 200> line{};
   std::snprintf(line.data(), line.size(), "%st %7.3f s   deadlines: %s%s\n", terminal_ ? "\r" : "", record.t,
-                on_hold_ ? "5 or more were missed within 100 ms: the pose is held, the force fades"
-                         : "kept again for 100 ms: the force comes back by the ramp",
+                on_hold_ ? "5 or more missed within 100 ms: the pose is held, the force fades"
+                         : "kept for 100 ms: the force returns by the ramp",
                 terminal_ ? "\033[K" : "");
   static_cast<void>(console_.write(line.data()));
 }

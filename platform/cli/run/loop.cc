@@ -71,10 +71,10 @@ class StopNotices {
   void look(double t_s) {
     if (signals_.requested() && !std::exchange(told_, true))
       events_.tell(RunEventKind::stop, t_s,
-                   std::string(signals_.name()) + ": the torque runs down, then the drives are off",
-                   "once more: quick stop");
+                   std::string(signals_.name()) + ": the torque runs down, then the drives are turned off",
+                   "send it again for a quick stop");
     if (signals_.insisted() && !std::exchange(insisted_, true))
-      events_.tell(RunEventKind::quick_stop, t_s, "a second signal: QUICK STOP, torque is gone at once", "");
+      events_.tell(RunEventKind::quick_stop, t_s, "second signal: QUICK STOP, the torque is cut at once", "");
   }
 
  private:

@@ -1,8 +1,4 @@
 // The two ways to run a session: as fast as the machine allows, or one cycle a period on a real-time thread.
-//
-// The room: options.h is what was asked for, with buses.h, trackers.h and spacemouse.h; start_check.h comes before anything
-// moves; cycle.h is what the loop does once a period; recovery.h what goes on while no loop runs, last_frames.h how
-// it ends; view.h shows it. What a run says of itself is in ../report.
 #pragma once
 
 #include <optional>

@@ -53,8 +53,9 @@ std::string why_not_writable(const std::string& path) {
   for (; !fs::exists(folder, ignored) && folder != folder_of(folder); folder = folder_of(folder))
     missing = folder;
   if (!missing.empty() && folder == folder.root_path())
-    return "cannot be written: there is no '" + missing.string() + "'";
-  if (!fs::is_directory(folder, ignored)) return "cannot be written: '" + folder.string() + "' is no folder";
+    return "cannot be written: create the missing folder '" + missing.string() + "'";
+  if (!fs::is_directory(folder, ignored))
+    return "cannot be written: '" + folder.string() + "' is not a folder";
   const bool exists = fs::exists(path, ignored);
   if (access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) == 0) return "";
   return "cannot be written: " + std::generic_category().message(errno);
@@ -80,18 +81,17 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
 /// What goes with the pages of a view.
 void check_view(const RunOptions& options, std::vector<std::string>& errors) {
   if (!options.view) {
-    if (options.view_input) errors.push_back("--view-input: its pages are those of --view: give that, too");
+    if (options.view_input) errors.push_back("--view-input: requires --view: add it");
     return;
   }
   if (!options.view_input) return;
-  if (options.fast) errors.push_back("--view-input: a hand takes part in wall time: leave --fast out");
+  if (options.fast) errors.push_back("--view-input: requires wall time: remove --fast");
   if (!options.motion.empty())
-    errors.push_back("--view-input: the pages' pointer moves the bodies, not --motion: leave either out");
+    errors.push_back("--view-input: the page's pointer replaces --motion: remove either");
   if (!options.trackers.empty() ||
       std::ranges::any_of(options.buses, [](const std::string& bus) { return bus != "direct"; }))
     errors.push_back(
-        "--view-input: the pages' pointer is the device, and no motor shows its force: leave --bus and "
-        "--tracker out");
+        "--view-input: the page's pointer replaces the device and its motors: remove --bus and --tracker");
 }
 
 bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
@@ -100,15 +100,17 @@ void check_record(const RunOptions& options, BusChoice choice, const SceneConfig
                   std::vector<std::string>& errors) {
   if (options.files.record.empty()) return;
   if (options.view_input) {
-    errors.push_back("--record: with --view-input there is no bus to record: leave either out");
+    errors.push_back("--record: with --view-input there is no bus to record: remove either");
   } else if (!has_rig(scene)) {
-    errors.push_back("--record: scene '" + scene.name + "' describes no buses to record");
+    errors.push_back("--record: scene '" + scene.name +
+                     "' describes no buses to record: remove --record, or add [[bus]] tables");
   } else if (choice == BusChoice::direct) {
-    errors.push_back("--record: with --bus direct there is no bus to record");
+    errors.push_back("--record: with --bus direct there is no bus to record: remove either");
   } else {
     for (const BusParams& bus : scene.device->rig->buses)
       if (bus.name.size() > max_interface_name)
-        errors.push_back("--record: bus name '" + bus.name + "' is too long for a candump log, at most " +
+        errors.push_back("--record: bus name '" + bus.name +
+                         "' is too long for a candump log: shorten it to at most " +
                          std::to_string(max_interface_name) + " characters");
   }
 }
@@ -121,7 +123,7 @@ void check_contacts(const RunOptions& options, const SceneConfig& scene, std::ve
 
 void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
   if (!options.files.nets.empty() && scene.nets.empty())
-    errors.push_back("--nets: scene '" + scene.name + "' has no [[net]]");
+    errors.push_back("--nets: scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table");
 }
 
 void apply_overrides(const RunOptions& options, SceneConfig& scene) {
@@ -147,24 +149,23 @@ std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& 
 void check_real_buses(const RunOptions& options, PreparedRun& run) {
   if (run.buses.choice != BusChoice::real) {
     if (options.rearm != Rearm::never && run.buses.choice == BusChoice::direct)
-      run.errors.push_back("--rearm: with --bus direct there is no device to arm");
+      run.errors.push_back("--rearm: with --bus direct there is no device to arm: remove --rearm");
     return;
   }
   if (run.buses.real.are_logs()) {
     if (!options.trackers.empty())
       run.errors.push_back(
-          "--tracker: the time of a log is not that of a real tracker: leave it out with replay:");
+          "--tracker: a log runs in its own time, a real tracker in wall time: remove --tracker, or use a "
+          "bus other than replay:");
     return;
   }
   if (options.fast)
     run.errors.push_back(
-        "--fast: it runs on a simulated clock, and the nodes on a real bus, as real trackers, keep time of "
-        "their "
-        "own: leave it out");
+        "--fast: real buses and trackers run in wall time, not on a simulated clock: remove --fast");
   if (!options.motion.empty())
     run.notes.push_back(
-        "--motion: on real buses and trackers the device says where its handles are; the file's switches "
-        "count");
+        "--motion: real buses and trackers measure the handles; this run reads only the switches of the "
+        "file");
 }
 
 std::string folder_of_scene(const RunOptions& options) {
@@ -216,9 +217,10 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
   if (run.buses.choice == BusChoice::sim) {
     if (options.simulated.make_session != nullptr)
       return options.simulated.make_session(scene, std::move(motion), run.profiles);
-    return {.session = nullptr,
-            .errors = {"this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus an address, or "
-                       "--bus direct"}};
+    return {
+        .session = nullptr,
+        .errors = {
+            "this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus ADDRESS or --bus direct"}};
   }
   if (run.buses.real.are_logs()) return make_session_on_logs(scene, std::move(motion), run);
   DeviceParts device{.buses = nullptr,
@@ -273,7 +275,7 @@ std::string make_folders(const RunOptions& options) {
     std::error_code error;
     if (path.empty() || fs::exists(folder_of(path), error)) continue;
     if (!fs::create_directories(folder_of(path), error) && error)
-      return "'" + folder_of(path).string() + "' cannot be made: " + error.message();
+      return "'" + folder_of(path).string() + "' cannot be created: " + error.message();
   }
   return "";
 }

@@ -27,8 +27,8 @@ bool Recoveries::again() {
   if (any(session_.rig()->faults() & RigFault::drive_error) && !cycle_.t_fault_ns()) return false;
   Recovery& recovery = list_.back();
   if (recovery.boots == 0)
-    tell(RunEventKind::lost, "the device is lost: torque is gone, its nodes are pre-operational",
-         "--rearm auto: it is ARMED again as soon as it is back");
+    tell(RunEventKind::lost, "the device is lost: the torque is zero, its nodes are pre-operational",
+         "--rearm auto ARMS it again as soon as it is back");
   for (bool up = false; !up; ++recovery.boots) {
     if (!real_ && recovery.boots == max_simulated_boots) return false;
     if (!real_) {
@@ -86,7 +86,7 @@ bool Recoveries::reopen() {
     if (all_back) return true;
     if (tries == 0)
       for (const std::string& trouble : bus_troubles(link, real_->where, real_->rig))
-        tell(RunEventKind::trying, trouble, "tried again until it is back");
+        tell(RunEventKind::trying, trouble, "opened again until it is back");
     if (!pause(pause_after(tries), stop_)) return false;
   }
   return false;

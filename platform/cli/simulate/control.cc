@@ -24,7 +24,7 @@ json play(std::string_view words, Simulation& simulation) {
 
 std::string answer(std::string_view command, Simulation& simulation, bool& quit) {
   if (command.size() >= LineInput::max_line)
-    return error("longer than " + std::to_string(LineInput::max_line - 1) + " bytes: nothing was done")
+    return error("longer than " + std::to_string(LineInput::max_line - 1) + " bytes: the line was ignored")
         .dump();
   const std::size_t space = command.find(' ');
   const std::string_view verb = command.substr(0, space);

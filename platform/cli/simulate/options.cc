@@ -29,7 +29,7 @@ void offer(const std::string& option, const std::string& text, bool is_tap, cons
   if (!address) return complain(error);
   if (address->backend->no_device != nullptr) return complain(address->backend->no_device);
   if (wanted.name.empty() && rig.buses.size() > 1 && !address->backend->makes_terminal)
-    return complain("the scene has " + std::to_string(rig.buses.size()) + " buses: say which, as in " +
+    return complain("the scene has " + std::to_string(rig.buses.size()) + " buses: name one, as in " +
                     rig.buses.front().name + "=" + wanted.address);
   bool found = false;
   for (std::size_t i = 0; i < rig.buses.size(); ++i) {
@@ -56,7 +56,7 @@ std::vector<OfferedBus> offer_all(const SimulateOptions& options, const RigParam
     const auto ends = std::ranges::count(offered, i, &OfferedBus::wire);
     if (out.errors.empty() && ends != 1)
       out.errors.push_back("--bus: bus '" + rig.buses[i].name + "' of the scene has " + std::to_string(ends) +
-                           " addresses, it needs one: --bus " + rig.buses[i].name + "=ADDRESS");
+                           " addresses and requires one: give --bus " + rig.buses[i].name + "=ADDRESS");
   }
   for (const std::string& text : options.taps) offer("--tap", text, true, rig, out, offered);
   return offered;
@@ -79,7 +79,8 @@ std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulati
   SceneConfig& scene = *loaded.scene;
   if (!scene.device || (!scene.device->rig && scene.device->trackers.empty())) {
     out.errors.push_back(options.scene +
-                         ": describes no device on buses, and no trackers: there is nothing to simulate");
+                         ": describes no device on buses and no trackers to simulate: add [[bus]] or "
+                         "[[device.tracker]] tables");
     return std::nullopt;
   }
   if (scene.device->rig) scene.device->rig->cycle_s = scene.step;

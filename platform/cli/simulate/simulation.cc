@@ -80,7 +80,7 @@ std::string Simulation::play(const FaultConfig& config) {
     if (!found.fault) return found.error;
     is_scheduled = rig_->faults().schedule(*found.fault);
   }
-  return is_scheduled ? "" : "as many faults are active as can be: clear some";
+  return is_scheduled ? "" : "too many faults are active: clear some";
 }
 
 void Simulation::clear_faults() noexcept {

@@ -1,7 +1,4 @@
 // A simulated device in wall time: a rig with real buses at the host's end of its wires, trackers on pseudo-terminals.
-//
-// The room: options.h is what was asked for; bridge.h joins a simulated wire to a real bus, tracker_line.h a simulated
-// tracker to a pseudo-terminal; control.h takes commands, such as faults, while it runs.
 #pragma once
 
 #include <atomic>

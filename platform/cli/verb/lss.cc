@@ -111,15 +111,15 @@ class LssCall {
         return "rejected: error " + std::to_string(master_.error_code()) + ", " +
                lss::text_of(command, master_.error_code());
       case lss::Outcome::not_sent:
-        return "the bus did not take the request: is another node on it that acknowledges, at this bit rate?";
+        return "the bus did not take the request: check that another node acknowledges frames at this bit "
+               "rate";
       default: break;
     }
     const std::string who = options_.identity.empty()
-                                ? "is exactly one node on the bus"
-                                : "has a node this identity (godobject sdo read 1018:01 "
-                                  "to :04)";
+                                ? "check that exactly one node is on the bus"
+                                : "check that a node has this identity (godobject sdo read 1018:01 to :04)";
     return "no answer within " + CLI::detail::to_string(options_.dialogue.timeout) + " s: " + who +
-           ", is it powered, has the bus this bit rate, and does the node know LSS?";
+           ", that it is powered, that the bus has this bit rate, and that the node supports LSS";
   }
 
   const LssOptions& options_;
@@ -139,13 +139,11 @@ bool is_only_one(LssCall& call, const LssOptions& options) {
   if (ids.size() <= 1) return true;
   std::string list;
   for (const std::uint32_t id : ids) list += (list.empty() ? "" : ", ") + std::to_string(id);
-  std::fprintf(
-      stderr,
-      "lss: %zu nodes are on the bus, and each would get the ID %d: %s. Address one by its identity, "
-      "--select "
-      "VENDOR PRODUCT REVISION SERIAL (godobject sdo --node ID read 1018:01 to :04), or take the others off "
-      "the bus. Nothing was changed.\n",
-      ids.size(), options.node_id, list.c_str());
+  std::fprintf(stderr,
+               "lss: %zu nodes are on the bus, and each would get the ID %d: %s. Address one by its identity "
+               "with --select VENDOR PRODUCT REVISION SERIAL (godobject sdo --node ID read 1018:01 to :04), "
+               "or take the others off the bus. Nothing was changed.\n",
+               ids.size(), options.node_id, list.c_str());
   return false;
 }
 
@@ -154,10 +152,10 @@ bool is_only_one_without_id(LssCall& call, const LssOptions& options) {
   if (options.alone || !options.identity.empty()) return true;
   const std::size_t num_nodes = call.inquire(lss::Command::inquire_node_id).size();
   if (num_nodes > 1)
-    std::fprintf(
-        stderr,
-        "lss: %zu nodes listen: take all but one off the bus, or --select one. Nothing was changed.\n",
-        num_nodes);
+    std::fprintf(stderr,
+                 "lss: %zu nodes would get the ID: take all but one off the bus, or address one with "
+                 "--select. Nothing was changed.\n",
+                 num_nodes);
   return num_nodes <= 1;
 }
 
@@ -170,15 +168,17 @@ ExitCode set_node_id(const LssOptions& options) {
     return ExitCode::fault;
   }
   const bool ok = call.set_node_id(options.node_id) && call.leave();
-  return say(
-      ok, "set; in effect when the node's communication is reset; lost without power: godobject lss store");
+  return say(ok,
+             "set; in effect after the node's communication is reset; to keep it without power: godobject "
+             "lss store");
 }
 
 ExitCode set_bit_rate(const LssOptions& options) {
   const std::optional<std::uint8_t> index = lss::bit_timing_index(options.new_bit_rate);
   if (!index) {
     std::fprintf(stderr,
-                 "bit rate %g: CiA 305 has 1000000, 800000, 500000, 250000, 125000, 50000, 20000, 10000\n",
+                 "bit rate %g bit/s is not one of CiA 305: 1000000, 800000, 500000, 250000, 125000, 50000, "
+                 "20000, 10000\n",
                  options.new_bit_rate);
     return ExitCode::usage;
   }
@@ -191,7 +191,7 @@ ExitCode set_bit_rate(const LssOptions& options) {
     return say(ok, "stored and activated: set the interface to the new bit rate, and reset the node");
   }
   ok = ok && call.leave();
-  return say(ok, "set; in effect when it is stored (godobject lss store) and the node's power has been off");
+  return say(ok, "set; in effect once stored (godobject lss store) and the node's power was off");
 }
 
 ExitCode store(const LssOptions& options) {
@@ -209,25 +209,28 @@ void add_lss(CLI::App& app, ExitCode& code) {
   const auto options = std::make_shared<LssOptions>();
   add_dialogue_options(*verb, options->dialogue);
   verb->add_option("--select", options->identity,
-                   "identity 1018h of the node: VENDOR PRODUCT REVISION SERIAL")
+                   "address the node with this identity 1018h: VENDOR PRODUCT REVISION SERIAL")
       ->expected(4);
   verb->require_subcommand(1);
   verb->fallthrough();
 
-  CLI::App* node_id = verb->add_subcommand("node-id", "Give the node an ID.");
-  node_id->add_option("ID", options->node_id, "1 to 127")->required()->check(CLI::Range(1, 127));
-  node_id->add_flag("--alone", options->alone, "do not ask who is on the bus");
+  CLI::App* node_id = verb->add_subcommand("node-id", "Set the node's ID.");
+  node_id->add_option("ID", options->node_id, "set this node-ID, 1 to 127")
+      ->required()
+      ->check(CLI::Range(1, 127));
+  node_id->add_flag("--alone", options->alone, "skip the search for other nodes on the bus");
   node_id->callback([options, &code] { code = set_node_id(*options); });
 
-  CLI::App* bit_rate = verb->add_subcommand("bit-rate", "Give the node a bit rate.");
-  bit_rate->add_option("RATE", options->new_bit_rate, "bit/s")->required();
+  CLI::App* bit_rate = verb->add_subcommand("bit-rate", "Set the node's bit rate.");
+  bit_rate->add_option("RATE", options->new_bit_rate, "set this bit rate, bit/s")->required();
   bit_rate
       ->add_option("--activate", options->activate_ms,
-                   "store it and change to it now: silent for so many ms before and after the change")
+                   "store the rate and change to it now, with this silence before and after the change, ms")
       ->check(CLI::Range(1, 65535));
   bit_rate->callback([options, &code] { code = set_bit_rate(*options); });
 
-  CLI::App* storing = verb->add_subcommand("store", "Let the node keep its settings without power.");
+  CLI::App* storing =
+      verb->add_subcommand("store", "Store the node's settings, so that they survive a loss of power.");
   storing->callback([options, &code] { code = store(*options); });
 }
 

@@ -48,7 +48,7 @@ bool load_rig(const std::string& path, const FaultChecks& checks, std::optional<
     rig = std::move(loaded.scene->device->rig);
     return true;
   }
-  std::fprintf(stderr, "--scene: '%s' describes no buses\n", path.c_str());
+  std::fprintf(stderr, "--scene: scene '%s' describes no buses\n", path.c_str());
   return false;
 }
 
@@ -71,7 +71,7 @@ bool add_bus(const MonitorOptions& options, std::string text, Monitor& monitor,
   if (!of_scene) {
     std::fprintf(
         stderr, "--bus %s: %s\n", given.c_str(),
-        monitor.rig ? "the scene has no bus of that name" : "names are those of a scene: give --scene");
+        monitor.rig ? "the scene has no bus of that name" : "a name requires the scene's: give --scene");
     return false;
   }
   std::string error;
@@ -222,19 +222,19 @@ ExitCode run_monitor(const MonitorOptions& options) {
 
 void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
-      "monitor", "What goes over buses or is in logs: a table of the messages, decoded, with their periods.");
+      "monitor", "Print a table of the decoded messages of buses or logs, with their periods.");
   const auto options = std::make_shared<MonitorOptions>();
   options->faults = checks;
   verb->add_option("--bus", options->buses,
-                   "socketcan:IFACE, slcan:PATH, board:PATH, pty: or replay:FILE[,IFACE]; several in the "
-                   "order of the scene's "
-                   "buses, or each as NAME=ADDRESS; see docs/buses.md")
+                   "read this bus: socketcan:IFACE, slcan:PATH, board:PATH, pty: or replay:FILE[,IFACE]; "
+                   "several in the order of the scene's buses, or each as NAME=ADDRESS; see docs/buses.md")
       ->required();
-  verb->add_option("--scene", options->scene, "scene file whose joints the messages are named after");
-  verb->add_option("--bit-rate", options->bit_rate, "bit/s, where no scene gives it (1000000)")
+  verb->add_option("--scene", options->scene, "name the messages after the joints of this scene file");
+  verb->add_option("--bit-rate", options->bit_rate,
+                   "set the bit rate where no scene gives it, bit/s (1000000)")
       ->check(CLI::PositiveNumber);
   verb->add_option("--duration", options->duration,
-                   "s; by default until a key stops it (Ctrl-C) or the log ends")
+                   "end after this time, s; default: until Ctrl-C, or the end of the log")
       ->check(CLI::PositiveNumber);
   verb->add_flag("--plain", options->plain, "print the table once, at the end");
   verb->callback([options, &code] { code = run_monitor(*options); });

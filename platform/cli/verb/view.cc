@@ -72,7 +72,7 @@ std::string of_report(const std::string& file, const std::vector<std::string>& k
 bool add_nets(const ViewOptions& options, Recording& recording) {
   const bool is_trace = is(options.file, ".csv");
   if (!options.nets.empty() && !is_trace) {
-    complain({"--nets: goes with a trace (.csv); " + options.file + " is none"});
+    complain({"--nets: requires a trace (.csv) as FILE; " + options.file + " is not one"});
     return false;
   }
   std::string path = options.nets;
@@ -82,7 +82,7 @@ bool add_nets(const ViewOptions& options, Recording& recording) {
   NetRecordingResult result = read_nets(path, recording.scene);
   const double begin = recording.samples.front().record.t, end = recording.samples.back().record.t;
   if (result.nets && (result.nets->begin() > end || result.nets->end() < begin))
-    result.errors.push_back(path + ": its times do not meet those of " + options.file +
+    result.errors.push_back(path + ": its times do not overlap those of " + options.file +
                             ": is it of another run?");
   complain(result.errors);
   recording.nets = std::move(result.nets);
@@ -105,8 +105,8 @@ std::optional<Recording> load(const ViewOptions& options) {
                            : !options.scene.empty() ? options.scene
                                                     : of_report(options.file, {"scene_file"});
   if (path.empty()) {
-    complain({options.file + ": of which scene is it? Give its file with --scene, or the run's --report "
-                             "beside it as report.json"});
+    complain({options.file + ": its scene is unknown: give the scene file with --scene, or put the run's "
+                             "--report beside it as report.json"});
     return std::nullopt;
   }
   const LoadResult loaded = load_scene(path, options.faults);
@@ -165,7 +165,7 @@ ExitCode serve(const ViewOptions& options, const Recording& recording) {
     return ExitCode::not_available;
   }
   complain(view_lines(server->url(), options.address));
-  std::fputs("view: Ctrl-C ends it\n", stderr);
+  std::fputs("view: press Ctrl-C to end it\n", stderr);
   while (!stop.requested()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   return ExitCode::ok;
 }
@@ -184,34 +184,34 @@ ExitCode view(const ViewOptions& options) {
 
 void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
-      "view", "Look at a trace, a recording of buses or a scene, in a browser or as a picture.");
+      "view", "Show a trace, a recording of buses or a scene in a browser or as a picture.");
   const auto options = std::make_shared<ViewOptions>();
   options->faults = checks;
   verb->add_option("FILE", options->file,
-                   "a trace (.csv) of `run --trace`; a log of its buses, of `run --record`; or a scene "
-                   "(.toml) as it begins")
+                   "show this file: a trace of `run --trace` (.csv), a log of `run --record`, or the start "
+                   "of a scene (.toml)")
       ->required();
   verb->add_option("--scene", options->scene,
-                   "the scene of the trace or the log; default: the one that report.json beside it names")
+                   "use this scene for the trace or the log; default: the one named by report.json beside it")
       ->type_name("SCENE");
-  verb->add_option("--nets", options->nets,
-                   "where the nodes of the trace's nets were, of `run --nets`; default: the file that "
-                   "report.json beside the trace "
-                   "names. Without one nets are drawn where they rest on their bodies")
+  verb->add_option(
+          "--nets", options->nets,
+          "read the positions of the nets' nodes from this file of `run --nets`; default: the file named by "
+          "report.json beside the trace. Without one nets are drawn at rest on their bodies")
       ->type_name("FILE");
-  verb->add_option("--picture", options->picture,
-                   "leave a picture in this file instead, .png or .gltf, and end")
+  verb->add_option("--picture", options->picture, "write a picture to this file, .png or .gltf, and end")
       ->type_name("FILE");
-  verb->add_option("--time", options->time, "s, of the picture; default: the last instant")
+  verb->add_option("--time", options->time, "draw this instant, s; default: the last one")
       ->check(number_in(0, 1e9));
   verb->add_option("--duration", options->duration,
-                   "s, from --time or the beginning on: a picture that moves (.png)")
+                   "draw an animation (.png) of this length from --time or the beginning on, s")
       ->check(number_above(0, 60));
-  verb->add_option("--size", options->size, "of a picture, pixels: WIDTH HEIGHT")
+  verb->add_option("--size", options->size, "draw a picture of WIDTH HEIGHT pixels")
       ->expected(2)
       ->check(CLI::Range(16, 8192))
       ->type_name("N");
-  verb->add_option("--port", options->port, "of the page; default: 7780, or the next free one")
+  verb->add_option("--port", options->port,
+                   "serve the page on this port; default: 7780, or the next free one")
       ->check(CLI::Range(1, 65535))
       ->type_name("PORT");
   verb->add_option("--address", options->address, "listen on this address instead of 127.0.0.1")

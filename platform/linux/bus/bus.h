@@ -1,7 +1,4 @@
 // A CAN bus of this machine: a thread can wait on it, and an address on the command line makes it.
-//
-// The room: socket_can.h, slcan.h, pty.h, board.h, replay.h implement it, address.cc makes one of them; watched.h records;
-// rig_filters.h says which frames a rig's buses let through. A new bus is a file here and a line in address.cc.
 #pragma once
 
 #include <memory>

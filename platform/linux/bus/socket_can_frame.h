@@ -1,4 +1,4 @@
-// CAN frames in the layout of Linux's raw sockets (linux/can.h).
+// CAN frames in the layout of Linux's raw sockets (<linux/can.h>).
 #pragma once
 
 #include <linux/can.h>

@@ -1,6 +1,4 @@
 // What a scene file says of contacts: spheres and shapes of bodies, obstacles, pairs of materials.
-//
-// The room: pairs.h says which bodies may touch, params.h is all of it in the core's terms.
 #pragma once
 
 #include <cstdint>

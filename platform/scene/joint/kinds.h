@@ -1,7 +1,4 @@
 // What scene files say of the kinds of joints of core/joint/list.h, taken from the kinds themselves.
-//
-// The room: tree.h checks that joints make trees, params.h is a joint in the core's terms, device_from_joints.h the joints of a
-// device that a scene's joints imply.
 #pragma once
 
 #include <string>

@@ -98,7 +98,7 @@ std::string MeshBuilder::add_vertex(const std::array<double, 3>& p) {
   Point point;
   for (std::size_t i = 0; i < 3; ++i) {
     if (!(std::abs(p[i]) <= static_cast<double>(std::numeric_limits<float>::max())))
-      return "a coordinate is not a finite number of single precision";
+      return "a coordinate is not a finite number in single precision";
     point[i] = static_cast<float>(p[i]);
   }
   points_.push_back(point);
@@ -143,7 +143,7 @@ std::string MeshBuilder::build(double scale, MeshData& to) const {
       const std::optional<std::size_t> found = Fan(to.vertices, polygon).apex();
       if (!found)
         return in_face(face, "a face of " + std::to_string(polygon.size()) +
-                                 " corners is bent, or has no corner that sees all of it: cut it into "
+                                 " corners is not flat, or not star-shaped from any corner: cut it into "
                                  "triangles with a mesh editor");
       apex = *found;
     }
@@ -155,7 +155,7 @@ std::string MeshBuilder::build(double scale, MeshData& to) const {
       to.triangles.push_back({at(0), at(k), at(k + 1)});
     }
   }
-  return to.triangles.empty() ? "has no triangles" : "";
+  return to.triangles.empty() ? "has no triangles: export the mesh as triangles" : "";
 }
 
 }  // namespace godobject

@@ -1,8 +1,4 @@
 // Triangle meshes from STL, OBJ and PLY files.
-//
-// The room: stl.cc, obj.cc and ply.cc each read one format, with text_scanner.h the words of text and with builder.h what
-// becomes of vertices and faces; solid.h adds to a mesh what queries need; obstacle_file.h is for the files of obstacles:
-// triangles, heights, centres of spheres. A new format is a file here and a line in file.cc.
 #pragma once
 
 #include <string>

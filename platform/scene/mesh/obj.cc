@@ -32,7 +32,7 @@ std::string read_face(std::string_view line, std::size_t number, MeshBuilder& me
     if (word.ends_with('\\')) word.remove_suffix(1);  // the line goes on
     if (word.empty()) continue;
     const std::optional<std::int64_t> corner = corner_of(word, mesh.num_vertices());
-    if (!corner) return excerpt(word) + " is no vertex: those are numbers from 1, or from -1 backwards";
+    if (!corner) return excerpt(word) + " is not a vertex number: count from 1, or from -1 backwards";
     corners.push_back(*corner);
   }
   return mesh.add_face(corners, number);

@@ -78,7 +78,7 @@ std::string read_centres(const std::string& path, std::vector<Vec3>& centres) {
   for (std::size_t row = 0; row < read.table->num_rows(); ++row)
     centres.emplace_back(read.table->at(row, columns[0]), read.table->at(row, columns[1]),
                          read.table->at(row, columns[2]));
-  return centres.empty() ? path + ": has no rows: there is no sphere" : "";
+  return centres.empty() ? path + ": has no rows: add a row for each sphere" : "";
 }
 
 std::string load_file(const std::string& path, ObstacleConfig& obstacle) {

@@ -76,7 +76,7 @@ class Numbers {
     return number.value_or(0);
   }
   double ended() {
-    if (wrong_.empty()) wrong_ = "the file ends here: is it whole?";
+    if (wrong_.empty()) wrong_ = "the file ends too early: export it again";
     return 0;
   }
 
@@ -98,11 +98,11 @@ std::string read_property(std::string_view line, std::vector<Element>& elements)
   if (type == "list") {
     const std::string_view count = TextScanner::first_word(line);
     property.count = type_named(count);
-    if (!property.count || *property.count >= Type::f32) return excerpt(count) + " is no type of a count";
+    if (!property.count || *property.count >= Type::f32) return excerpt(count) + " is not a type of a count";
     type = TextScanner::first_word(line);
   }
   const std::optional<Type> known = type_named(type);
-  if (!known) return excerpt(type) + " is no type of PLY";
+  if (!known) return excerpt(type) + " is not a type of PLY";
   property.type = *known;
   property.name = TextScanner::first_word(line);
   elements.back().properties.push_back(property);
@@ -112,7 +112,7 @@ std::string read_property(std::string_view line, std::vector<Element>& elements)
 std::string read_element(std::string_view line, std::vector<Element>& elements) {
   const std::string_view name = TextScanner::first_word(line), count = TextScanner::first_word(line);
   const std::optional<std::uint64_t> number = number_of<std::uint64_t>(count);
-  if (!number) return excerpt(count) + " is no number of elements";
+  if (!number) return excerpt(count) + " is not a number of elements";
   elements.push_back({.name = name, .number = *number});
   return "";
 }
@@ -122,7 +122,7 @@ std::string read_format(std::string_view line, Header& header) {
                                                          "binary_big_endian"};
   const std::string_view form = TextScanner::first_word(line);
   const auto* const found = std::ranges::find(forms, form);
-  if (found == forms.end()) return excerpt(form) + " is no format of PLY";
+  if (found == forms.end()) return excerpt(form) + " is not a format of PLY";
   header.form = static_cast<Numbers::Form>(found - forms.begin());
   return "";
 }
@@ -144,11 +144,11 @@ std::string read_header(TextScanner& text, Header& header) {
     } else if (word == "property") {
       wrong = read_property(line, header.elements);
     } else if (word != "ply" && word != "comment" && word != "obj_info" && !word.empty()) {
-      wrong = excerpt(word) + " is no word of a PLY header";
+      wrong = excerpt(word) + " is not a word of a PLY header";
     }
     if (!wrong.empty()) return "line " + std::to_string(number) + ": " + wrong;
   }
-  return "the header has no line \"end_header\": is the file whole?";
+  return "the header has no line \"end_header\": export the file again";
 }
 
 const Property* property_named(const Element& element, std::string_view name) {

@@ -59,9 +59,10 @@ std::string complaint(const MeshReport& report, const MeshData& data) {
       return "the surface is not closed, or triangles at an edge run in different directions" +
              place(data, report.number) + ": close its holes with a mesh editor";
     case MeshInvalid::folded:
-      return "two triangles lie on each other" + place(data, report.number) +
+      return "two triangles coincide" + place(data, report.number) +
              ": remove one of them with a mesh editor";
-    case MeshInvalid::inside_out: return "its inside is outside: turn its triangles round";
+    case MeshInvalid::inside_out:
+      return "its triangles face inwards: reverse their corners with a mesh editor";
     default: return "its grid does not fit (rule " + std::to_string(static_cast<int>(report.invalid)) + ")";
   }
 }

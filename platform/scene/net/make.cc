@@ -19,7 +19,7 @@ double rounded_up(double x) {
 
 std::string too_many(double vertices, std::size_t room, const NetConfig& net) {
   std::string text = "has " + (vertices < 1e6 ? std::to_string(std::lround(vertices)) : "over a million") +
-                     " nodes, and there is room for " + std::to_string(room) + " of " +
+                     " nodes, above the capacity of " + std::to_string(room) + " of " +
                      std::to_string(max_net_nodes) + ": ";
   if (net.kind == NetKind::mesh) return text + "simplify the mesh with a mesh editor";
   constexpr double rounding = 1.05;  // of the numbers of rows, and of vertices in each

@@ -4,9 +4,6 @@
 //   m_i = sigma A_i,  k_ij = E t (A_1 + A_2) / l_ij^2 (sqrt(3)/2 E t where all are equilateral),  g_ij = tau k_ij
 //   k_i = kappa A_i,  g_i = 8 sigma A_i / T  of anchors; T: settling time
 //   k, tau k  of attachments
-//
-// The room: surface.h makes surfaces of even edges, make.h that of a scene file, edges.h says what its edges and areas are;
-// physics.h what a net's physical numbers imply; report.h tells of a net in `check`.
 #pragma once
 
 #include <algorithm>

@@ -47,7 +47,7 @@ class CsvParser {
       parse_line(text.substr(0, end));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
-    if (table_.columns_.empty()) error(1, "there is no header line");
+    if (table_.columns_.empty()) error(1, "the header line is missing");
     if (!log_.ok()) return {std::nullopt, log_.errors()};
     return {std::move(table_), {}};
   }
@@ -94,7 +94,7 @@ class CsvParser {
       error(column, "more than " + std::to_string(max_columns) + " columns");
     if (table_.columns_.size() >= max_columns) return;
     if (name.empty()) error(column, "a column has no name");
-    if (table_.find(name)) error(column, "column " + excerpt(name) + " is there twice");
+    if (table_.find(name)) error(column, "column " + excerpt(name) + " occurs twice: remove one");
     table_.columns_.emplace_back(name);
   }
 

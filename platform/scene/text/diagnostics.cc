@@ -41,14 +41,14 @@ std::string why_not_opened(const std::string& path, std::size_t max_bytes) {
   switch (status.type()) {
     case fs::file_type::regular: break;
     case fs::file_type::fifo: return "";
-    case fs::file_type::directory: return "cannot be read: it is a directory";
+    case fs::file_type::directory: return "cannot be read, because it is a directory";
     case fs::file_type::not_found:
-    case fs::file_type::none: return "cannot be read: is the path right?";
-    default: return "cannot be read: it is neither a file nor a pipe";
+    case fs::file_type::none: return "cannot be read: check the path";
+    default: return "cannot be read, because it is neither a file nor a pipe";
   }
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) return "cannot be read: " + error.message();
-  return size > max_bytes ? "is larger than " + megabytes(max_bytes) + ", the most that is read" : "";
+  return size > max_bytes ? "is larger than " + megabytes(max_bytes) + ", the limit of this program" : "";
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ FileText read_file(const std::string& path, std::size_t max_bytes) {
   const std::string why_not = why_not_opened(path, max_bytes);
   if (!why_not.empty()) return failed(why_not);
   std::ifstream file(path, std::ios::binary);
-  if (!file) return failed("cannot be read: is the path right?");
+  if (!file) return failed("cannot be read: check the path");
   std::string text;
   while (file && text.size() <= max_bytes) {
     const std::size_t end = text.size();
@@ -92,14 +92,14 @@ FileText read_file(const std::string& path, std::size_t max_bytes) {
   }
   if (file.bad()) return failed("cannot be read to its end");
   if (text.size() > max_bytes)
-    return failed("is larger than " + megabytes(max_bytes) + ", the most that is read");
+    return failed("is larger than " + megabytes(max_bytes) + ", the limit of this program");
   return {std::move(text), ""};
 }
 
 std::optional<std::string> read_text(const std::string& path) { return read_file(path, max_toml_bytes).text; }
 
 FilePath path_below(const std::string& folder, const std::string& name) {
-  constexpr const char* where = ": files that a scene names are in its folder or in folders of that";
+  constexpr const char* where = ": put files of a scene into its folder or a folder below";
   const auto failed = [](const std::string& why_not) { return FilePath{"", why_not}; };
   const fs::path relative = fs::path(name).lexically_normal();
   if (relative.is_absolute()) return failed("is an absolute path" + std::string(where));
@@ -109,11 +109,11 @@ FilePath path_below(const std::string& folder, const std::string& name) {
   const fs::path base = fs::canonical(folder.empty() ? "." : folder, error);
   const fs::path path = error ? fs::path() : fs::canonical(base / relative, error);
   if (error)
-    return failed("cannot be read: is " + shortened(name) +
-                  " the right path? Paths are relative to the scene file");
+    return failed("cannot be read: check the path " + shortened(name) +
+                  ", which is relative to the scene file");
   if (std::ranges::mismatch(base, path).in1 != base.end())
     return failed("is a link that leads out of the scene's folder" + std::string(where));
-  if (!fs::is_regular_file(path, error)) return failed("cannot be read: it is not a file");
+  if (!fs::is_regular_file(path, error)) return failed("cannot be read, because it is not a file");
   return {path.string(), ""};
 }
 

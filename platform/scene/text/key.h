@@ -1,9 +1,5 @@
 // What a scene file's key is: name, unit, admissible range and meaning. Reader, writer and reference
 // of the format are three visitors of the one list of keys in platform/scene/keys/scene.h.
-//
-// The room: visit.h is what visitors of the keys offer; toml_reader.h, toml_writer.h and key_reference.h are these three.
-// toml_parser.cc is the parser of toml++; csv.h reads tables of numbers; diagnostics.h collects errors and warnings with
-// their places.
 #pragma once
 
 #include <cstddef>

@@ -94,8 +94,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
 
 std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log) {
   if (const std::uint32_t line = too_deep_line(text)) {
-    log.error({line, 1},
-              "more than " + std::to_string(max_dots) + " dots in a row of names: no table is so deep");
+    log.error({line, 1}, "more than " + std::to_string(max_dots) +
+                             " dots in a row of names, deeper than any table of a scene");
     return std::nullopt;
   }
   toml::parse_result parsed = toml::parse(text, log.file());
@@ -245,7 +245,8 @@ void TomlReader::either(const Key& key, const Key& other, double unit_of_other,
                         std::optional<double> fallback, double& x) {
   const bool has_other = has(other.name);
   if (has(key.name) && has_other) {
-    check(false, other.name, "and '" + std::string(key.name) + "' say the same thing: remove one of them");
+    check(false, other.name,
+          "and '" + std::string(key.name) + "' give the same quantity: remove one of them");
   }
   Key required_unless_other = key;
   required_unless_other.required = key.required && !has_other;

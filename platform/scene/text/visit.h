@@ -1,4 +1,4 @@
-// What the lists of keys (scene_keys.h, joint_keys.h, contact_keys.h, device_keys.h) have in common. A visitor V walks
+// Members common to the lists of keys (../keys/). A visitor V walks
 // them: toml_reader.h fills a SceneConfig from a file, toml_writer.h prints one, key_reference.h writes the reference of
 // the format. V offers
 //   value, unit_vector, attitude, inertia, one_of   a key and its member

@@ -1,7 +1,4 @@
 // A picture of an instant, drawn without a browser: the page's view as triangles, lines and a camera.
-//
-// The room: picture.cc collects what an instant shows, triangles.h makes triangles of solids, draw.cc makes pixels of
-// triangles, png.h a file of pixels, still or animated; gltf.cc writes the same picture as a model.
 #pragma once
 
 #include <array>

@@ -15,7 +15,8 @@ constexpr std::size_t max_bytes = std::size_t{256} << 20;
 /// Checks that the columns are those of this scene's nets. Returns empty or the error.
 std::string why_not_nets(const std::vector<std::string>& names, const SceneConfig& scene,
                          const std::string& path) {
-  if (scene.nets.empty()) return path + ": scene '" + scene.name + "' has no [[net]]";
+  if (scene.nets.empty())
+    return path + ": scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table";
   const std::vector<std::string> expected = net_trace_columns(scene_nets(scene));
   const auto [name, wanted] = std::ranges::mismatch(names, expected);
   if (name == names.end() && wanted == expected.end()) return "";

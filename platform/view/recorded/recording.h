@@ -1,6 +1,4 @@
 // Recordings as frames: a trace of a scene, or only the start of the scene.
-//
-// The room: nets.h is the nodes of nets beside a trace, number_rows.h reads both; replay.h plays them to who looks on.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The only source file that includes Boost, through parts.h.
+// HTTP and WebSocket server on Boost, which is included by parts.h alone.
 #include "platform/view/server/server.h"
 
 #include <algorithm>

@@ -1,8 +1,5 @@
 // Server of the view: HTTP and WebSockets on a thread of its own, for a source of frames. Not part of the
 // loop.
-//
-// The room: door.h says who may see it, page.h is what a browser is given, foxglove.h what Foxglove is, latest.h the newest of
-// what the loop offers; absent.cc stands in for it all where there is no Boost.
 #pragma once
 
 #include <cstdint>

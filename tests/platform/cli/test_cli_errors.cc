@@ -50,11 +50,12 @@ TEST_F(CliErrors, OptionsAreNamedWithWhatIsAdmissible) {
       {"run " + rigid + " --bus can0=socketcan:a --bus can0=socketcan:b --bus can1=socketcan:c",
        "--bus: bus 'can0' is given twice"},
       {"run " + rigid + " --bus can0=usb:a --bus can1=socketcan:b", "--bus: "},
-      {"run " + rigid + " --bus sim --bus direct", "--bus: sim and direct stand for all buses"},
+      {"run " + rigid + " --bus sim --bus direct", "--bus: sim and direct apply to all buses"},
       {"run " + rigid + " --bus can0=socketcan:a --bus can1=socketcan:b --fast",
-       "--fast: it runs on a simulated clock"},
+       "--fast: real buses and trackers run in wall time"},
       {"run sim/scenes/admittance.toml --bus socketcan:a", "--bus: scene 'admittance' describes no buses"},
-      {"run " + rigid + " --bus direct --rearm auto", "--rearm: with --bus direct there is no device to arm"},
+      {"run " + rigid + " --bus direct --rearm auto",
+       "--rearm: with --bus direct there is no device to arm: remove --rearm"},
       {"run " + rigid + " --rearm always", "--rearm"},
       {"run " + rigid + " --trace /no/such/folder/t.csv",
        "--trace: '/no/such/folder/t.csv' cannot be written"},
@@ -203,8 +204,7 @@ TEST_F(CliErrors, AStopNeedsACoordinate) {
                     "lower = -1.0\nupper = 1.0\nstiffness = 1.0\nwidth = 0.1\n");
       const ProgramResult result = run_program("check " + file);
       EXPECT_EQ(result.exit_code, 2);
-      EXPECT_THAT(result.output,
-                  HasSubstr(file + ":11:1: joint 'j' has no coordinate that a stop could bound"));
+      EXPECT_THAT(result.output, HasSubstr(file + ":11:1: joint 'j' has no coordinate for a stop"));
       EXPECT_THAT(result.output, testing::Not(HasSubstr("coordinate' is")));
     }
 }

@@ -401,7 +401,7 @@ TEST_F(CliRun, CheckPrintsCapacitiesAndTheTopSpeedOfContacts) {
   const ProgramResult result = run_program("check --full " + write("foil.toml", scene));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const char* part : {"composition 'contacts-1 tr-bdf2'", "capacities used", "1 of 64",
-                           "top speed at which nothing passes anything: 1.5 m/s", "warning: ",
+                           "top speed up to which nothing passes through a solid: 1.5 m/s", "warning: ",
                            "foil.toml: above 1.5 m/s", "sphere of body 'ball' and obstacle 'foil'"})
     EXPECT_THAT(result.output, HasSubstr(part));
 }

@@ -254,7 +254,7 @@ TEST_F(BackgroundFiles, FoldersOfAnOutputAreMadeWithTheirParents) {
   const ProgramResult below_a_file =
       run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + report + "/x/t.csv");
   EXPECT_EQ(below_a_file.exit_code, 2);
-  EXPECT_THAT(below_a_file.output, HasSubstr("is no folder"));
+  EXPECT_THAT(below_a_file.output, HasSubstr("is not a folder"));
 }
 
 /// `ulimit -s`, which a process without rights cannot raise.

@@ -107,7 +107,7 @@ TEST_F(TraceOfOneRun, OfAnotherSceneIsRefused) {
   const ProgramResult result =
       run_program("run sim/scenes/admittance.toml --bus direct --motion " + path("a.csv"));
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.output, HasSubstr("is it of another scene?"));
+  EXPECT_THAT(result.output, HasSubstr("give the trace of this scene"));
 }
 
 TEST_F(TraceOfOneRun, AndReportHaveJointsDeviceAndTorques) {

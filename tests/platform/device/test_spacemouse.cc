@@ -233,16 +233,16 @@ TEST(SpaceMouseKeys, WhatCannotBeIsSaid) {
     changed.replace(changed.find(from), from.size(), to);
     return parse_scene(changed, "mouse.toml").errors;
   };
-  EXPECT_THAT(errors("\"relative\"", "\"impedance\""), ElementsAre(HasSubstr("shows no force")));
+  EXPECT_THAT(errors("\"relative\"", "\"impedance\""), ElementsAre(HasSubstr("displays no force")));
   EXPECT_THAT(errors("max_speed = 0.1", "deadband = 400"),
               ElementsAre(HasSubstr("must be below full_scale")));
-  EXPECT_THAT(errors("max_speed = 0.1", "hold_button = 0"), ElementsAre(HasSubstr("is clutch_button, too")));
+  EXPECT_THAT(errors("max_speed = 0.1", "hold_button = 0"), ElementsAre(HasSubstr("is also clutch_button")));
   EXPECT_THAT(errors("max_speed = 0.1", "clutch_button = 300"), ElementsAre(HasSubstr("clutch_button")));
   EXPECT_THAT(errors("body = \"ball\"", "body = \"wall\""), ElementsAre(HasSubstr("wall")));
   EXPECT_THAT(errors("max_speed = 0.1", "max_speed = nan"), ElementsAre(HasSubstr("max_speed")));
   EXPECT_THAT(
       errors("phase = [-1.5707963267948966, 0.0, 0.0]", "[[motion.hold]]\ntime = 1.0\nbody = \"ball\""),
-      ElementsAre(HasSubstr("Give 'grab_radius'")));
+      ElementsAre(HasSubstr("requires 'grab_radius': add it")));
 }
 
 }  // namespace

@@ -359,7 +359,7 @@ TEST(Motion, BadTablesAreRefusedWithTheirPlace) {
   EXPECT_THAT(errors(pose_header + "0,0,0\n"),
               ElementsAre(HasSubstr("m.csv:2:1: has 3 values, the header 8")));
   EXPECT_THAT(errors(pose_header), ElementsAre(HasSubstr("no samples")));
-  EXPECT_THAT(errors(""), ElementsAre(HasSubstr("no header")));
+  EXPECT_THAT(errors(""), ElementsAre(HasSubstr("the header line is missing")));
   EXPECT_THAT(Motion::read("no/such.csv", one_coupled_body()).errors,
               ElementsAre(HasSubstr("no/such.csv: cannot be read")));
 }

@@ -136,10 +136,12 @@ TEST(ContactScene, LikeReplacesWhatIsGiven) {
 }
 
 TEST(ContactScene, LikeNeedsAnEarlierBody) {
-  EXPECT_THAT(parse(scene_and_brick + "\n[[body]]\nname = \"b2\"\nlike = \"block\"\n").errors,
-              ElementsAre(AllOf(HasSubstr("a.toml:24:"), HasSubstr("\"block\", which is no earlier body"))));
+  EXPECT_THAT(
+      parse(scene_and_brick + "\n[[body]]\nname = \"b2\"\nlike = \"block\"\n").errors,
+      ElementsAre(AllOf(HasSubstr("a.toml:24:"),
+                        HasSubstr("\"block\", which is not an earlier body: name a body above this one"))));
   EXPECT_THAT(parse(scene_and_brick + "\n[[body]]\nname = \"b2\"\nlike = \"b2\"\n").errors,
-              ElementsAre(HasSubstr("which is no earlier body")));
+              ElementsAre(HasSubstr("which is not an earlier body")));
 }
 
 TEST(ContactScene, EffectiveConfigurationReadsBackAsTheSame) {
@@ -194,11 +196,11 @@ TEST(ContactScene, WrongContactsAreRefused) {
               ElementsAre(HasSubstr("'materials' are those of an earlier [[contact]]")));
   EXPECT_THAT(
       errors(contact("wood", "plastic", "friction = 1\ntangential_stiffness = 0\ntangential_damping = 0\n")),
-      ElementsAre(HasSubstr("must not both be zero where there is friction")));
+      ElementsAre(HasSubstr("must not both be zero if friction is above 0")));
   EXPECT_THAT(errors(replaced(contact("wood", "plastic"), "1000", "0")),
               ElementsAre(AllOf(HasSubstr("'stiffness' is 0,"), HasSubstr("> 0 (N/m)"))));
   EXPECT_THAT(parse(brick_on_board + contact("wood", "plstic")).warnings,
-              ElementsAre(HasSubstr("has 'plstic', of which nothing is made")));
+              ElementsAre(HasSubstr("has 'plstic', which no sphere, shape, obstacle or net has")));
 }
 
 TEST(ContactScene, DimensionsBelongToTheKind) {

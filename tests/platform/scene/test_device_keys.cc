@@ -60,7 +60,7 @@ TEST(DeviceKeys, ParentsMustBeEarlierJoints) {
   EXPECT_THAT(load(scene(joint("a") + joint("b", "parent = \"b\"\n") + joint("c"))).errors,
               ElementsAre(HasSubstr("'parent' is \"b\"")));
   EXPECT_THAT(load(scene(joint("base") + serial)).errors,
-              Contains(HasSubstr("'name' is what the base is called")));
+              Contains(HasSubstr("'name' is the name of the base")));
 }
 
 TEST(DeviceKeys, WithoutHandlesThereIsOneOnTheLastJointForTheFirstCoupledBody) {
@@ -213,7 +213,7 @@ TEST(DeviceKeys, ProtocolsThatDoNotFitAreRefused) {
 
 TEST(DeviceKeys, ButtonsHaveAnInputOfTheirOwn) {
   EXPECT_THAT(load(scene(serial) + button(9, 1) + button(9, 1)).errors,
-              ElementsAre(HasSubstr("'bit' is that of an earlier button")));
+              ElementsAre(HasSubstr("'bit' is the input of an earlier button: choose another")));
   EXPECT_THAT(load(scene(serial) + button(2, 1)).errors,
               ElementsAre(HasSubstr("'node_id' is taken by the host or by another device")));
 }

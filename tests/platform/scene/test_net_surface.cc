@@ -168,7 +168,7 @@ TEST(NetSurface, SpacingThatFitsIsSaid) {
     net.half_length = 0.05;
     net.spacing = spacing;
     const std::string why_not = make_surface("", max_net_nodes, net);
-    EXPECT_THAT(why_not, HasSubstr("there is room for 1536"));
+    EXPECT_THAT(why_not, HasSubstr("above the capacity of 1536"));
     if (spacing < 1e-50) continue;
     const std::size_t at = why_not.find("a spacing of ");
     ASSERT_NE(at, std::string::npos);
@@ -194,7 +194,7 @@ MeshData square() {
 
 TEST(NetSurface, WhatIsNoneIsRefusedWithItsPlace) {
   EXPECT_THAT(why_no_net(square()), IsEmpty());
-  EXPECT_THAT(why_no_net({}), HasSubstr("has no triangles"));
+  EXPECT_THAT(why_no_net({}), HasSubstr("has no triangles: export the surface as triangles"));
 
   MeshData flat = square();
   flat.vertices[3] = Vec3(0.5, 0.5, 0);

@@ -203,7 +203,7 @@ TEST(SceneToml, BrokenRigsAreRefused) {
   EXPECT_THAT(errors("name = \"turret\"", "name = \"turret\"\nkind = \"slider\""),
               ElementsAre(HasSubstr("no meaning on a slider")));
   EXPECT_THAT(errors("[[device.encoder]]", "[[device.joint]]\nname = \"free\"\n[[device.encoder]]"),
-              ElementsAre(HasSubstr("nothing measures joint 'free'")));
+              ElementsAre(HasSubstr("joint 'free' is not measured")));
   EXPECT_THAT(
       parse(minimal + rig +
             "[[device.encoder]]\njoint = \"turret\"\nbus = \"can0\"\nnode_id = 1\ncounts_per_unit = 1\n")

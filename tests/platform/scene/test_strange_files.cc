@@ -86,9 +86,11 @@ TEST_F(SceneFolder, ASceneReadsNothingElse) {
   EXPECT_THAT(error("link.csv"), HasSubstr("is a link that leads out of the scene's folder"));
   EXPECT_THAT(error("up/secret.csv"), HasSubstr("is a link that leads out of the scene's folder"));
   EXPECT_THAT(error("zero.csv"), HasSubstr("is a link that leads out of the scene's folder"));
-  EXPECT_THAT(error("fifo.csv"), HasSubstr("'file' cannot be read: it is not a file"));
-  EXPECT_THAT(error("meshes"), HasSubstr("'file' cannot be read: it is not a file"));
-  EXPECT_THAT(error("none.csv"), HasSubstr("'file' cannot be read: is none.csv the right path?"));
+  EXPECT_THAT(error("fifo.csv"), HasSubstr("'file' cannot be read, because it is not a file"));
+  EXPECT_THAT(error("meshes"), HasSubstr("'file' cannot be read, because it is not a file"));
+  EXPECT_THAT(
+      error("none.csv"),
+      HasSubstr("'file' cannot be read: check the path none.csv, which is relative to the scene file"));
   for (const char* const file : {"../secret.csv", "link.csv", "up/secret.csv"})
     EXPECT_THAT(error(file), Not(HasSubstr("root"))) << file;
 }
@@ -127,13 +129,13 @@ TEST_F(SceneFolder, TheEffectiveConfigurationNamesFilesAsTheSceneDoes) {
 // ---- files that a user names ---------------------------------------------------------------------
 
 TEST(NamedFile, IsARegularFileOrAPipeAndNotTooLarge) {
-  EXPECT_EQ(read_file("/dev/zero", 100).why_not, "cannot be read: it is neither a file nor a pipe");
-  EXPECT_EQ(read_file(testing::TempDir(), 100).why_not, "cannot be read: it is a directory");
-  EXPECT_EQ(read_file("/no/such", 100).why_not, "cannot be read: is the path right?");
+  EXPECT_EQ(read_file("/dev/zero", 100).why_not, "cannot be read, because it is neither a file nor a pipe");
+  EXPECT_EQ(read_file(testing::TempDir(), 100).why_not, "cannot be read, because it is a directory");
+  EXPECT_EQ(read_file("/no/such", 100).why_not, "cannot be read: check the path");
   EXPECT_THAT(load_scene("/dev/zero").errors, ElementsAre(HasSubstr("/dev/zero: cannot be read")));
   const std::string path = testing::TempDir() + "/godobject-large-" + std::to_string(getpid());
   std::ofstream(path) << std::string(1 << 20, 'x') << "y";
-  EXPECT_EQ(read_file(path, 1 << 20).why_not, "is larger than 1 MB, the most that is read");
+  EXPECT_EQ(read_file(path, 1 << 20).why_not, "is larger than 1 MB, the limit of this program");
   EXPECT_EQ(read_file(path, 2 << 20).text.value().size(), (1u << 20) + 1);
   fs::remove(path);
   int ends[2];

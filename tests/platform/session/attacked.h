@@ -14,7 +14,7 @@
 
 namespace godobject {
 
-/// Returns the scene of attacks/NAME.toml; none if the folder is missing.
+/// Reads a scene of the shared folder `attacks`; none if the folder is absent.
 inline std::optional<SceneConfig> attack(const std::string& name) {
   const std::filesystem::path file = test::shared_file("attacks/" + name + ".toml");
   if (file.empty()) return std::nullopt;

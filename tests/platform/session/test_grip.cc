@@ -67,9 +67,8 @@ const std::string reach = "grab_radius = 0.06\n";
 
 TEST(HoldKeys, OnlyCoupledBodiesCanBeHeld) {
   EXPECT_THAT(errors_of(bricks("holds = \"red\"\n")), IsEmpty());
-  EXPECT_THAT(
-      errors_of(bricks("holds = \"post\"\n")),
-      ElementsAre(HasSubstr("'holds' is \"post\", which has no [body.coupling] to be held by: add it")));
+  EXPECT_THAT(errors_of(bricks("holds = \"post\"\n")),
+              ElementsAre(HasSubstr("'holds' is \"post\", which has no [body.coupling]: add it")));
   EXPECT_THAT(errors_of(bricks("holds = \"blue\"\n")),
               ElementsAre(HasSubstr("is \"blue\", which is no body")));
   EXPECT_THAT(errors_of(bricks("", "[[motion.hold]]\ntime = 1\nbody = \"post\"\n")),
@@ -82,11 +81,11 @@ TEST(HoldKeys, BadHoldsAreRefusedWithTheirPlace) {
   const auto line =
       1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.rfind("time")), '\n');
   EXPECT_THAT(errors_of(text), ElementsAre(HasSubstr("a.toml:" + std::to_string(line) + ":")));
-  EXPECT_THAT(errors_of(text), ElementsAre(HasSubstr("must be later than that of the table before")));
+  EXPECT_THAT(errors_of(text), ElementsAre(HasSubstr("must be later than that of the previous table")));
   EXPECT_THAT(errors_of(bricks("", "[[motion.hold]]\ntime = 1\nbody = \"nearest\"\n")),
               ElementsAre(HasSubstr("'grab_radius'")));
   EXPECT_THAT(errors_of(bricks(reach, "", "admittance")),
-              ElementsAre(HasSubstr("gives no pose to hold a body at")));
+              ElementsAre(HasSubstr("has no pose at which it could hold a body")));
 }
 
 TEST(HoldKeys, AreWrittenAndReadBack) {
@@ -131,14 +130,14 @@ TEST(HoldColumn, BadOnesAreRefusedWithTheirPlace) {
   EXPECT_THAT(
       errors_of(scene, "t,hold\n0,red\n1,blue\n2,post\n3,nearest\n"),
       ElementsAre(
-          HasSubstr("m.csv:3:3: 'hold' is \"blue\", which is no body of the scene; '-' holds nothing"),
+          HasSubstr("m.csv:3:3: 'hold' is \"blue\", which is not a body of the scene; '-' holds nothing"),
           HasSubstr("m.csv:4:3: 'hold' is \"post\", which has no [body.coupling]"),
-          HasSubstr("m.csv:5:3: 'hold' is \"nearest\": how far is that?")));
+          HasSubstr("m.csv:5:3: 'hold' is \"nearest\", which requires [device] 'grab_radius'")));
   EXPECT_THAT(errors_of(scene, "t,button\n0,0\n"), ElementsAre(HasSubstr("'grab_radius'")));
   EXPECT_THAT(errors_of(scene_of(bricks(reach)), "t,button\n0,2\n"),
               ElementsAre(HasSubstr("m.csv:2:3: 'button'")));
   EXPECT_THAT(errors_of(scene_of(bricks("")), "t,hold\n0,red\n"),
-              ElementsAre(HasSubstr("takes hold of bodies")));
+              ElementsAre(HasSubstr("requires a device that grips bodies")));
 }
 
 void expect_within_rate(const Wrench& before, const Wrench& after, const LimitConfig& limits, double h) {
@@ -373,7 +372,7 @@ TEST(ImposedCoupling, NeedsABodyAndAPose) {
   EXPECT_THAT(
       errors_of(head + "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n[device]\nname = \"d\"\n"
                        "kind = \"admittance\"\n"),
-      ElementsAre(HasSubstr("gives no pose to place bodies at")));
+      ElementsAre(HasSubstr("has no pose for the bodies")));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ constexpr Real g = 9.81;
 
 class SharedCases : public testing::TestWithParam<const char*> {
  protected:
-  /// Returns cases/NAME.toml with the test's integrator; none if the folder is missing.
+  /// Reads a scene of the shared folder `cases`, with the test's integrator; none if the folder is absent.
   static std::optional<SceneConfig> scene(const std::string& name) {
     const std::filesystem::path file = test::shared_file("cases/" + name + ".toml");
     if (file.empty()) return std::nullopt;
