@@ -1,4 +1,4 @@
-// godobject sdo and lss, run as their user runs them, against a simulated encoder behind a pseudo-terminal.
+// `godobject sdo` and `lss`, run as by a user, against a simulated encoder behind a pseudo-terminal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ TEST(CliSdo, SaysWhyNot) {
               HasSubstr("a log does not answer requests"));
 }
 
-/// All would get the ID; nothing is changed, and none is left in configuration mode.
+/// All nodes would get the same ID; none is changed or left in configuration mode.
 TEST(CliLss, RefusesToRenumberSeveralNodes) {
   test::BackgroundProgram rig({"simulate", "sim/scenes/rigid.toml", "--bus", "pty"});
   const std::string first = rig.line();

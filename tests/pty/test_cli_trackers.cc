@@ -1,4 +1,4 @@
-// `godobject simulate` plays a tracker on a pseudo-terminal, `godobject run` follows it.
+// `godobject simulate` simulates a tracker on a pseudo-terminal, `godobject run` follows it.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 class CliTrackers : public ProgramTest {
  protected:
-  /// Starts the simulation; where its tracker is.
+  /// Starts the simulation; returns the path of its tracker.
   std::string start() {
     far_.emplace(std::vector<std::string>{"simulate", "sim/scenes/tracked.toml", "--control", "-"});
     const std::string first = far_->line();
