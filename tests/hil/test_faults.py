@@ -31,6 +31,8 @@ def test_promise_is_kept(promise, start_enabled, simulator, scene):
         assert host.stop() is not None, "godobject run did not end by itself"
         simulator.clear()
         names = host.faults()
+        if missed_deadlines(host):
+            names -= {"held"}  # a busy machine holds a run for more than 5 % of its time; the played fault does not
         in_time = not always or zero_after_s <= zero_within(words, promise, times)
         as_promised = always <= names <= always | promise.maybe
         if as_promised and in_time:
