@@ -14,7 +14,7 @@
 
 namespace godobject {
 
-/// Springs of each node: has(spring, node) selects those with the node as first, second or either end.
+/// Springs of each node that has(spring, node) accepts for one of its two nodes.
 template <class Par>
 struct SpringsOfNodes;
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>

@@ -120,7 +120,7 @@ struct NetStage {
   using OfBodies = std::array<SpatialVector, N>;
   OfBodies delta, c_1;    // (45)
   OfBodies on_carriers;   // impulses of anchors on bodies, at the end
-  bool is_solved = true;  // false if the iteration was cut off at its limit
+  bool is_solved = true;  // false: the iteration was stopped at its most
   NetReport report;
 
   std::span<const NodeGroup> groups() const noexcept { return {par->groups.data(), par->num_groups}; }
