@@ -77,7 +77,7 @@ struct BlockSystem {
   std::array<Set, max_unknowns> neighbours;
   std::array<std::uint32_t, max_unknowns> degree, order;
   [[no_unique_address]] std::conditional_t<jointed, std::array<std::uint32_t, max_unknowns>, Absent<15>>
-      hanging;
+      remaining_children;
 
   static constexpr bool is_body(std::uint32_t u) noexcept { return !has_nodes || u < max_bodies; }
   const BlockJoint* joint_of(std::uint32_t u) const noexcept {
