@@ -55,8 +55,9 @@ struct TrBdf2 {
   enum class StepEnd : std::uint8_t {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
-    // Retake the step as two implicit Euler stages: the set of active contacts or stops (19) changed, joints
-    // did not converge (39), net springs gained energy (46), or a body left the searched region.
+    // Retake the step as two implicit Euler stages. Reasons: the set of active contacts or stops (19)
+    // changed, joints did not converge (39), net springs gained energy (46), or a body left the searched
+    // region.
     unsolved
   };
 

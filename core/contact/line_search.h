@@ -14,8 +14,8 @@
 
 namespace godobject {
 
-/// Calls f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island;
-/// with those of nets if V has their nodes.
+/// Calls f(pack, V_c) for all contacts of an island; with those of nets if V has their nodes. V_c: velocity
+/// of its body, or relative to the other body of its pair.
 template <class Velocities, class Contacts, std::size_t N, class F>
 void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {

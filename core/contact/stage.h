@@ -3,13 +3,14 @@
 // At the end of a stage (22) and (23) are linear in the velocity v of the contact point within a mode (open,
 // stick, slip). With the geometry at the predicted end of the stage, and d_0 the depth at its start,
 //
-//   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;   open, F_0 = eta_n d_0 / h
+//   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;
+//         open, F_0 = eta_n d_0 / h
 //         F_t = -eta_t s,  s = v_t + k_t xi / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
 //
 // A contact is thus an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and enters its body's
-// A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set,
-// each with the modes at the end of the previous one. Against the world the first iterations take a slipping
-// contact by its tangent,
+// A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set.
+// Each iteration starts with the modes of the previous one. Against the world the first iterations take a
+// slipping contact by its tangent,
 //
 //   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
 //

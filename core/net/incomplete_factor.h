@@ -1,6 +1,7 @@
 // Incomplete factor of the nodes of nets, the preconditioner of their conjugate gradients.
 //
-//   (43)  M = (D + L) D^-1 (D + L^T),  L couplings by springs, below the diagonal;  D_j = A_jj - sum_{i < j} K_ij D_i^-1 K_ij
+//   (43)  M = (D + L) D^-1 (D + L^T),  L couplings by springs, below the diagonal;
+//         D_j = A_jj - sum_{i < j} K_ij D_i^-1 K_ij
 //
 // Only the diagonal is changed by the factorisation (Meijerink and van der Vorst 1977). Every D is positive
 // definite. If D_i >= sum of the K_il, l > i, then K_ij D_i^-1 K_ij <= K_ij. A_jj is the sum of all K at j

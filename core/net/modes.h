@@ -5,12 +5,12 @@
 // the factor of the nodes instead:
 //
 //   (50)  by h / m a newton,  m = d^T D d along d, D of (43) without the contact:
-//         slip     s* = s + (F_t - mu F_n) h / m,                            where friction is as the law says
+//         slip     s* = s + (F_t - mu F_n) h / m,                   at which friction obeys the law
 //         at first F_n = F_n- + (F_0 - eta_n v_n - F_n-) / (1 + eta_n h / m),  F_n- of the stage before
 //                  F_t = -mu F_n s/|s| where it slips,                        v_n, s where the stage starts
 //
 // and eta_t is evaluated at s*. Neighbours yield too, so the node moves farther than predicted, never less.
-// The first iteration uses the force itself: a net sliding as a whole is decelerated by mu F_n at any speed,
+// The first iteration uses the force itself. A net sliding as a whole is decelerated by mu F_n at any speed,
 // whereas an eta_t would err by its acceleration, h a / |s|. If this reverses a slip, the contact sticks in
 // the next iteration, whose eta_t does no work on slips.
 #pragma once

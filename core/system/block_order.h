@@ -17,7 +17,7 @@ class BlockOrder {
  public:
   explicit BlockOrder(System& w) noexcept : w_(w) {}
 
-  /// Orders for a complete factor. Returns false, without an order, if the fill-in exceeds the available blocks.
+  /// Orders for a complete factor. Returns false, without an order, if the fill-in exceeds the free blocks.
   bool find_complete() noexcept {
     if (!find_neighbours(w_.max_unknowns * w_.max_unknowns)) return false;
     std::size_t used = 0;
