@@ -223,7 +223,7 @@ std::uint32_t bearing_of(std::uint32_t k, const BodyContactScratch<Contacts, N>&
   return k;
 }
 
-/// True for a parent or child of a joint; joints carry forces that its contacts do not.
+/// A body on a joint, or on which others hang: joints bear what its contacts do not.
 template <class Contacts, std::size_t N>
 bool is_joined(std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexcept {
   if constexpr (Contacts::jointed) return w.graph.joints.joined[i];
