@@ -78,8 +78,8 @@ class Rig {
   /// Cycles at zero torque in which every drive must report that it follows its command, before ready.
   static constexpr int settle_cycles = 10;
 
-  /// params: validate(params) must be empty. buses: one per params.buses, open, outliving the rig. Allocates;
-  /// no other function does.
+  /// params: validate(params) must be empty. buses: one per params.buses, open, outliving the rig. Allocates,
+  /// as fault_text() and place_text() do; no other function does.
   Rig(const RigParams& params, std::span<CanBus* const> buses);
   Rig(Rig&&) noexcept = default;
   Rig& operator=(Rig&&) noexcept = default;
