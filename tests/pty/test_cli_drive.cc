@@ -1,4 +1,4 @@
-// godobject drive, run as its user runs it, against a simulated drive with a small motor behind a pseudo-terminal.
+// `godobject drive`, run as by a user, against a simulated drive with a small motor behind a pseudo-terminal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -24,7 +24,7 @@ DriveParams drive_params() {
   return params;
 }
 
-/// An inertia on the motor's shaft.
+/// A simulated drive with an inertia on the motor's shaft.
 class DriveOnPty : public test::NodeOnPty<SimDrive> {
  public:
   explicit DriveOnPty(SimDefaults defaults = SimDefaults::rig, const SimDriveQuirks& quirks = {})
@@ -135,7 +135,7 @@ TEST(CliDrive, RefusesMovesThatNobodyWatchesOrThatAreTooBig) {
   struct Case {
     std::string options, message;
   };
-  // No bus is opened: there is none.
+  // The bus does not exist, and must not be opened.
   for (const Case& c : std::vector<Case>{
            {"--velocity 100 --duration 1", "--hand-on-the-stop"},
            {"--velocity 2001 --duration 1", "2001 is beyond the limit of 2000"},
@@ -161,7 +161,7 @@ constexpr auto is_off = [](SimDrive& drive) {
   return drive.drive_state() == cia402::DriveState::switch_on_disabled;
 };
 
-/// A long move whose program gets `signal` as soon as the motor has power.
+/// Starts a long move, and sends `signal` to the program as soon as the motor has power.
 test::ProgramResult signalled_move(DriveOnPty& rig, int signal) {
   const std::string pid_file = testing::TempDir() + "godobject-move-" + std::to_string(getpid());
   rig.call_once_when(is_enabled, [=](SimDrive&) { kill(std::stoi(test::read_file(pid_file)), signal); });
@@ -182,7 +182,7 @@ TEST(CliDrive, AnInterruptSwitchesOff) {
   }
 }
 
-// With its last words, long before the drive misses its heartbeat.
+// By the last frames, long before the drive misses its heartbeat.
 TEST(CliDrive, ADefectSwitchesOff) {
   for (const int signal : {SIGABRT, SIGSEGV}) {
     DriveOnPty rig;
@@ -193,7 +193,7 @@ TEST(CliDrive, ADefectSwitchesOff) {
   }
 }
 
-// Killed, it cannot switch anything off: the drive misses its heartbeat.
+// A killed program cannot switch off: the drive misses its heartbeat.
 TEST(CliDrive, TheDriveSwitchesItselfOffWhenTheProgramIsKilled) {
   DriveOnPty rig;
   EXPECT_NE(signalled_move(rig, SIGKILL).exit_code, 0);

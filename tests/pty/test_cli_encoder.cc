@@ -1,4 +1,4 @@
-// godobject encoder, run as its user runs it, against a simulated encoder behind a pseudo-terminal.
+// `godobject encoder`, run as by a user, against a simulated encoder behind a pseudo-terminal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

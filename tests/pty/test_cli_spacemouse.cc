@@ -1,4 +1,5 @@
-// `godobject run --spacemouse` and a daemon on a socket in the test's own folder, which sends what spacenavd sends.
+// `godobject run --spacemouse` and a daemon on a socket in the test's own folder, with the messages of
+// spacenavd.
 #include <gmock/gmock.h>
 
 #include <sys/socket.h>
@@ -25,7 +26,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using Words = std::array<std::int32_t, 8>;
 
-/// One client at a time.
+/// Serves one client at a time.
 class Daemon {
  public:
   explicit Daemon(std::string path) : path_(std::move(path)) { open(); }
@@ -58,7 +59,7 @@ class Daemon {
 
 class CliSpaceMouse : public ProgramTest {
  protected:
-  /// The run, and meanwhile what the daemon does once it has been asked.
+  /// Runs the program; `meanwhile` controls the daemon once it has a client.
   nlohmann::json run(const std::string& arguments, const std::function<void(Daemon&)>& meanwhile) {
     Daemon daemon(path("spnav.sock"));
     std::thread far([&] {
@@ -70,7 +71,7 @@ class CliSpaceMouse : public ProgramTest {
     far.join();
     return nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
   }
-  /// The ball's last x.
+  /// Returns the last x of the ball.
   double last_x() const {
     const std::string text = read_file(path("trace.csv"));
     const std::string row = text.substr(text.rfind('\n', text.size() - 2) + 1);
@@ -153,7 +154,7 @@ TEST_F(CliSpaceMouse, WhatDoesNotGoTogetherIsSaid) {
   }
 }
 
-/// Random bytes in random pieces: the loop is untouched, and what is taken is counted.
+/// Random bytes in random pieces: the loop is not affected, and accepted events are counted.
 TEST_F(CliSpaceMouse, SurvivesADaemonThatTalksNonsense) {
   LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/spacemouse.toml");
   lead_by_spacemouse(*loaded.scene);

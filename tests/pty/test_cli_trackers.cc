@@ -1,4 +1,4 @@
-// `godobject simulate` plays a tracker on a pseudo-terminal, `godobject run` follows it.
+// `godobject simulate` simulates a tracker on a pseudo-terminal, `godobject run` follows it.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 class CliTrackers : public ProgramTest {
  protected:
-  /// Starts the simulation; where its tracker is.
+  /// Starts the simulation; returns the path of its tracker.
   std::string start() {
     far_.emplace(std::vector<std::string>{"simulate", "sim/scenes/tracked.toml", "--control", "-"});
     const std::string first = far_->line();
@@ -52,7 +52,7 @@ TEST_F(CliTrackers, RunFollowsTheTrackerThatSimulatePlays) {
 TEST_F(CliTrackers, FaultsComeFromTheSimulationAndAreNoFaultsOfTheRun) {
   const std::string port = start();
   EXPECT_THAT(far_->say("fault corrupt tracker=polaris value=0.1"), HasSubstr(R"("ok":true)"));
-  EXPECT_THAT(far_->say("fault missing tracker=vega"), HasSubstr("there is no tracker 'vega'"));
+  EXPECT_THAT(far_->say("fault missing tracker=vega"), HasSubstr("unknown tracker 'vega'"));
   EXPECT_THAT(far_->say("fault emcy tracker=polaris"), HasSubstr("no fault of a tracker"));
   EXPECT_THAT(far_->say("fault drop bus=can0"), HasSubstr(R"("ok":false)"));
   nlohmann::json report = run("--tracker " + port + " --duration 2");

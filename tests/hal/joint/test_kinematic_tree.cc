@@ -62,8 +62,8 @@ std::vector<Wrench> random_wrenches(std::mt19937& random, std::size_t n) {
   return F;
 }
 
-/// Equation (9) as the paper has it, on links of its own kinematics: each link hands its wrench to its
-/// parent, from the leaves up; what a joint feels is then projected on its axis.
+/// Equation (9) as in the paper, on links with independent kinematics. Each link passes its wrench to its
+/// parent, from the leaves up; each joint's wrench is then projected on its axis.
 class LeavesUp {
  public:
   LeavesUp(const KinematicTreeParams& tree, const JointVector& q) : tree_(tree) {

@@ -1,4 +1,4 @@
-// `check` says what `run` would: the same options, the same complaints, before anything moves.
+// `check` reports the same errors as `run` with the same options, before any motion.
 #include <gmock/gmock.h>
 
 #include "tests/support/program.h"
@@ -12,7 +12,7 @@ using testing::Not;
 const std::string rigid = "sim/scenes/rigid.toml";
 const std::string pose_columns = "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n";
 
-/// Replaces `what`, which must be there, in the shipped scene; each one.
+/// Replaces every occurrence of a text in the shipped scene, which must contain it.
 std::string rigid_with(const std::string& what, const std::string& by) {
   std::string text = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
   EXPECT_THAT(text, HasSubstr(what));
@@ -23,7 +23,7 @@ std::string rigid_with(const std::string& what, const std::string& by) {
 
 class CliCheck : public ProgramTest {
  protected:
-  /// What both verbs say to these arguments.
+  /// Expects this exit code and message from both verbs.
   static void expect_both(const std::string& arguments, int exit_code, const std::string& message) {
     for (const std::string verb : {"check ", "run "}) {
       const ProgramResult result = run_program(verb + arguments);
@@ -84,7 +84,7 @@ TEST_F(CliCheck, SaysWhatANetIsAndAsksOfAStep) {
               HasSubstr("7 of 256 attachments to other bodies, assumed held in the time constants"));
 }
 
-/// The binary alone, in another place, with nothing of its source around it.
+/// Copies the binary alone to another folder, without its source.
 TEST_F(CliCheck, ACopiedProgramHasTheShippedProfiles) {
   std::filesystem::copy_file(GODOBJECT_PROGRAM, path("godobject"));
   const std::string binary = read_file(path("godobject"));
@@ -119,7 +119,7 @@ TEST_F(CliCheck, ABodyFarFromItsTargetAtTheStartIsAWarningAndThenAnError) {
   EXPECT_THAT(near.output, Not(HasSubstr("starts")));
 }
 
-/// Steady, sinusoidal and of the device's joints: faster than 5 m/s, and just not.
+/// Steady, sinusoidal and joint motions, just above 5 m/s and just below.
 TEST_F(CliCheck, AMotionFasterThanAHandIsAWarning) {
   const std::string q = ",1,0,0,0\n";
   const auto moved_by = [&](double distance) {

@@ -1,4 +1,4 @@
-// Wrong input of every kind: exit code 2, the place in the message, nothing written over.
+// Wrong input of every kind: exit code 2, the place in the message, no file overwritten.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -109,7 +109,7 @@ TEST_F(CliErrors, SceneFilesAreRefusedWithThePlace) {
   }
 }
 
-/// Replaces `what`, which must be there, in the shipped scene.
+/// Replaces a text in the shipped scene, which must contain it.
 std::string rigid_with(const std::string& what, const std::string& by) {
   std::string text = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
   text.replace(text.find(what), what.size(), by);
@@ -192,7 +192,7 @@ TEST_F(CliErrors, AProfileThatIsNotThereIsToldWithItsLine) {
   EXPECT_THAT(result.output, HasSubstr(file + ":" + std::to_string(line) + ": drive of joint "));
 }
 
-/// Fixed, ball: neither has a coordinate with a name.
+/// fixed, ball: neither has a named coordinate.
 TEST_F(CliErrors, AStopNeedsACoordinate) {
   for (const std::string kind : {"fixed", "ball"})
     for (const std::string coordinate : {"", "coordinate = \"q\"\n"}) {

@@ -1,4 +1,4 @@
-// Files, pipes and names that a program must not stumble over.
+// Files, pipes and names that must not disturb the program.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ class Outputs : public ProgramTest {};
 
 constexpr const char* short_run = "run sim/scenes/rigid.toml --duration 0.05";
 
-/// Nobody opens its other end.
+/// Its other end is never opened.
 TEST_F(Outputs, ATraceThatNobodyReadsDoesNotKeepTheProgram) {
   const std::string name = path("fifo");
   ASSERT_EQ(mkfifo(name.c_str(), 0600), 0);
@@ -131,7 +131,7 @@ TEST_F(Outputs, ACommandNeedNotBeUtf8) {
   EXPECT_EQ(nlohmann::json::parse(simulate.say("quit"))["ok"], true);
 }
 
-/// When they happen, with all there is to say, and the same in the report; also on the simulated clock.
+/// Printed when they occur, with all details, and also in the report; also on the simulated clock.
 TEST_F(Outputs, FaultsAndRearmingAreTold) {
   const std::string hil = GODOBJECT_SOURCE_DIR "/tests/hil/";
   write("patient-402.toml", read_file(hil + "patient-402.toml"));
@@ -166,7 +166,7 @@ at = 0.3
   EXPECT_GT(events[3]["t_s"], events[0]["t_s"]);
 }
 
-/// From too little to start at all to enough.
+/// Limits from too little to start at all to enough.
 TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer takes terabytes of addresses";
@@ -183,7 +183,7 @@ TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
   EXPECT_TRUE(was_said);
 }
 
-/// Standard descriptors that are closed are not given to a file, which would get the status lines.
+/// Closed standard descriptors are not reused for a file, which would receive the status lines.
 TEST_F(BackgroundFiles, ClosedStandardDescriptorsBecomeNoOutput) {
   for (const char* closed : {"2>&-", "<&-", "<&- >&- 2>&-", ">&- 2>&-"}) {
     const std::string trace = path("t.csv");
@@ -212,7 +212,7 @@ TEST_F(BackgroundFiles, ClosedStandardDescriptorsAreTheNullDevice) {
     EXPECT_EQ(std::filesystem::read_symlink(of + std::to_string(standard)), "/dev/null") << standard;
 }
 
-/// A run that dies loses half a second at most, of every file.
+/// A killed run loses at most half a second of every file.
 TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
   const std::vector<std::string> names{path("t.csv"), path("r.log")};
   BackgroundProgram run({"run", "sim/scenes/rigid.toml", "--bus", "sim", "--realtime", "--duration", "60",
@@ -225,7 +225,7 @@ TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
   for (int i = 0; i < 1000 && (size_of(names[0]) < 2000 || size_of(names[1]) == 0); ++i)
     std::this_thread::sleep_for(milliseconds(10));
   std::vector<std::uintmax_t> sizes(2);
-  for (int i = 0; i < 4; ++i) {  // it goes on growing all the time
+  for (int i = 0; i < 4; ++i) {  // it grows all the time
     std::this_thread::sleep_for(milliseconds(500));
     for (std::size_t f = 0; f < sizes.size(); ++f) {
       EXPECT_GT(size_of(names[f]), sizes[f]) << names[f];
@@ -268,7 +268,7 @@ TEST_F(BackgroundFiles, ASmallStackIsEnough) {
     }
 }
 
-/// Answers of a simulation that nobody reads do not keep it.
+/// Unread answers of a simulation do not delay it.
 TEST_F(BackgroundFiles, UnreadAnswersDoNotStallASimulation) {
   BackgroundProgram far({"simulate", "sim/scenes/rigid.toml", "--control", "-", "--report", path("r.json"),
                          "--bus", "can0=pty", "--bus", "can1=pty"});

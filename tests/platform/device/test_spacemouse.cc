@@ -1,5 +1,5 @@
-// A SpaceMouse as the device: how far it is pushed is how fast the target goes, within limits; silence at rest is rest, and
-// silence while it is pushed is a lost hand.
+// A SpaceMouse as the device: its deflection sets the velocity of the target, within limits. Silence at rest
+// is rest; silence while deflected is a lost hand.
 #include "platform/device/spacemouse.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ SceneConfig mouse_scene() {
   return scene;
 }
 
-/// A session that a SpaceMouse leads, by a clock of the test's own.
+/// A session led by a SpaceMouse, with a clock of the test's own.
 class Led {
  public:
   explicit Led(SceneConfig config) : scene(std::move(config)) {
@@ -40,7 +40,8 @@ class Led {
     record = made.session->at_start();
   }
 
-  /// Periods of the loop; the thread's ticks between them, and an event each 16 ms while there is one.
+  /// Runs periods of the loop, with the thread's ticks between them, and an event every 16 ms while `pushed`
+  /// is set.
   void run(int periods, bool connected = true) {
     for (int i = 0; i < periods; ++i) {
       now_ns += ms;

@@ -1,4 +1,4 @@
-// Bus addresses as a user types them, right and wrong.
+// Bus addresses as typed by a user, right and wrong.
 #include <gmock/gmock.h>
 
 #include "platform/linux/bus/bus.h"

@@ -1,4 +1,4 @@
-// Scenes with joints: what their files say, and which trees are refused and how.
+// Scenes with joints: contents of their files, and errors of invalid trees.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Three bodies "a", "b", "c" and these joints.
+/// Returns the errors of a scene with bodies "a", "b", "c" and these joints.
 std::vector<std::string> errors_of(const std::string& joints) {
   return parse_tool(body("a") + body("b") + body("c") + joints).errors;
 }
@@ -152,7 +152,7 @@ TEST(ArticulatedScene, JointsApartAtTheStartAreAdvisedAgainst) {
               ElementsAre(HasSubstr("0 m and 3.14 rad")));
 }
 
-/// Of every kind, with bodies anywhere: the run begins with the joints together, and with their coordinates.
+/// Joints of every kind, with bodies anywhere: the run begins with the joints closed, at their coordinates.
 TEST(ArticulatedScene, JointsApartAtTheStartAreBroughtTogether) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -194,7 +194,7 @@ TEST(ArticulatedScene, JointsApartAtTheStartAreBroughtTogether) {
   }
 }
 
-/// A joint that holds stays as it is, also below one that does not: a chain is moved as a whole.
+/// A closed joint stays as it is, also below an open one: a chain moves as a whole.
 TEST(ArticulatedScene, BodiesBelowAJointThatIsApartMoveWithIt) {
   const LoadResult loaded = parse_tool(
       body("a", "position = [0.1, 0, 0]\n") + body("b", "position = [0.3, 0, 0]\n") +

@@ -1,4 +1,4 @@
-// Contacts in scene files: what they say is what the core is told, and what is wrong is refused with its place.
+// Contacts in scene files: the core gets their values, and errors are reported with their place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ std::string contact(const std::string& a, const std::string& b, const std::strin
 
 const std::string brick_on_board = scene_and_brick + board + contact("wood", "plastic", "friction = 0.3\n");
 
-/// As if it stood in the directory of tests: files that it names are there.
+/// Parses text as a scene in the directory of tests, where its files are.
 LoadResult parse(const std::string& text) { return parse_scene(text, testing::TempDir() + "/a.toml"); }
 
 SceneConfig loaded(const std::string& text) {
@@ -66,7 +66,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// Name of a file in the directory of tests, with this text.
+/// Writes a file with this text to the directory of tests and returns its name.
 std::string written(const std::string& name, const std::string& text) {
   const std::string file = "godobject_" + name;
   std::ofstream(testing::TempDir() + "/" + file) << text;

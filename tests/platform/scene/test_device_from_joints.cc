@@ -65,7 +65,7 @@ TEST(DeviceFromJoints, HandlesAndMotionsReferToItsJoints) {
 const std::string moved_p = "[motion]\n[[motion.joint]]\ncoordinate = \"p\"\namplitude = 0.5\n";
 const std::string coupled = "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n";
 
-/// No encoders, no buses: the joints of the tool are the device's all the same, or those that it lists.
+/// Without encoders and buses the joints of the tool are still the device's, or those that it lists.
 TEST(DeviceFromJoints, AMotionMovesJointsThatNothingMeasures) {
   const std::string tool = body("a", coupled) + joint("p", "hinge", "world", "a");
   const std::string device = "[device]\nname = \"d\"\n", own = "[[device.joint]]\nname = \"p\"\n";
@@ -99,7 +99,7 @@ TEST(DeviceFromJoints, UnmeasuredJointsAreRefusedBesideAnotherHand) {
               testing::Contains(HasSubstr("need a [[bus]]")));
 }
 
-/// A random tree of these kinds with random frames, every body coupled.
+/// Returns a random tree of these kinds with random frames, every body coupled.
 SceneConfig random_tool(std::mt19937& random, const std::vector<JointKind>& kinds) {
   std::uniform_real_distribution<double> number(-1, 1);
   const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };

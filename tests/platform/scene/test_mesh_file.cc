@@ -1,4 +1,4 @@
-// Meshes and grids from files: what a point sees of them is what was drawn.
+// Meshes and grids from files: queries of points agree with the drawn shape.
 #include "platform/scene/mesh/file.h"
 
 #include <gmock/gmock.h>
@@ -73,7 +73,7 @@ TEST(MeshFile, IsReadAsItIsWrittenElsewhere) {
 }
 
 TEST(MeshFile, AFaceOfManyCornersIsCutWhereItIsBentInward) {
-  // An arrow head along z: the corner at the dent, number 4, sees all of it.
+  // An arrow head along z: from the corner at the dent, number 4, all of it is visible.
   const std::string corners = "v 0 0 Z\nv 2 -1 Z\nv 0 3 Z\nv -2 -1 Z\n";
   const std::string arrow = std::regex_replace(corners, std::regex("Z"), "0") +
                             std::regex_replace(corners, std::regex("Z"), "1") +
@@ -128,7 +128,7 @@ TEST(MeshFile, SaysWhereItIsWrong) {
   EXPECT_THAT(why_not("a.stl", cube_binary_stl().substr(0, 300)), HasSubstr("export it again"));
 }
 
-/// The nearest any file of this size came was some milliseconds.
+/// The slowest file of this size took some milliseconds.
 constexpr double longest_s = 2;
 
 TEST(MeshFile, MutatedFilesAreReadOrRefusedAtOnce) {
@@ -154,7 +154,7 @@ TEST(MeshFile, MutatedFilesAreReadOrRefusedAtOnce) {
 }
 
 TEST(MeshFile, AFewLargeTrianglesAmongManySmallOnesTakeNoLonger) {
-  // Needles of 1 m on a cube of 1 mm: cells as large as the mean edge would be cut by the million.
+  // Needles of 1 m on a cube of 1 mm: cells of the mean edge length would be millions.
   std::string text = cube_obj();
   for (int i = 0; i < 20'000; ++i)
     for (const Vec3& p : {Vec3(i, 0, 0), Vec3(i + 1, 0, 0), Vec3(i, 1, 0)}) text += "v " + text_of(1e-4 * p);

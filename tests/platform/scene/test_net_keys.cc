@@ -1,5 +1,4 @@
-// [[net]] in scene files: what is read is what was meant, defaults are those of the documentation, and what is wrong is
-// refused with its place.
+// [[net]] in scene files: values, documented defaults, and errors with their place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -52,7 +51,7 @@ SceneConfig loaded(const std::string& text) {
   return result.scene.value_or(SceneConfig{});
 }
 
-/// The only error.
+/// Returns the only error.
 std::string error_of(const std::string& text) {
   const LoadResult result = parse(text);
   EXPECT_EQ(result.errors.size(), 1U) << testing::PrintToString(result.errors);
@@ -77,7 +76,7 @@ TEST(NetKeys, DefaultsAreWhatTheDocumentationSays) {
   EXPECT_NEAR(*net.held_stiffness, 5 * std::sqrt(3.0) * 100, 1e-9);
   const double T = 0.05;
   EXPECT_NEAR(*net.anchor_stiffness, 64 / (1.4 * 1.4) * net.surface_density / (T * T), 1e-6);
-  // On its anchor alone a node is damped as couplings are: g = 1.4 sqrt(k m).
+  // A node on its anchor alone is damped like couplings: g = 1.4 sqrt(k m).
   for (const NetNode& node : scene_nets(scene).nodes)
     EXPECT_NEAR(node.g, 1.4 * std::sqrt(node.k * node.m), 1e-12);
   const double m = 0.02 / static_cast<double>(net.surface.vertices.size()), k = std::sqrt(3.0) / 2 * 100;
@@ -240,7 +239,7 @@ material = "wood"
   const std::string law = "\n[[contact]]\nmaterials = [\"rubber\", \"wood\"]\nstiffness = 1000\n";
   const SceneConfig scene = loaded(rubber + law);
   EXPECT_EQ(contact_scope(scene), ContactScope::obstacles);
-  // A damping ratio of one is about the lightest of what touches: a node.
+  // A damping ratio refers to the lightest item in contact: a node.
   const double m = 0.02 / static_cast<double>(scene.nets[0].surface.vertices.size());
   EXPECT_NEAR(scene.contacts[0].damping, 1.4 * std::sqrt(1000 * m), 1e-9);
 

@@ -1,5 +1,5 @@
-// Shapes that meet others by the spheres of their body alone, spheres that begin within a solid, and the promises that
-// `check` makes of neither.
+// Shapes that touch others only by the spheres of their body, spheres that start within a solid, and the
+// warnings of `check` about both.
 #include "platform/scene/contact/spheres_alone.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using testing::SizeIs;
 const Vec3 half(0.05, 0.04, 0.005);
 constexpr double r = 0.002;  // m
 
-/// A tray of one box with a sphere at each corner, tangent to its faces.
+/// Returns a tray of one box with a sphere at each corner, tangent to its faces.
 BodyConfig tray() {
   BodyConfig body = body_of("tray", 1, 1e-3);
   body.shapes.resize(1);
@@ -30,7 +30,7 @@ BodyConfig tray() {
         r, (half - Vec3::Constant(r)).cwiseProduct(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1))));
   return body;
 }
-/// A body of one ball shape, with a sphere as large in it, or none.
+/// Returns a body of one ball shape. with_sphere: true for a sphere of the same size in it.
 BodyConfig ball(double radius, bool with_sphere) {
   BodyConfig body = body_of("ball", 1, 1e-3);
   body.shapes.resize(1);

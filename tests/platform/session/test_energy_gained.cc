@@ -1,4 +1,5 @@
-// No scene gains energy: shipped and reference scenes are not told to. Those of ../shared/attacks: test_attack_scenes.cc.
+// No shipped or reference scene raises the fault energy_gained. For ../shared/attacks see
+// test_attack_scenes.cc.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@
 namespace godobject::test_energy_gained {
 namespace {
 
-/// What a run without a bus says of its energy.
+/// Energy results of a run without a bus.
 struct Told {
   double share = 0;    // of the energy at work, in the window of the watch
   bool fault = false;  // energy_gained

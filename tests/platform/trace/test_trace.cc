@@ -61,7 +61,7 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
   const std::string path = testing::TempDir() + "/godobject_contact_trace.csv";
   TraceWriter writer(path, scene);
   std::array<TraceBody, 2> bodies{};
-  bodies[0].contact.f = Vec3(9, 9, 9);  // not of a body that can be touched
+  bodies[0].contact.f = Vec3(9, 9, 9);  // of a body without contacts
   bodies[1].contact.f = Vec3(1, 2, 3);
   writer.row(0, bodies, std::array<TraceDriven, 1>{}, {},
              {.contacts = {.num_contacts = 5, .deepest = 1e-5, .residual = 1e-7}}, {});
