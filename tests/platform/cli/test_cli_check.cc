@@ -62,7 +62,7 @@ TEST_F(CliCheck, ResolvesProfilesOnSimulatedBusesToo) {
     return rigid_with("profile = \"generic-402\"", "profile = \"" + profile + "\"");
   };
   expect_both(write("misspelt.toml", scene_with("generic-42")) + " --duration 0.01", 2,
-              "drive of joint 'turret': profile \"generic-42\": neither in ");
+              "drive of joint 'turret': profile \"generic-42\" was found neither in ");
   expect_both(write("misspelt.toml", scene_with("generic-42")) + " --duration 0.01 --bus sim", 2,
               "the nearest is \"generic-402\"");
   expect_both(write("encoder.toml", scene_with("generic-406")) + " --duration 0.01", 2,

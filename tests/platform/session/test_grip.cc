@@ -70,7 +70,7 @@ TEST(HoldKeys, OnlyCoupledBodiesCanBeHeld) {
   EXPECT_THAT(errors_of(bricks("holds = \"post\"\n")),
               ElementsAre(HasSubstr("'holds' is \"post\", which has no [body.coupling]: add it")));
   EXPECT_THAT(errors_of(bricks("holds = \"blue\"\n")),
-              ElementsAre(HasSubstr("is \"blue\", which is no body")));
+              ElementsAre(HasSubstr("is \"blue\", which is not a body")));
   EXPECT_THAT(errors_of(bricks("", "[[motion.hold]]\ntime = 1\nbody = \"post\"\n")),
               ElementsAre(HasSubstr("has no [body.coupling]")));
 }
