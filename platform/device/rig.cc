@@ -72,7 +72,7 @@ void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
     sample.valid = valid;
     if (has_clutch) sample.clutch = buttons_.clutch;
   }
-  joints_.lead({.q = device.q, .q_dot = device.q_dot}, valid, samples);
+  joints_.write({.q = device.q, .q_dot = device.q_dot}, valid, samples);
 }
 
 /// Displays the wrenches on the drives, and watches the drives' commands for oscillation between their
