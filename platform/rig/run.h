@@ -49,7 +49,7 @@ class RigRun {
   std::vector<std::string> errors_;
   RigAddresses where_;
   RigProfiles profiles_;
-  LinuxLink* link_ = nullptr;  // the device's
+  LinuxLink* link_ = nullptr;  // owned by device_
   std::unique_ptr<RigDevice> device_;
 };
 
