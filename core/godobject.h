@@ -1,4 +1,4 @@
-// Everything the author of a scene includes.
+// Public header of the core: includes all that the author of a scene needs.
 //
 // Dependencies between the folders: docs/architecture.md.
 #pragma once

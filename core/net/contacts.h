@@ -74,7 +74,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     }
     found += begin_four(near, gathered(laws), near.live(),
                         gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }), h,
-                        w.stage, of_step, of_stage, w.found_deeper, of.begun[p], of.packs[p]);
+                        w.stage, of_step, of_stage, w.penetration_jumps, of.initial[p], of.packs[p]);
     of.packs[p].u.setConstant(Pack(0));
     of.packs[p].f_slip = 0;
   }
@@ -165,7 +165,7 @@ void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
 
 /// E of (44): the bodies with all that rides on them.
 template <class Contacts, std::size_t N>
-void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
+void load_carrier_relative(BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
   const auto on_point = [](const Block& A_vv, const Column& r) noexcept {
     SymmetricSpatialMatrix A{.ww = Block::zero(), .wv = Block::zero(), .vv = Block::zero()};
@@ -199,29 +199,29 @@ template <class Contacts, std::size_t N>
 void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
   // nodes have moved little since the stage before: its factor is as good a preconditioner
-  const bool is_factored = !first || (w.stage.goes_on && net.factored_h == h);
+  const bool is_factored = !first || (w.stage.continues_step && net.factored_h == h);
   if (!is_factored) {
     gather_net_contacts(h, net);
     factor_nodes(net);
     net.factored_h = h;
   }
-  if (first) foresee_friction(h, net);  // those that touch stay the same
+  if (first) predict_friction(h, net);  // those that touch stay the same
   take_contacts_out(net);
   gather_net_contacts(h, net);
   put_contacts_in(net);
   load_impulses(w);
-  load_riding(w);
+  load_carrier_relative(w);
 }
 
 /// Velocities of the nodes against their carriers, from those against the world and those of the carriers; and back.
 template <class Net, std::size_t N, class Vector>
-void ride(const NetStage<Net, N>& w, Vector& V) noexcept {
+void to_carrier_frame(const NetStage<Net, N>& w, Vector& V) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
     for (std::uint32_t n = run.first; n < run.end; ++n) V.nodes[n] -= shifted(V.bodies[run.body], w.r[n]).v;
   });
 }
 template <class Net, std::size_t N, class Vector>
-void get_off(const NetStage<Net, N>& w, Vector& V) noexcept {
+void to_world_frame(const NetStage<Net, N>& w, Vector& V) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
     for (std::uint32_t n = run.first; n < run.end; ++n) V.nodes[n] += shifted(V.bodies[run.body], w.r[n]).v;
   });
@@ -258,7 +258,7 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   }
   for (std::size_t p = 0; p < net.num_packs; ++p) {
     const NearFour near(&net.near.list[4 * p], net.near.size - 4 * p);
-    carry_over(near, near.live(), h, net.begun[p], net.packs[p], next);
+    carry_over(near, near.live(), h, net.initial[p], net.packs[p], next);
     add_bearing(near, near.live(), net.packs[p], net.forces);
   }
   each_carried(net, [&](const NetRun& run) noexcept {

@@ -92,7 +92,7 @@ struct CoupledSystem {
   /// AV = A V.
   void multiply(const Vector& V, Vector& AV) const noexcept {
     bodies.multiply(V.bodies, AV.bodies);
-    auto& v = net.riding_v;  // of the nodes against the world
+    auto& v = net.carrier_relative_v;  // of the nodes against the world
     for (std::size_t k = 0; k < net.num_runs; ++k) {
       const NetRun& run = net.runs[k];
       if (run.body == world) {

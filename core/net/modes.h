@@ -22,8 +22,8 @@ namespace godobject {
 /// (50)  How the nodes of a pack give way, each along its own d of length 1, m/s per N. own: what their contacts in the pack have
 /// of m, which others of the same node hold as well.
 template <class Net, std::size_t N>
-Pack give_way(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real h,
-              const NetStage<Net, N>& w) noexcept {
+Pack compliance(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real h,
+                const NetStage<Net, N>& w) noexcept {
   Pack give = 0;
   for (std::size_t j = 0; j < 4 && 4 * pack + j < w.near.size; ++j) {
     const std::uint32_t n = w.near.list[4 * pack + j].a;
@@ -36,9 +36,9 @@ Pack give_way(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real h,
 
 /// (50)  The speeds of a pack where friction is as the law says.
 template <class Net, std::size_t N>
-auto slip_ahead(std::size_t pack, Real h, const NetStage<Net, N>& w) noexcept {
+auto predicted_slip(std::size_t pack, Real h, const NetStage<Net, N>& w) noexcept {
   return [=, &w](const ContactPack& c, const Vector3<Pack>& s, const Pack& speed, const Pack& F_n) noexcept {
-    const Pack give = give_way(pack, s * (1 / speed), c.eta_t * h, h, w);
+    const Pack give = compliance(pack, s * (1 / speed), c.eta_t * h, h, w);
     return above_zero(speed + give * (c.eta_t * speed + c.f_slip - c.mu * F_n));
   };
 }
@@ -61,13 +61,13 @@ Vector3<Pack> start_less_predicted(std::size_t pack, const NetStage<Net, N>& w) 
 /// guess drives nets that are
 /// pinched where iterations are few.
 template <class Net, std::size_t N>
-void foresee_friction(Real h, NetStage<Net, N>& w) noexcept {
+void predict_friction(Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {
     ContactPack& c = w.packs[p];
-    const Pack F_before = max(w.begun[p].F_n, Pack(0));  // of a new one, none
+    const Pack F_before = max(w.initial[p].F_n, Pack(0));  // of a new one, none
     const Vector3<Pack> v = w.begins_at_solution ? c.v : Vector3<Pack>(c.v + start_less_predicted(p, w));
     const Pack v_n = c.n.dot(v);
-    const Pack stiffer = 1 + c.eta_n * give_way(p, c.n, c.touching * c.eta_n * h, h, w);
+    const Pack stiffer = 1 + c.eta_n * compliance(p, c.n, c.touching * c.eta_n * h, h, w);
     const Pack F_n = max(F_before + (c.F_0 - c.eta_n * v_n - F_before) / stiffer, Pack(0));
     const Vector3<Pack> s = (v - c.n * v_n + c.v_xi) * c.touching;
     const Pack speed = speed_of(s);

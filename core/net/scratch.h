@@ -97,7 +97,7 @@ struct NetStage {
   NearContacts<Net::max_contacts> near;
   std::array<std::size_t, Net::max_contacts> carrier;
   std::array<ContactPack, max_packs> packs;  // r: on the body that is touched
-  std::array<BegunPack, max_packs> begun;
+  std::array<InitialMemoryPack, max_packs> initial;
   std::size_t num_packs = 0;
   // attachments, which are there in all modes, then the contacts that bear a force
   std::array<NetContactTerm, Net::max_attachments + Net::max_contacts> contacts;
@@ -115,7 +115,7 @@ struct NetStage {
   std::array<SymmetricBlock, max_nodes> D, of_contacts;
   std::array<SymmetricPack, max_nodes> D_inverse;
   Real factored_h = 0;  // length of the stage that it is of, s; 0: it is not to be taken again
-  std::array<Column, max_nodes> riding_v;  // velocities of the nodes, of a product
+  std::array<Column, max_nodes> carrier_relative_v;  // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;
   OfBodies delta, c_1;    // (45)
   OfBodies on_carriers;   // impulses of anchors on bodies, at the end

@@ -69,7 +69,7 @@ bool floats(const NetParams& par, const FloatingNet& row) noexcept {
 
 /// Dampers of floating nets, after begin_anchors() which takes them for anchors.
 template <class Net, std::size_t N>
-void begin_settling(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
+void begin_preconditioner(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t k = 0; k < par.num_floating; ++k) w.floating[k].floats = floats(par, par.floating[k]);
   each_floating(w, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {

@@ -180,7 +180,7 @@ struct SpringGain {
   Real gained = 0, exchanged = 0, mass = 0;
 
   /// speed: below which nothing moves, m/s.
-  bool is_too_much(Real speed) const noexcept {
+  bool exceeds_tolerance(Real speed) const noexcept {
     return gained > max_spring_gain * exchanged + mass * speed * speed;
   }
 };

@@ -73,15 +73,15 @@ class NodeCommissioning {
     const std::string seconds = std::to_string(std::llround(profile_.boot_timeout_s * 1e3)) + " ms";
     switch (failure_) {
       case NodeFailure::reset_not_sent:
-        return name_ + ": the bus did not take the reset within " + seconds +
-               ": is the interface up, and another node on the bus that acknowledges?";
+        return name_ + ": the bus did not accept the reset within " + seconds +
+               ": check that the interface is up and that another node on the bus acknowledges";
       case NodeFailure::no_boot_up:
         return name_ + ": no boot-up message within " + seconds +
-               " of the reset: is it powered, has it this node-ID, has the bus its bit rate and both "
-               "terminations?";
+               " of the reset: check its power supply and node-ID, and the bit rate and both terminations of "
+               "the bus";
       case NodeFailure::rebooted:
-        return name_ + ": booted again and again while it was set up, " + std::to_string(1 + reboots_) +
-               " times in more than " + seconds + ": its supply, or another master?";
+        return name_ + ": booted " + std::to_string(1 + reboots_) + " times in more than " + seconds +
+               " while it was set up: check its supply voltage, and for another master";
       case NodeFailure::sequence: return name_ + ": " + sequence_.error_text() + place();
       case NodeFailure::none: break;
     }

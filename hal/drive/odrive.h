@@ -103,7 +103,7 @@ constexpr std::uint32_t command_id(std::uint8_t node) noexcept {
 inline constexpr ProtocolWatchdog watchdog{
     .mechanism =
         "CAN Simple has no message that sets one: set axis0.config.enable_watchdog = True and "
-        "watchdog_timeout = 0.02 on the drive, and say so by watchdog = \"drive\""};
+        "watchdog_timeout = 0.02 on the drive, and watchdog = \"drive\" in the scene"};
 
 /// Implemented in odrive_text.cc.
 DriveText describe(const CanFrame& frame);

@@ -22,7 +22,7 @@ const char* why_text(ParseResult why) {
   switch (why) {
     case ParseResult::too_short: return ", which is too short";
     case ParseResult::too_long: return ", which is too long";
-    case ParseResult::bad_value: return ", which has a value that is not defined";
+    case ParseResult::bad_value: return ", which contains an undefined value";
     case ParseResult::ok:
     case ParseResult::other_message: break;
   }
@@ -31,7 +31,7 @@ const char* why_text(ParseResult why) {
 
 const char* nmt_text(std::uint8_t state) {
   switch (static_cast<canopen::NmtState>(state)) {
-    case canopen::NmtState::boot_up: return "booted and went no further";
+    case canopen::NmtState::boot_up: return "has not left its boot-up state";
     case canopen::NmtState::stopped: return "is stopped (NMT)";
     case canopen::NmtState::operational: return "is operational";
     case canopen::NmtState::pre_operational: break;
@@ -41,17 +41,17 @@ const char* nmt_text(std::uint8_t state) {
 
 /// Returns how far the boot of a node got; begins with a comma.
 std::string boot_text(const NodeEvidence& seen, const RigNode& node) {
-  const char* const heartbeat = node.canopen ? "heartbeat" : "message that it is supervised by";
-  if (!seen.heard && !seen.answered && seen.malformed == 0) return ", nothing was heard of it";
+  const char* const heartbeat = node.canopen ? "heartbeat" : "supervision message";
+  if (!seen.heard && !seen.answered && seen.malformed == 0) return ", no frame of it was received";
   std::string text;
-  if (!seen.heard) text += std::string(", no ") + heartbeat + " was heard";
+  if (!seen.heard) text += std::string(", no ") + heartbeat + " was received";
   else if (node.canopen) text += std::string(", it ") + nmt_text(seen.nmt_state);
-  if (seen.heard && seen.silent) text += std::string(", its ") + heartbeat + " stays away";
+  if (seen.heard && seen.silent) text += std::string(", its ") + heartbeat + " is missing";
   const char* const answer = !node.canopen                   ? "answer to a request"
                              : node.kind == NodeKind::button ? "TPDO1 with its inputs"
                              : node.kind == NodeKind::drive  ? "TPDO1 with its status"
                                                              : "TPDO1 with its position";
-  if (!seen.answered) text += std::string(", no ") + answer + " has come";
+  if (!seen.answered) text += std::string(", no ") + answer + " was received";
   return text;
 }
 
@@ -92,7 +92,7 @@ std::string Rig::evidence_text(const RigFaultRecord& record) const {
     text += drive_text(seen, params_.drives[node->device]);
   if (seen.malformed == 0 || any(fault & of_drives)) return text;
   const MalformedFrame& last = seen.last_malformed;
-  text += format(", %llu of its frames were not understood, the last %03X of %d bytes",
+  text += format(", %llu of its frames were invalid, the last %03X of %d bytes",
                  static_cast<unsigned long long>(seen.malformed), last.identifier, int{last.size});
   return text + why_text(last.why);
 }

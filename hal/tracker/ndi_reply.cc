@@ -227,10 +227,10 @@ ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, 
 const char* system_status_text(std::uint16_t status) noexcept {
   if ((status & 0x0010u) != 0)
     return "hardware failure: switch the tracker off and on; see its own diagnosis";
-  if ((status & 0x0008u) != 0) return "recoverable exception: the tracker goes on";
+  if ((status & 0x0008u) != 0) return "recoverable exception: the tracker continues";
   if ((status & 0x0001u) != 0) return "communication synchronisation error in the tracker";
   if ((status & 0x0002u) != 0) return "too much environmental infrared: shield lamps and reflections";
-  if ((status & 0x0004u) != 0) return "the tracker saw a CRC error on its own link";
+  if ((status & 0x0004u) != 0) return "the tracker detected a CRC error on its own link";
   return nullptr;
 }
 

@@ -42,14 +42,13 @@ std::unique_ptr<Tracker> make_ndi_tracker(const TrackerParams& params, ToolDefin
                                           std::vector<std::string>& errors) {
   const std::string where = "tracker '" + params.name + "': ";
   if (!ndi::comm_digit(params.baud))
-    errors.push_back(where + "no NDI tracker has " + std::to_string(params.baud) +
+    errors.push_back(where + "no NDI tracker supports " + std::to_string(params.baud) +
                      " bit/s: choose 9600, 14400, 19200, 38400, 57600, 115200, 230400, 921600 or 1228739");
   for (std::size_t i = 0; i < params.tools.size(); ++i) {
     const std::string& tool = params.tools[i].tool;
     if (!ndi_handle(tool) && (definitions[i].empty() || definitions[i].size() > 0x10000))
-      errors.push_back(
-          where + "tool '" + tool +
-          "' is neither the two digits of a port handle nor a tool definition file that can be read");
+      errors.push_back(where + "tool '" + tool +
+                       "' is neither the two digits of a port handle nor a readable tool definition file");
   }
   if (!errors.empty()) return nullptr;
   return std::make_unique<NdiTracker>(params, std::move(definitions));
@@ -101,7 +100,7 @@ void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
     enter(TrackerState::initialising, "%s: %s; trying again", name_of(at), why);
     return;
   }
-  enter(TrackerState::failed, "%s: %s; tried again every 5 s", name_of(at), why);
+  enter(TrackerState::failed, "%s: %s; retried every 5 s", name_of(at), why);
   restart(now);
   not_before_ = now + retry_period;
 }
@@ -205,7 +204,8 @@ void NdiTracker::on_silence(Nanoseconds now) noexcept {
   if (step_ == Step::poll && now - t_first_asked_ < poll_silence) return;
   const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;
   if (tries_ >= allowed)
-    give_up_or_restart(not_understood("no reply: is the tracker switched on, and this its port?"), now);
+    give_up_or_restart(
+        not_understood("no reply: check that the tracker is switched on and connected to this port"), now);
 }
 
 /// Handles the answer to a poll. A repeated poll may be answered twice: its second answer is awaited,

@@ -85,7 +85,7 @@ LineRequest PolhemusTracker::next(Nanoseconds now) noexcept {
   std::array<char, 140> why{};
   if (unread_.empty())
     std::snprintf(why.data(), why.size(),
-                  "is the tracker switched on, this its port, and its switches at %u bit/s?",
+                  "check that the tracker is switched on, connected to this port and set to %u bit/s",
                   unsigned{params_.baud});
   else unread_.describe(TrackerProtocol::polhemus, params_.baud, why);
   if (report_.state == TrackerState::tracking) {

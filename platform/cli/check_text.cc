@@ -15,7 +15,7 @@
 namespace godobject {
 namespace {
 
-/// "label                what".
+/// Returns "label                text".
 [[gnu::format(printf, 2, 3)]] std::string line(const char* label, const char* what, ...) {
   std::array<char, 512> text{};
   std::va_list arguments;
@@ -27,14 +27,14 @@ namespace {
   return out + text.data();
 }
 
-/// A number within a text.
+/// Returns a number between two texts.
 std::string with_number(const char* before, double x, const char* after) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", x);
   return std::string(before) + text.data() + after;
 }
 
-/// "6 encoders", "1 drive".
+/// Returns "6 encoders", "1 drive".
 std::string number_of(std::size_t n, const std::string& what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
@@ -69,7 +69,7 @@ void add_device(const DeviceConfig& device, std::vector<std::string>& lines) {
                        device.limits.ramp));
 }
 
-/// The table's rows without its head.
+/// Adds the rows of the table of time_to_zero.h without its head.
 void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& lines) {
   const SceneConfig& scene = prepared.session->scene();
   if (!scene.device || !scene.device->rig) return;
@@ -79,7 +79,7 @@ void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& li
         line(i == 1 ? "time to zero" : "", "%s", table[i].substr(table[i].find_first_not_of("# ")).c_str()));
 }
 
-/// Up to which angular velocity TR-BDF2 is of second order: the least of all bodies.
+/// Adds the angular velocity below which TR-BDF2 is of second order: the smallest bound of all bodies.
 void add_order(const SceneConfig& scene, std::vector<std::string>& lines) {
   if (scene.integrator != "tr-bdf2") return;
   const BodyConfig* fastest = nullptr;

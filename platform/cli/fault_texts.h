@@ -1,5 +1,5 @@
-// Every fault of the core, of a rig and of a run: name, meaning, remedy. What `godobject faults` prints, what
-// reports and traces call them by; docs/faults.md has the same names (tested).
+// Name, meaning and remedy of every fault of the core, of a rig and of a run. `godobject faults` prints them;
+// reports and traces use the names. docs/faults.md has the same names (tested).
 #pragma once
 
 #include <array>
@@ -64,7 +64,7 @@ enum class RunFault : std::size_t {
   held,
 };
 
-/// In the order of RunFault.
+/// Texts in the order of RunFault.
 inline constexpr std::array<FaultText, 10> run_fault_texts{{
     {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
      "check power, cables and bit rates; see boot_timeout"},

@@ -17,7 +17,7 @@
 namespace godobject {
 namespace {
 
-/// All that was printed has arrived; a full disk behind `> FILE` shows only when the rest is written out.
+/// True if all printed text was written. A full disk behind `> FILE` is detected only by this last flush.
 bool standard_output_is_complete() {
   errno = 0;
   std::cout.flush();
@@ -30,13 +30,13 @@ bool standard_output_is_complete() {
   return complete;
 }
 
-/// The verb that was understood last, and its own verbs in turn.
+/// Returns the last verb that was parsed, or its own verb in turn.
 const CLI::App& innermost(const CLI::App& app) {
   const std::vector<CLI::App*> given = app.get_subcommands();
   return given.empty() ? app : innermost(*given.front());
 }
 
-/// Verbs and options that a word may have been meant for.
+/// Returns the verbs or options for which a word may be a misspelling.
 std::vector<std::string> known_words(const CLI::App& verb, bool option) {
   std::vector<std::string> known;
   if (!option)
@@ -48,7 +48,7 @@ std::vector<std::string> known_words(const CLI::App& verb, bool option) {
   return known;
 }
 
-/// "did you mean 'check'?" for the first word that the program does not have; empty: nothing is near it.
+/// Returns "did you mean 'check'?" for the first unknown word; empty if nothing is near it.
 std::string hint_for(const CLI::App& app, int argc, char** argv) {
   const CLI::App& verb = innermost(app);
   const std::vector<std::string> unknown =
@@ -64,7 +64,7 @@ std::string hint_for(const CLI::App& app, int argc, char** argv) {
   return "";
 }
 
-/// Throws where something is defective or out of memory.
+/// Runs the program. Throws if memory runs out or on a defect.
 ExitCode run(int argc, char** argv, const Simulation& simulation) {
   ExitCode code = ExitCode::ok;
   CLI::App app("Couple a tool in a simulated scene to a tracked device by a damped spring.", "godobject");

@@ -11,7 +11,7 @@ constexpr double stale_periods = 3;
 std::size_t moved_body(const SceneConfig& scene) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   const std::optional<std::size_t> named = body_named(scene, scene.device->spacemouse->body);
-  return takes_hold(scene) || !named ? driven.front() : *named;
+  return grips_bodies(scene) || !named ? driven.front() : *named;
 }
 
 Pose start_of(const SceneConfig& scene) {

@@ -10,7 +10,7 @@
 #include "core/contact/contact.h"
 #include "core/energy.h"
 #include "core/gain_watch.h"
-#include "core/joint/imposed.h"
+#include "core/joint/prescribed.h"
 #include "core/net/net.h"
 #include "platform/scene/contact/pairs.h"
 #include "platform/scene/net/params.h"

@@ -41,7 +41,7 @@ inline AnyDevice::Kind kind_of(const SceneConfig& scene) noexcept {
     case DeviceKind::relative: return AnyDevice::Kind::relative;
     case DeviceKind::admittance: return AnyDevice::Kind::admittance;
   }
-  return takes_hold(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
+  return grips_bodies(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
 }
 
 inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
@@ -65,7 +65,7 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
       for (std::size_t i = 0; i < joint.coordinates.size(); ++i)
         if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop_params(stop);
   }
-  if constexpr (uses<typename Joints::Imposed>) par.lead.imposed = joint.imposed;
+  if constexpr (uses<typename Joints::Prescribed>) par.motion.prescribed = joint.imposed;
   return par;
 }
 
@@ -81,7 +81,7 @@ inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
 
 inline Real ramp_of(const SceneConfig& scene, const LimitConfig& limits) {
   if (!scene.device || scene.coupling == CouplingMode::imposed) return 0;
-  return takes_hold(scene) ? limits.grab_ramp : limits.ramp;
+  return grips_bodies(scene) ? limits.grab_ramp : limits.ramp;
 }
 
 template <Scene S>
@@ -142,7 +142,7 @@ class EngineOf final : public Engine {
       const bool at_once = device.rise == 0 && at_start[i].engaged && !captures;
       if (!at_once) x_.bodies[i].device.ramp = {};
     }
-    if constexpr (imposes<S>) {
+    if constexpr (prescribes<S>) {
       for (const JointConfig& joint : scene.joints)
         x_.bodies[*body_named(scene, joint.child)].joint.last.q = coordinates_at_start(scene.bodies, joint);
     }
@@ -157,7 +157,7 @@ class EngineOf final : public Engine {
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       set_input(par_.bodies[i].device.kind, samples[i], before_[i], in_.devices[i]);
       if (samples[i].valid) before_[i] = samples[i].target;
-      if constexpr (imposes<S>) in_.joints[i] = samples[i].joint;
+      if constexpr (prescribes<S>) in_.joints[i] = samples[i].joint;
     }
     godobject::step(par_, in_, x_, w_, out_);
     StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}, .nets = {}};
@@ -272,11 +272,11 @@ std::vector<PartBytes> parts_of() {
   add("device", sizeof(AnyDevice::Params), sizeof(AnyDevice::State), targets);
   if constexpr (uses<Joints>) {
     add("joints", sizeof(typename TreeJoints<>::Params), 0, sizeof(W::tree));
-    if constexpr (imposes<S>) {
+    if constexpr (prescribes<S>) {
       add("joint stops", sizeof(typename Joints::Stops::Params), 0, 0);
       add("imposed joints",
           sizeof(typename Joints::Params) - sizeof(typename TreeJoints<typename Joints::Stops>::Params),
-          sizeof(typename Joints::State), sizeof(W::leads));
+          sizeof(typename Joints::State), sizeof(W::prescribed));
     }
   }
   add("coupling", sizeof(typename S::Coupling::Params), sizeof(typename S::Coupling::State), 0);
@@ -309,7 +309,7 @@ CompositionRow row(const std::string& name) {
   Composition c{.name = name + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
                 .integrator = S::Integrator::name,
                 .max_bodies = S::max_bodies,
-                .joints = imposes<S>,
+                .joints = prescribes<S>,
                 .contacts = scope_of<S>(),
                 .params_bytes = sizeof(Params<S>),
                 .state_bytes = sizeof(State<S>),

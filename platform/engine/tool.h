@@ -17,7 +17,7 @@ struct Tool {
   using Contacts = Contacts_;
 };
 
-using AllJoints = TreeJoints<JointStops, ImposedJoints>;
+using AllJoints = TreeJoints<JointStops, PrescribedJoints>;
 
 /// Contacts of a tool with the world.
 using ToolContacts = FixedContacts<64, 256, 128>;

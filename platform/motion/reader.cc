@@ -1,4 +1,4 @@
-// Motion::read: from the columns of a table to curves, with every complaint placed in the file.
+// Motion::read: converts the columns of a table into curves. Errors name their place in the file.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,8 +16,8 @@ namespace godobject {
 inline constexpr double recorded_unit_tolerance = 1e-3;  // recorded quaternions are rounded to few digits
 inline constexpr std::size_t max_reported = 20;
 inline constexpr std::size_t max_misspelling = 3;  // letters
-inline constexpr double max_value = 1e6;  // m, rad, N, N m: beyond it a double resolves no more than 0.1 nm
-/// Times closer than this are no sampling: rates between them would be beyond all numbers.
+inline constexpr double max_value = 1e6;  // m, rad, N, N m; above it a double resolves no more than 0.1 nm
+/// Smallest plausible distance of times; below it rates between samples would be implausible.
 inline constexpr double least_spacing_s = 1e-6, max_time_s = 1e9;
 inline constexpr const char* hold_column = "hold";
 inline constexpr const char* button_column = "button";
@@ -42,7 +42,7 @@ class MotionReader {
   }
 
  private:
-  /// What a table can drive, besides the switches; nothing: that stays with the scene's own [motion].
+  /// Content of a table besides the switches; with `nothing` the scene's own [motion] is used.
   enum class Content { nothing, poses, wrenches, joints };
 
   static constexpr std::array pose_suffixes{".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"};
@@ -61,12 +61,12 @@ class MotionReader {
   std::vector<std::string> pose_columns() const { return columns_of_bodies(pose_suffixes); }
   std::vector<std::string> wrench_columns() const { return columns_of_bodies(wrench_suffixes); }
   std::vector<std::string> switch_columns() const {
-    if (!takes_hold(scene_)) return columns_of_bodies(switch_suffixes);
+    if (!grips_bodies(scene_)) return columns_of_bodies(switch_suffixes);
     std::vector<std::string> columns = columns_of_bodies(holding_switch_suffixes);
     columns.emplace_back(button_column);
     return columns;
   }
-  /// Columns that leave the target to the scene.
+  /// Returns the columns that do not replace the scene's [motion].
   std::vector<std::string> columns_besides() const {
     std::vector<std::string> columns = switch_columns();
     columns.emplace_back(hold_column);
@@ -172,7 +172,7 @@ class MotionReader {
   }
 
   void check_holds() {
-    if (!takes_hold(scene_)) {
+    if (!grips_bodies(scene_)) {
       if (table_.find(hold_column))
         log_.error(
             {1, 1},
@@ -269,7 +269,7 @@ class MotionReader {
     return values;
   }
 
-  /// column: where the note points to.
+  /// column: column of the note's place.
   template <class Distance>
   void note_sudden_move(const std::string& column, const std::string& what, const char* unit,
                         double least_speed, Distance distance) {
@@ -323,7 +323,7 @@ class MotionReader {
         if (clutch) values[row].clutch = table_.at(row, *clutch) == 1;
       }
     }
-    if (takes_hold(scene_) && table_.find(button_column))
+    if (grips_bodies(scene_) && table_.find(button_column))
       for (const double value : numbers(button_column)) motion_.buttons_.push_back(value == 1);
   }
 

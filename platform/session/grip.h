@@ -12,7 +12,7 @@ namespace godobject {
 
 class Grip {
  public:
-  /// Allocates; the other functions do not. scene: must fulfil takes_hold(scene).
+  /// Allocates; the other functions do not. scene: must fulfil grips_bodies(scene).
   explicit Grip(const SceneConfig& scene);
 
   /// Selects the held body for the coming step. Only changes of the wish and of the button count.

@@ -38,7 +38,7 @@ Matrix at_joints(const HandleJacobian& J, double rotational, double translationa
 FeedbackConfig shown_at(const SceneConfig& scene, const HandleParams& handle) {
   FeedbackConfig most;
   for (const BodyConfig& body : scene.bodies) {
-    if (!body.feedback || (!takes_hold(scene) && body.name != handle.body)) continue;
+    if (!body.feedback || (!grips_bodies(scene) && body.name != handle.body)) continue;
     most.stiffness = std::max(most.stiffness, body.feedback->stiffness);
     most.damping = std::max(most.damping, body.feedback->damping);
     most.rotational_stiffness = std::max(most.rotational_stiffness, body.feedback->rotational_stiffness);

@@ -54,7 +54,7 @@ Session::Made Session::build(const SceneConfig& scene, Motion motion, DevicePart
   s->real_ = real;
   for (std::size_t i = 0; i < s->driven_.size(); ++i)
     s->samples_[s->driven_[i]] = s->handed_.sample(std::min(i, s->motion_.num_bodies() - 1), 0);
-  if (takes_hold(scene)) {
+  if (grips_bodies(scene)) {
     s->grip_.emplace(scene);
     for (const std::size_t body : s->driven_) s->samples_[body].engaged = false;
   }

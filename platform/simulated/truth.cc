@@ -9,7 +9,7 @@ SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const H
       link_(link),
       driven_(driven_bodies(scene)),
       handle_(driven_.size()),
-      grips_bodies_(takes_hold(scene)) {
+      grips_bodies_(grips_bodies(scene)) {
   if (link_ == nullptr) return;
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t k = 0; k < by_handle.size(); ++k)

@@ -25,7 +25,7 @@ const StopConfig* stop_of(const SceneConfig& scene, const std::string& coordinat
 
 bool page_moves_joints(const SceneConfig& scene) {
   const KinematicTreeParams* const tree = device_tree(scene);
-  if (tree == nullptr || tree->handles.empty() || takes_hold(scene)) return false;
+  if (tree == nullptr || tree->handles.empty() || grips_bodies(scene)) return false;
   if (scene.device->kind == DeviceKind::admittance) return false;
   return scene.motion && !scene.motion->joints.empty();
 }

@@ -115,7 +115,7 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
             {"gravity", to_json(scene.gravity)},
             {"max_force", limits.force},
             {"max_torque", limits.torque},
-            {"takes_hold", takes_hold(scene)},
+            {"takes_hold", grips_bodies(scene)},
             {"device", scene.device ? Json(scene.device->name) : Json(nullptr)},
             {"driven", driven_bodies(scene)},
             {"bodies", Json::array()},

@@ -76,9 +76,8 @@ std::string SimRig::why_not(const KinematicTreeParams& tree, const Hand& hand) {
   if (hand.moves_joints() || InverseKinematics(tree).invertible()) return "";
   std::string joints;
   for (const DeviceJoint& joint : tree.joints) joints += (joints.empty() ? "'" : ", '") + joint.name + "'";
-  return "a motion of poses goes through the simulated bus only where the device has one handle and six "
-         "joints "
-         "that all move it: give --motion a column for each joint (" +
+  return "a motion of poses on the simulated bus needs a device with one handle and six joints that all move "
+         "it: give --motion a column for each joint (" +
          joints + "), or use --bus direct";
 }
 

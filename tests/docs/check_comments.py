@@ -28,7 +28,7 @@ COUNTS = "tests/docs/comment_counts.txt"
 TABLE = "docs/notation.md"
 MAX_COLUMNS, MAX_WORDS = 110, 25
 OPENING = re.compile(r"(What|Where|Whether|It|That|These|Those|The same|Likewise|And|Of)\b(?!\()")
-SPEECH = re.compile(r"\b(say|says|said|tell|tells|told|ask|asks|asked|asking|know|knows|knew|want|wants|wanted|nobody|who|whom"
+SPEECH = re.compile(r"\b(say|says|said|tell|tells|told|ask|asks|asked|asking|know|knows|knew|want|wants|nobody|who|whom"
                     r"|lets? go|letting go|takes? hold|taken hold|took hold|taking hold)\b", re.I)
 WORD = re.compile(r"[A-Za-z][A-Za-z'-]+|\ba\b", re.I)
 

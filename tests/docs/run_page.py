@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the commands of a page of docs/tutorials or docs/how-to as a reader types them, and compares the output it shows.
 
-usage: run_page.py --source SOURCE_DIR --program GODOBJECT [--prefix INSTALLED] PAGE
+usage: run_page.py --source SOURCE_DIR --program GODOBJECT [--build BUILD_DIR] PAGE
        run_page.py --self-test
 
 The page is Markdown. Its fenced blocks are followed from top to bottom, in a new folder that has the source tree's
@@ -194,7 +194,7 @@ def files_of(page):
             yield dataclasses.replace(block, text=copies, options={})
 
 
-def follow_page(text, source, program, prefix, before=""):
+def follow_page(text, source=None, program=None, build=None, before=""):
     with tempfile.TemporaryDirectory(prefix="godobject-page-") as made:
         folder = pathlib.Path(made) / "godobject"
         folder.mkdir()
@@ -203,8 +203,9 @@ def follow_page(text, source, program, prefix, before=""):
                 (folder / entry.name).symlink_to(entry)
         home = pathlib.Path(made) / "home"
         home.mkdir()
-        if prefix:
-            (home / "godobject").symlink_to(prefix)
+        if build:
+            (folder / "build").mkdir()
+            (folder / "build/release").symlink_to(build)
         environment = dict(os.environ, HOME=str(home), XDG_RUNTIME_DIR=str(home), PYTHONDONTWRITEBYTECODE="1")
         path = [str(program.parent)] if program else []
         if python := python_for_hil():  # Debian's, where another one is first in the path
@@ -260,7 +261,7 @@ SELF_TEST = [  # (page, whether it passes)
 def self_test():
     for page, passes in SELF_TEST:
         try:
-            follow_page(page, None, None, None)
+            follow_page(page)
             passed = True
         except Failed:
             passed = False
@@ -276,7 +277,7 @@ def main():
     parser.add_argument("--self-test", action="store_true")
     parser.add_argument("--source", type=pathlib.Path)
     parser.add_argument("--program", type=pathlib.Path)
-    parser.add_argument("--prefix", type=pathlib.Path)
+    parser.add_argument("--build", type=pathlib.Path, help="what build/release is")
     parser.add_argument("page", type=pathlib.Path, nargs="?")
     arguments = parser.parse_args()
     if arguments.self_test:
@@ -291,7 +292,7 @@ def main():
         skip(f"this machine has no {', '.join(missing)}")
     for attempt in range(ATTEMPTS):
         try:
-            follow_page(text, arguments.source, arguments.program, arguments.prefix, before)
+            follow_page(text, arguments.source, arguments.program, arguments.build, before)
             print(f"{sum(1 for _ in blocks_of(text))} blocks, as the page has them")
             return 0
         except Failed as failed:

@@ -44,7 +44,8 @@ TEST(CliSdo, SaysWhyNot) {
   EXPECT_THAT(rejected.output, HasSubstr("read-only"));
   const test::ProgramResult silent = encoder.run("sdo", "--node 6 --timeout 0.1 read 1000");
   EXPECT_EQ(silent.exit_code, 1);
-  EXPECT_THAT(silent.output, HasSubstr("no answer within 100 ms to 3 requests: is the node powered"));
+  EXPECT_THAT(silent.output,
+              HasSubstr("no answer within 100 ms to 3 requests: check that the node is powered"));
   EXPECT_EQ(encoder.run("sdo", "--node 5 read 60X4").exit_code, 2);
   EXPECT_EQ(encoder.run("sdo", "--node 128 read 6004").exit_code, 2);
   EXPECT_EQ(encoder.run("sdo", "--node 5 write 6003 x --type u32").exit_code, 2);

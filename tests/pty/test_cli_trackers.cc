@@ -52,7 +52,7 @@ TEST_F(CliTrackers, RunFollowsTheTrackerThatSimulatePlays) {
 TEST_F(CliTrackers, FaultsComeFromTheSimulationAndAreNoFaultsOfTheRun) {
   const std::string port = start();
   EXPECT_THAT(far_->say("fault corrupt tracker=polaris value=0.1"), HasSubstr(R"("ok":true)"));
-  EXPECT_THAT(far_->say("fault missing tracker=vega"), HasSubstr("there is no tracker 'vega'"));
+  EXPECT_THAT(far_->say("fault missing tracker=vega"), HasSubstr("unknown tracker 'vega'"));
   EXPECT_THAT(far_->say("fault emcy tracker=polaris"), HasSubstr("no fault of a tracker"));
   EXPECT_THAT(far_->say("fault drop bus=can0"), HasSubstr(R"("ok":false)"));
   nlohmann::json report = run("--tracker " + port + " --duration 2");

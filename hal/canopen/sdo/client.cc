@@ -215,13 +215,13 @@ std::string Client::failure_text() const {
     case TransferState::timed_out:
       return "no answer within " + ms +
              (repeats_ == 0 ? "" : " to " + std::to_string(1 + repeats_) + " requests") +
-             ": is the node powered and not stopped, is this its node-ID and no other's, has the bus this "
-             "bit rate and both terminations?";
+             ": check that the node is powered and not stopped, that its node-ID is right and unique, and "
+             "the bit rate and both terminations of the bus";
     case TransferState::not_sent:
-      return "the bus did not take the request within " + ms +
-             ": is another node on it that acknowledges, at this bit rate?";
+      return "the bus did not accept the request within " + ms +
+             ": check that another node acknowledges at this bit rate";
     case TransferState::bad_answer:
-      return std::string("answered against the protocol: ") + code.data() + text_of(abort_code_);
+      return std::string("the answer violates the protocol: ") + code.data() + text_of(abort_code_);
     case TransferState::too_large: return "the object has more than " + std::to_string(capacity) + " bytes";
     case TransferState::idle:
     case TransferState::busy:

@@ -49,7 +49,7 @@ void BusDialogue::run(const std::function<bool()>& busy, const std::function<voi
     pollfd waiting{.fd = bus_->descriptor(), .events = POLLIN, .revents = 0};
     ppoll(&waiting, 1, &longest_wait, nullptr);
   }
-  poll(MonotonicClock().now(), *bus_);  // an abort may have yet to be sent
+  poll(MonotonicClock().now(), *bus_);  // sends an abort if one is pending
 }
 
 LastWords BusDialogue::last_words(std::span<const CanFrame> frames) const {

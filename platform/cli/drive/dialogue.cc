@@ -113,7 +113,8 @@ void PoweredDrive::watch_this_program() {
   if (former_consumer_) former_abort_connection_ = node.read(drive_object::abort_connection);
   if (former_abort_connection_ && node.write(drive_object::abort_connection, disable_voltage_option) &&
       node.write(drive_object::heartbeat_consumer, std::int64_t{node.host_node()} << 16 | patience_ms)) {
-    // A drive begins to watch with the first heartbeat: it must have it before it gets power.
+    // The supervision of a drive starts with the first heartbeat, which must therefore arrive before the
+    // power.
     node.send_heartbeats(true);
     node.wait(to_take_effect_ns);
     return;
@@ -167,7 +168,7 @@ bool PoweredDrive::confirm_off() {
   return false;
 }
 
-// What cannot be put back is no danger: the drive is off, and a run sets it up anew.
+// Restores the settings. A failure is harmless, because the drive is off and a run commissions it again.
 void PoweredDrive::restore() {
   NodeDialogue& node = drive_.node();
   const auto put_back = [&node](const TypedObject& object, const std::optional<std::int64_t>& value) {

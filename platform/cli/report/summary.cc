@@ -1,4 +1,4 @@
-// The summary a run ends with.
+// Summary at the end of a run.
 #include "platform/cli/report/report.h"
 
 #include <cinttypes>

@@ -3,7 +3,7 @@
 namespace godobject {
 namespace {
 
-/// A limit that is active in more percent of the cycles shapes the displayed force.
+/// Share above which a limit shapes the displayed force, %.
 constexpr double rarely_percent = 5;
 
 void add_limit_warnings(const RunStatistics& statistics, std::vector<std::string>& warnings) {

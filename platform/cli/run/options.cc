@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_interface_name = 15;  // of candump's format
+constexpr std::size_t max_interface_name = 15;  // limit of candump's format
 constexpr double min_stale_steps = 3;
 
 struct NamedPath {
@@ -43,12 +43,13 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// Empty, or why `path` could not be written.
+/// Returns why `path` cannot be written; empty if it can.
 std::string why_not_writable(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return "is a directory";
   fs::path folder = folder_of(path);
-  // Folders are made, see make_folders(), but none beside those of the system: that is a misspelling.
+  // make_folders() creates missing folders, but none in the root folder, where a missing one is a
+  // misspelling.
   fs::path missing;
   for (; !fs::exists(folder, ignored) && folder != folder_of(folder); folder = folder_of(folder))
     missing = folder;
@@ -61,7 +62,7 @@ std::string why_not_writable(const std::string& path) {
   return "cannot be written: " + std::generic_category().message(errno);
 }
 
-/// Every output can be written, and none of them over an input or another output.
+/// Checks that every output can be written, and that none overwrites an input or another output.
 void check_outputs(const RunOptions& options, std::vector<std::string>& errors) {
   std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
   for (const NamedPath& out :
@@ -78,7 +79,7 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
   }
 }
 
-/// What goes with the pages of a view.
+/// Checks the options that depend on --view.
 void check_view(const RunOptions& options, std::vector<std::string>& errors) {
   if (!options.view) {
     if (options.view_input) errors.push_back("--view-input: requires --view: add it");
@@ -133,7 +134,7 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   if (!has_rig(scene)) return;
   RigParams& rig = *scene.device->rig;
   rig.cycle_s = scene.step;
-  // Samples come once a step: what was late at the scene's own step may be in time at a longer one.
+  // Samples come once per step, so a longer step needs a longer stale time.
   rig.stale_after_s = std::max(rig.stale_after_s, min_stale_steps * scene.step);
   rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
 }
@@ -172,7 +173,7 @@ std::string folder_of_scene(const RunOptions& options) {
   return fs::path(options.scene).parent_path().string();
 }
 
-/// The trackers on their lines, each with a thread that has begun; for a check with a simulated far end instead.
+/// Opens the trackers, each with a running thread; for a check simulated ones instead.
 std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& options, const SceneConfig& scene,
                                                         PreparedRun& run) {
   std::vector<std::unique_ptr<TrackerLink>> links;
@@ -194,7 +195,7 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
   return links;
 }
 
-/// The session on logs, at the times that they have.
+/// Makes the session on logs, in the time of the logs.
 Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, PreparedRun& run) {
   auto link = std::make_unique<LogLink>(*scene.device->rig, to_ns(scene.step));
   std::vector<LogSource> sources;
@@ -208,7 +209,7 @@ Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, Prep
   return Session::make(scene, std::move(motion), std::move(link));
 }
 
-/// The session on the planned buses and trackers; the threads of those have then begun.
+/// Makes the session on the planned buses and trackers, whose threads are running then.
 Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
                            PreparedRun& run) {
   if (run.buses.choice == BusChoice::direct ||
@@ -236,7 +237,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
   return Session::make(scene, std::move(motion), std::move(device));
 }
 
-/// What to name in a complaint about the scene as it would run: --step where it is only wrong with that.
+/// Returns the prefix of an error about the scene, with --step if only this step is invalid.
 std::string blamed(const RunOptions& options, bool step_is_to_blame) {
   if (!step_is_to_blame) return options.scene + ": ";
   return options.scene + ": with --step " + shortest(*options.step) + ": ";
@@ -256,7 +257,7 @@ void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigP
   }
 }
 
-/// At the start of the motion, of a rig that is valid.
+/// Computes passivity at the start of the motion, if the rig is valid.
 void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
                      PreparedRun& run) {
   const bool on_buses = run.buses.choice != BusChoice::direct && has_rig(scene);
@@ -307,14 +308,14 @@ PreparedRun prepare(const RunOptions& options) {
   if (!motion || !run.errors.empty()) return run;
 
   constexpr double until_stopped = 1e6;  // s
-  const bool led_by_hand = options.view_input || options.spacemouse;
-  const double of_scene = led_by_hand ? until_stopped : motion->end().value_or(scene.duration);
+  const bool moved_by_hand = options.view_input || options.spacemouse;
+  const double of_scene = moved_by_hand ? until_stopped : motion->end().value_or(scene.duration);
   const double duration = options.duration.value_or(of_scene);
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm,
               .quiet = options.quiet};
   check_passivity(options, scene, *motion, run);
-  const bool follows_motion = !led_by_hand && run.buses.choice != BusChoice::real;
+  const bool follows_motion = !moved_by_hand && run.buses.choice != BusChoice::real;
   const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;
   if (follows_motion && !motion_targets(scene).empty())
     check_speed(scene, *motion, duration, speed_of, run.warnings);

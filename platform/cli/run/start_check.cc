@@ -11,7 +11,7 @@ namespace {
 
 constexpr PoseError advised_offset{.m = 0.1, .rad = 0.5}, largest_offset{.m = 1, .rad = 3};
 
-/// By more than rounding.
+/// True if the offset exceeds the bound by more than rounding.
 bool exceeds(const PoseError& offset, const PoseError& bound) {
   return offset.m > 1.001 * bound.m || offset.rad > 1.001 * bound.rad;
 }
@@ -23,7 +23,7 @@ std::string text_of(const std::string& body, const PoseError& offset) {
   return text.data();
 }
 
-/// Degrees taken for radians: hardly a hinge begins more than a turn away from its zero.
+/// Warns of degrees in place of radians: hardly a hinge starts more than a turn from its zero.
 void check_joints(const Session& session, const std::string& file, std::vector<std::string>& warnings) {
   const std::optional<JointTarget> start = session.joints_at_start();
   if (!start) return;

@@ -60,7 +60,7 @@ void plan_trackers(std::span<const std::string> given, bool buses_are_given, Sce
 ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::filesystem::path& folder,
                                       std::vector<std::string>& errors) {
   constexpr std::string_view magic("NDI\0", 4);
-  constexpr std::size_t max_definition_bytes = 1 << 20;  // they have some hundred bytes
+  constexpr std::size_t max_definition_bytes = 1 << 20;  // real files have some hundred bytes
   ToolDefinitions definitions(params.tools.size());
   for (std::size_t i = 0; i < params.tools.size(); ++i) {
     const std::string& tool = params.tools[i].tool;

@@ -17,7 +17,7 @@
 namespace godobject {
 namespace {
 
-/// The buses that `text` is about, as closed ends of theirs.
+/// Makes closed ends of the buses named by `text`.
 void offer(const std::string& option, const std::string& text, bool is_tap, const RigParams& rig,
            PreparedSimulation& out, std::vector<OfferedBus>& offered) {
   const auto complain = [&](const std::string& what) {
@@ -46,7 +46,7 @@ void offer(const std::string& option, const std::string& text, bool is_tap, cons
   if (!found) complain("the scene has no bus '" + wanted.name + "'");
 }
 
-/// One for each bus of the scene, in its order, then the taps.
+/// Makes one end for each bus of the scene, in its order, then the taps.
 std::vector<OfferedBus> offer_all(const SimulateOptions& options, const RigParams& rig,
                                   PreparedSimulation& out) {
   std::vector<OfferedBus> offered;
@@ -70,7 +70,7 @@ void open_all(const std::vector<OfferedBus>& offered, PreparedSimulation& out) {
   }
 }
 
-/// Scene and faults; none where they have errors.
+/// Loads scene and faults; none if they have errors.
 std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulation& out) {
   LoadResult loaded = load_scene(options.scene, simulated_faults());
   append(out.errors, loaded.errors);
@@ -95,7 +95,7 @@ std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulati
   return std::move(loaded.scene);
 }
 
-/// One for each tracker of the scene, on a pseudo-terminal.
+/// Opens a pseudo-terminal for each tracker of the scene.
 std::vector<std::unique_ptr<TrackerLine>> offer_trackers(const SceneConfig& scene, PreparedSimulation& out) {
   std::vector<std::unique_ptr<TrackerLine>> lines;
   const std::vector<TrackerParams>& trackers = scene.device->trackers;

@@ -1,4 +1,4 @@
-// godobject simulate: the other end of the buses, for a `godobject run` that knows nothing of it.
+// godobject simulate: simulates the other end of the buses for a `godobject run`.
 #include <poll.h>
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -20,7 +20,7 @@
 namespace godobject {
 namespace {
 
-/// Sleeps until `until`, or until one of the descriptors has something to read.
+/// Sleeps until `until`, or until a descriptor is readable.
 void wait(std::vector<pollfd>& descriptors, Nanoseconds until) noexcept {
   const Nanoseconds left = std::max<Nanoseconds>(0, until - MonotonicClock{}.now());
   const timespec timeout{.tv_sec = left / 1'000'000'000, .tv_nsec = left % 1'000'000'000};
@@ -37,14 +37,14 @@ void announce(const Simulation& simulation) {
   std::fflush(stdout);
 }
 
-/// In wall time, until the duration is over, the user says so or a signal comes.
+/// Runs in wall time until the duration is over, a command ends it or a signal arrives.
 void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   Simulation& simulation = *prepared.simulation;
   const StopSignals stop;
   const std::optional<RtProcess> process =
       options.realtime ? std::optional<RtProcess>(std::in_place) : std::nullopt;
   if (options.realtime) std::fputs(("real-time set-up\n" + rt_table(set_up_rt_thread())).c_str(), stderr);
-  prctl(PR_SET_TIMERSLACK, 1UL);  // ns: answers to SYNC are fractions of a millisecond apart
+  prctl(PR_SET_TIMERSLACK, 1UL);  // ns; answers to SYNC are fractions of a millisecond apart
   std::optional<LineInput> input;
   if (options.control) input.emplace(STDIN_FILENO);
   std::vector<pollfd> descriptors;
@@ -56,7 +56,7 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   const double end_s = options.duration.value_or(std::numeric_limits<double>::infinity());
   constexpr std::size_t waiting_bytes = 1 << 20;
   constexpr std::chrono::milliseconds patience{500};
-  BackgroundFile answers(STDOUT_FILENO, waiting_bytes);  // which nobody need read
+  BackgroundFile answers(STDOUT_FILENO, waiting_bytes);  // need not be read
   bool quit = false;
   for (std::string line; !quit && !stop.requested();) {
     simulation.step(MonotonicClock{}.now() - start);

@@ -1,4 +1,4 @@
-// godobject bus-load: whether the buses of a scene can carry its messages.
+// godobject bus-load: checks that the buses of a scene can carry its messages.
 #include <cstdio>
 #include <memory>
 
@@ -15,10 +15,10 @@ struct BusLoadOptions {
   std::string scene;
   bool json = false;
   bool allow_overload = false;
-  FaultChecks faults{};  // of what the program simulates
+  FaultChecks faults{};  // simulation of the program
 };
 
-/// None: the scene is wrong, and it has been said why.
+/// Loads the rig of a scene; none after printing the errors.
 std::optional<RigParams> load_rig(const std::string& path, const FaultChecks& checks) {
   const LoadResult loaded = load_scene(path, checks);
   for (const std::string& warning : loaded.warnings) std::fprintf(stderr, "%s\n", warning.c_str());

@@ -1,4 +1,4 @@
-// godobject check: what a scene file means, before anything moves.
+// godobject check: validates a scene and prints its properties, without moving anything.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -103,7 +103,7 @@ void print_passivity(const Passivity& passivity) {
   for (const std::string& row : table) std::puts(row.c_str());
 }
 
-/// The rows without what the columns mean.
+/// Prints the rows without the explanation of the columns.
 void print_margins(const Passivity& passivity) {
   constexpr std::size_t num_head_lines = 2;
   const std::vector<std::string> table = passivity_table(passivity);

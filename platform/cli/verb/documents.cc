@@ -1,4 +1,4 @@
-// godobject man, godobject completion bash: for packagers, not among the verbs that help lists.
+// godobject man, godobject completion bash: documents for packagers, hidden in help.
 #include <cstdio>
 #include <memory>
 

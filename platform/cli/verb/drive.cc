@@ -1,4 +1,4 @@
-// godobject drive: one CiA 402 drive, brought up by hand.
+// godobject drive: commissions one CiA 402 drive by hand.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -40,7 +40,8 @@ std::string modes_text(std::int64_t supported_modes) {
   return text.empty() ? "none" : text;
 }
 
-/// One line; "-" for an object that the drive does not have. False: no answer, which has been reported.
+/// Prints one line, with "-" for an object that the drive does not have. Returns false after printing an
+/// error if there is no answer.
 template <class Format>
 bool print_object(NodeDialogue& node, const char* label, const TypedObject& object, const Format& format) {
   const std::optional<std::int64_t> value = node.read(object);
@@ -87,7 +88,8 @@ ExitCode print_status(const DriveOptions& options) {
   return complete ? ExitCode::ok : ExitCode::fault;
 }
 
-/// Waits until the drive is in a state that `wanted` accepts, or for `patience`. None: no answer.
+/// Waits for an accepted state of the drive, for at most `patience`. Returns none if there is no
+/// answer.
 template <class Wanted>
 std::optional<DriveState> wait_for(DriveDialogue& drive, Nanoseconds patience, const Wanted& wanted) {
   constexpr Nanoseconds period_ns = 10'000'000;
@@ -99,8 +101,8 @@ std::optional<DriveState> wait_for(DriveDialogue& drive, Nanoseconds patience, c
   }
 }
 
-/// Gives edges of bit 7, each level as long as a drive that looks seldom needs, until it leaves Fault. None:
-/// no answer.
+/// Sends edges of bit 7 until the drive leaves Fault, each level long enough for a drive that samples it
+/// rarely. Returns none if there is no answer.
 std::optional<DriveState> send_reset_edges(DriveDialogue& drive, Nanoseconds patience_ns) {
   const auto reset = [](DriveState now) { return now != DriveState::fault; };
   const Nanoseconds t_end_ns = MonotonicClock().now() + patience_ns;
@@ -146,7 +148,7 @@ ExitCode quick_stop(const DriveOptions& options) {
   if (!node.host_seen().empty())
     std::fprintf(stderr, "node %d: a host runs this bus (%s) and its next command overrides this one\n",
                  node.node(), node.host_seen().c_str());
-  // No answer to the quick stop, and disable voltage is tried all the same.
+  // Disable voltage is sent even if the quick stop was not answered.
   const bool taken = drive.command(cia402::quick_stop);
   if (!taken) static_cast<void>(node.report());
   const auto powered = [](DriveState state) {
@@ -181,7 +183,7 @@ ExitCode home(const DriveOptions& options) {
   return home_drive(drive, options.home, signals.requested());
 }
 
-/// The one value that is given, within its limit.
+/// Takes the one given value, and checks it against its limit.
 bool take_value(DriveOptions& options) {
   struct Choice {
     const std::optional<double>& value;

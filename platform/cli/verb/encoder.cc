@@ -1,4 +1,4 @@
-// godobject encoder: one CiA 406 encoder, looked at and set to zero.
+// godobject encoder: prints the state of one CiA 406 encoder, and sets its position.
 #include <cstdio>
 #include <memory>
 
@@ -36,7 +36,7 @@ ExitCode open(NodeDialogue& node) {
   return ExitCode::fault;
 }
 
-/// The bits that are on, in words.
+/// Returns the texts of the set bits.
 std::string bits_text(std::int64_t bits, std::span<const cia406::BitText> texts) {
   if (bits == 0) return "none";
   std::string text;
@@ -51,7 +51,7 @@ std::string bits_text(std::int64_t bits, std::span<const cia406::BitText> texts)
   return text;
 }
 
-/// Lines of a status; "-" for an object that the encoder does not have.
+/// Prints lines of a status, with "-" for an object that the encoder does not have.
 class StatusLines {
  public:
   explicit StatusLines(NodeDialogue& node) : node_(node) {}
@@ -65,7 +65,7 @@ class StatusLines {
   void print_name(const char* label, canopen::ObjectAddress address) {
     if (complete_) print_text(label, node_.read_text(address));
   }
-  /// All objects were answered for.
+  /// True if the node answered for all objects.
   bool complete() const { return complete_; }
 
  private:
@@ -104,7 +104,8 @@ ExitCode print_status(const EncoderOptions& options) {
   return lines.complete() ? ExitCode::ok : ExitCode::fault;
 }
 
-/// Counts after which the position begins anew, 0: unknown, 2^32. None: no answer.
+/// Returns the counts after which the position wraps; 0: unknown, 2^32 assumed. Returns none if there is no
+/// answer.
 std::optional<std::uint64_t> read_modulus(NodeDialogue& node) {
   const auto value_of = [&node](const TypedObject& object) -> std::optional<std::int64_t> {
     const std::optional<std::int64_t> value = node.read(object);

@@ -1,4 +1,4 @@
-// godobject faults: what every fault means and what to do about it.
+// godobject faults: prints meaning and remedy of every fault.
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -36,7 +36,7 @@ void print_fault(const FaultText& fault) {
               static_cast<int>(fault.remedy.size()), fault.remedy.data());
 }
 
-/// Nothing printed and usage where no fault is called `name`; empty: all.
+/// Prints the fault `name`, or all if it is empty. Returns usage if no fault has this name.
 ExitCode show_faults(const std::string& name) {
   std::vector<std::string_view> names;
   bool any_shown = false;

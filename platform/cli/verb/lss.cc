@@ -1,4 +1,4 @@
-// godobject lss: node-ID and bit rate of a CANopen node that cannot be reached by its node-ID yet.
+// godobject lss: sets node-ID and bit rate of a CANopen node without a usable node-ID.
 #include <array>
 #include <cstdio>
 #include <memory>
@@ -18,16 +18,16 @@ struct LssOptions {
   int node_id = 1;
   double new_bit_rate = 0;
   std::optional<int> activate_ms;
-  bool alone = false;  // no node but this one is on the bus: nobody is asked
+  bool alone = false;  // true: no other node is on the bus, and none is searched
 };
 
-/// An object that every node has.
+/// Requests an object that every node has.
 CanFrame device_type_request(std::uint8_t node) {
   return sdo::make_frame(sdo::request_cob_id(node),
                          sdo::make_plain(sdo::Request::initiate_upload, {0x1000, 0}));
 }
 
-/// The services of one call, in their order; the first that fails ends it.
+/// The services of one call, in their order; the first failure ends it.
 class LssCall {
  public:
   explicit LssCall(const LssOptions& options) : options_(options), master_(options.dialogue.timeout_ns()) {}
@@ -38,8 +38,9 @@ class LssCall {
     return bus_.open(options_.dialogue, answers);
   }
 
-  /// The node-IDs from which an SDO request is answered, once for each answer. Each has an identifier of its own, so
-  /// that many may answer; the answers to LSS share one, and many of them destroy each other.
+  /// Returns the node-IDs that answer an SDO request, once per answer. Their answers have identifiers of
+  /// their own and cannot collide. Answers to LSS share one identifier, and several of them destroy each
+  /// other.
   std::vector<std::uint32_t> present() {
     constexpr Nanoseconds sending_limit = 5'000'000'000;
     std::vector<std::uint32_t> ids;
@@ -61,7 +62,7 @@ class LssCall {
     return ids;
   }
 
-  /// To configuration mode: the node with this identity, or all there are.
+  /// Switches the node with this identity, or all nodes, to configuration mode.
   bool select() {
     if (options_.identity.empty())
       return run(master_.switch_global(lss::Mode::configuration), lss::Command::switch_global);
@@ -79,7 +80,7 @@ class LssCall {
     return run(master_.set_bit_timing(index), lss::Command::set_bit_timing);
   }
   bool store() { return run(master_.store(), lss::Command::store); }
-  /// One answer of each node in configuration mode; none where nobody knows the inquiry.
+  /// Returns one answer of each node in configuration mode; empty if none supports the inquiry.
   std::vector<std::uint32_t> inquire(lss::Command command) {
     if (!master_.inquire(command)) return {};
     run_bus();
@@ -127,12 +128,12 @@ class LssCall {
   BusDialogue bus_;
 };
 
-ExitCode say(bool ok, const char* what) {
+ExitCode print_outcome(bool ok, const char* what) {
   if (ok) std::printf("%s\n", what);
   return ok ? ExitCode::ok : ExitCode::fault;
 }
 
-/// Whether the ID goes to one node: that with the identity, or the only one on the bus.
+/// True if the ID would go to one node: that with the identity, or the only one on the bus.
 bool is_only_one(LssCall& call, const LssOptions& options) {
   if (options.alone || !options.identity.empty()) return true;
   const std::vector<std::uint32_t> ids = call.present();
@@ -147,7 +148,8 @@ bool is_only_one(LssCall& call, const LssOptions& options) {
   return false;
 }
 
-/// Nodes without a node-ID answer no SDO; they all answer the inquiry alike, in one voice or one after the other.
+/// True if at most one node has no node-ID. Such nodes answer no SDO, but all answer the inquiry with equal
+/// frames, at once or in turn.
 bool is_only_one_without_id(LssCall& call, const LssOptions& options) {
   if (options.alone || !options.identity.empty()) return true;
   const std::size_t num_nodes = call.inquire(lss::Command::inquire_node_id).size();
@@ -168,9 +170,10 @@ ExitCode set_node_id(const LssOptions& options) {
     return ExitCode::fault;
   }
   const bool ok = call.set_node_id(options.node_id) && call.leave();
-  return say(ok,
-             "set; in effect after the node's communication is reset; to keep it without power: godobject "
-             "lss store");
+  return print_outcome(
+      ok,
+      "set; in effect after the node's communication is reset; to keep it without power: godobject "
+      "lss store");
 }
 
 ExitCode set_bit_rate(const LssOptions& options) {
@@ -186,18 +189,19 @@ ExitCode set_bit_rate(const LssOptions& options) {
   if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
   bool ok = call.select() && call.set_bit_timing(*index);
   if (options.activate_ms) {
-    // From here on this side has the wrong rate: the node cannot be told to leave the configuration mode.
+    // This side has the wrong rate from here on, so it cannot switch the node out of configuration mode.
     ok = ok && call.store() && call.activate(*options.activate_ms);
-    return say(ok, "stored and activated: set the interface to the new bit rate, and reset the node");
+    return print_outcome(ok,
+                         "stored and activated: set the interface to the new bit rate, and reset the node");
   }
   ok = ok && call.leave();
-  return say(ok, "set; in effect once stored (godobject lss store) and the node's power was off");
+  return print_outcome(ok, "set; in effect once stored (godobject lss store) and the node's power was off");
 }
 
 ExitCode store(const LssOptions& options) {
   LssCall call(options);
   if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
-  return say(call.select() && call.store() && call.leave(), "stored");
+  return print_outcome(call.select() && call.store() && call.leave(), "stored");
 }
 
 }  // namespace

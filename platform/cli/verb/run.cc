@@ -1,4 +1,4 @@
-// godobject run: a scene, its device and its motion, for a while.
+// godobject run: runs a scene with its device and its motion.
 #include <unistd.h>
 
 #include <chrono>
@@ -25,7 +25,8 @@ void print_lines(std::FILE* out, const char* before, const std::vector<std::stri
   for (const std::string& line : lines) std::fprintf(out, "%s%s\n", before, line.c_str());
 }
 
-/// All at once, to a file or a terminal that is waited for 2 s at most. Empty, or why not.
+/// Writes all text at once to a file or a terminal, waiting at most 2 s. Returns why this failed; empty on
+/// success.
 template <class File>
 std::string write_whole(const File& to, const std::string& text) {
   constexpr std::chrono::seconds patience{2};
@@ -39,7 +40,7 @@ std::string write_report(const std::string& path, const RunReport& report) {
                      to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
-/// What the run says at its end: the summary, or only what is wrong.
+/// Returns the text at the end of the run: the summary, or with --quiet the faults alone.
 std::string summary_of(const RunReport& report) {
   char* text = nullptr;
   std::size_t size = 0;
@@ -53,7 +54,7 @@ std::string summary_of(const RunReport& report) {
   return summary;
 }
 
-/// On real buses the stamps of frames are those of the monotonic clock; logs have the time of day.
+/// Returns the time of day minus the monotonic clock, whose time stamps the frames of real buses have.
 Nanoseconds log_origin_ns() {
   const auto day = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(day).count() - MonotonicClock{}.now();
@@ -110,7 +111,7 @@ ExitCode run(RunOptions options) {
       !options.quiet)
     print_lines(stderr, "note: ", {"the log ended after step " + std::to_string(result->statistics.cycles)});
   const StopSignals closing(
-      Suspension::stops);  // the motors are off: files and summary are completed all the same
+      Suspension::stops);  // The motors are off; files and summary are completed all the same.
   RunReport report = make_report(options, prepared, *result, files.close());
   report.wall_origin_ns = wall_origin_ns;
   if (!options.report.empty())

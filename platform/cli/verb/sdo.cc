@@ -1,4 +1,4 @@
-// godobject sdo: one object of one CANopen node, read or written.
+// godobject sdo: reads or writes one object of one CANopen node.
 #include <cstdio>
 #include <memory>
 

@@ -1,4 +1,4 @@
-// godobject view: a trace, a recording of buses or a scene to look at, in a browser or as a picture.
+// godobject view: shows a trace, a recording of buses or a scene, in a browser or as a picture.
 #include <unistd.h>
 
 #include <chrono>
@@ -27,15 +27,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double picture_rate_hz = 12;  // of an animation
+constexpr double picture_rate_hz = 12;  // rate of an animation
 
 struct ViewOptions {
   std::string file, scene, picture, nets;
   std::optional<double> time;      // s
-  std::optional<double> duration;  // s, of an animation
+  std::optional<double> duration;  // s, length of an animation
   std::uint16_t port = 0;
   std::string address = "127.0.0.1";
-  FaultChecks faults{};  // of what the program simulates
+  FaultChecks faults{};  // simulation of the program
   std::vector<std::uint32_t> size{960, 600};
 };
 
@@ -46,8 +46,8 @@ int complain(const std::vector<std::string>& lines) {
 
 bool is(const std::string& path, const char* extension) { return fs::path(path).extension() == extension; }
 
-/// A file that the report beside a trace or a log names, by the report's keys; empty: there is none. Names are relative to
-/// the folder of the run, which the report has.
+/// Returns the path of a file named by the report beside a trace or a log, under these keys; empty if there
+/// is none. Paths in the report are relative to the folder of the run, which it names.
 std::string of_report(const std::string& file, const std::vector<std::string>& keys) {
   const fs::path folder = fs::path(file).parent_path();
   std::ifstream in(folder / "report.json");
@@ -67,8 +67,8 @@ std::string of_report(const std::string& file, const std::vector<std::string>& k
   return "";
 }
 
-/// Where the nodes of the trace's nets were: from --nets, or the file that the report beside the trace names. False: what
-/// was asked for does not fit.
+/// Reads the node positions of the trace's nets from --nets, or from the file named by the report beside the
+/// trace. Returns false if the file of --nets does not fit.
 bool add_nets(const ViewOptions& options, Recording& recording) {
   const bool is_trace = is(options.file, ".csv");
   if (!options.nets.empty() && !is_trace) {
@@ -89,13 +89,13 @@ bool add_nets(const ViewOptions& options, Recording& recording) {
   return result.errors.empty() || options.nets.empty();
 }
 
-/// A run that a page's pointer led has the columns of one.
+/// Reads a trace of the scene, or, if its columns differ, of the scene moved by a page's pointer.
 RecordingResult read_trace_of(const std::string& path, const SceneConfig& scene) {
   RecordingResult result = read_trace(path, scene);
   if (result.recording) return result;
-  SceneConfig led = scene;
-  lead_by_pointer(led);
-  RecordingResult of_pointer = read_trace(path, led);
+  SceneConfig moved = scene;
+  lead_by_pointer(moved);
+  RecordingResult of_pointer = read_trace(path, moved);
   return of_pointer.recording ? of_pointer : result;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 Pose inverse(const Pose& X) { return {-(X.q.conjugate() * X.p), X.q.conjugate()}; }
 
-/// Where a body of the instrument is on the device.
+/// Pose of a body of the instrument on the device.
 struct Place {
   std::string link;  // name of the joint that carries it, or base_name
   Pose X_LB;
@@ -32,10 +32,10 @@ class DeviceBuilder {
   }
 
  private:
-  /// The coordinates of a joint one after the other, from the parent's frame to the child's.
+  /// Adds the coordinates of a joint one after the other, from the parent's frame to the child's.
   void add(const JointConfig& joint) {
     const auto parent = places_.find(joint.parent);
-    if (parent == places_.end()) return;  // nothing joins it to the world
+    if (parent == places_.end()) return;  // no joint connects it to the world
     Place at{parent->second.link, composed(parent->second.X_LB, joint.X_BP)};
     if (is_ball(joint.kind)) {
       device_.errors.push_back("joint '" + joint.name +

@@ -34,7 +34,7 @@ std::optional<std::vector<std::string>> JointTree::way(const std::string& from, 
   return joints;
 }
 
-/// The joints before are a forest: a way that does not turn back meets no body twice.
+/// Searches the earlier joints, which are a forest: a path that does not turn back meets no body twice.
 bool JointTree::extend_way(const std::string& from, const std::string& to,
                            std::vector<std::string>& joints) const {
   if (from == to) return true;

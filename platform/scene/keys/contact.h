@@ -1,5 +1,5 @@
-// Every key of contacts, once: spheres and shapes of bodies, obstacles, pairs of materials. See platform/scene/text/visit.h
-// for what walks it.
+// All keys of contacts: spheres and shapes of bodies, obstacles, pairs of materials. Visitors:
+// platform/scene/text/visit.h.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ inline constexpr double default_contact_damping_ratio = 1.4;
 
 /// Names of ShapeKind in scene files, in its order.
 inline constexpr std::array shape_kind_names{"plane", "box", "sphere", "capsule", "height-field", "mesh"};
-/// And of those that bodies may carry: the same without the first and the last two.
+/// Names of the shapes that bodies may carry.
 inline constexpr std::array body_shape_kind_names{"box", "sphere", "capsule"};
 
 template <class V>
@@ -39,7 +39,7 @@ void visit_sphere(V& v, SphereConfig& s) {
   v.check(s.count == 1 || s.spacing.norm() > 0, "spacing", "must not be zero if count is above 1");
 }
 
-/// A dimension that only some kinds have.
+/// Visits a dimension that only some kinds have.
 template <class V, class T>
 void visit_dimension(V& v, bool needed, const Key& key, std::optional<T>& x) {
   v.value(key, x);
@@ -72,7 +72,7 @@ void visit_body_shape(V& v, ShapeConfig& s) {
 
 template <class V>
 void visit_spheres_and_shapes(V& v, BodyConfig& b) {
-  // A list that is not in the file stays that of the body this one is like.
+  // Without a table in the file the list of the body named by `like` is kept.
   std::vector<SphereConfig> spheres = b.spheres;
   v.tables(TableKey{"sphere",
                     "A sphere fixed on the body, or a row of equal ones, by which the body touches others."},
@@ -123,7 +123,7 @@ void visit_obstacle(V& v, ObstacleConfig& o) {
   visit_material(v, o.shape.material);
 }
 
-/// mass: what a damping ratio of one is about, kg.
+/// mass: mass at which a damping ratio of one is critical, kg.
 template <class V>
 void visit_law(V& v, double mass, ContactConfig& c) {
   v.value(Key{"stiffness", "N/m",
@@ -158,7 +158,7 @@ void visit_law(V& v, double mass, ContactConfig& c) {
           c.push_out_speed);
 }
 
-/// Obstacles and contacts; bodies and joints have been visited.
+/// Visits obstacles and contacts, after bodies and joints.
 template <class V>
 void visit_contacts(V& v, SceneConfig& s) {
   std::set<std::string> names;

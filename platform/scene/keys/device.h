@@ -1,4 +1,4 @@
-// Every key below [device] of a scene file, once. See platform/scene/text/visit.h for what walks it.
+// All keys below [device] of a scene file. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <numbers>
@@ -28,11 +28,11 @@ void visit_limits(V& v, LimitConfig& l) {
           l.grab_ramp);
 }
 
-/// Names that joints, handles, encoders and drives refer to.
+/// Names to which joints, handles, encoders and drives refer.
 struct RigNames {
-  std::vector<std::string> bodies;  // that can have a handle
+  std::vector<std::string> bodies;  // those that can have a handle
   std::vector<std::string> buses, joints;
-  std::vector<DeviceJointKind> kinds;  // of joints
+  std::vector<DeviceJointKind> kinds;  // kinds of the joints
 };
 
 template <class V>
@@ -187,14 +187,14 @@ void visit_button(V& v, const RigNames& names, ButtonParams& b) {
   v.value(Key{"active_low", "", "true if the input is 0 while pressed"}, b.active_low);
 }
 
-/// What a slider moves by default: 0.1 kg with 1 N s/m, which are a hinge's 1e-3 kg m^2 and 1e-2 N m s/rad on a
-/// lever of 0.1 m, held by an arm of some 500 N/m.
+/// Default mechanics of a slider, equal to those of a hinge of 1e-3 kg m^2 and 1e-2 N m s/rad on a lever of
+/// 0.1 m. The arm has about 500 N/m.
 inline constexpr JointPlant plant_of_sliders{
     .inertia = 0.1, .damping = 1, .friction = 0.01, .hand_stiffness = 500, .hand_damping = 10};
 
 inline bool is_slider(const DeviceJoint& joint) { return joint.kind == DeviceJointKind::slider; }
 
-/// otherwise: a text for each of the five keys.
+/// otherwise: text of the default of each of the five keys.
 template <class V>
 void visit_joint_plant(V& v, const std::array<std::string_view, 5>& otherwise, JointPlant& p) {
   std::size_t i = 0;
@@ -216,7 +216,7 @@ void visit_joint_plant(V& v, const std::array<std::string_view, 5>& otherwise, J
         p.hand_damping);
 }
 
-/// What a device has that states nothing of its mechanics: slides have their own numbers.
+/// Returns the mechanics of a device whose file has none; slides have defaults of their own.
 inline PlantConfig default_plant(const std::vector<DeviceJoint>& joints) {
   PlantConfig plant;
   if (!joints.empty() && std::ranges::all_of(joints, is_slider)) {
@@ -228,7 +228,7 @@ inline PlantConfig default_plant(const std::vector<DeviceJoint>& joints) {
   return plant;
 }
 
-/// A number of the table that is for all joints is for those with numbers of their kind, too.
+/// Copies values given for all joints to the joints with defaults of their kind.
 template <class V>
 void take_numbers_of_all(const V& v, PlantConfig& p) {
   const auto take = [&](std::string_view key, double JointPlant::*x) {
@@ -242,7 +242,8 @@ void take_numbers_of_all(const V& v, PlantConfig& p) {
   take("hand_damping", &JointPlant::hand_damping);
 }
 
-/// A number for turns and slides has two units. own: joints with a table of their own.
+/// Warns of one value for turns and slides, whose units differ.
+/// own: joints with a table of their own.
 template <class V>
 void advise_on_units(V& v, const std::vector<DeviceJoint>& joints,
                      const std::vector<PlantConfig::OfJoint>& own) {
@@ -257,7 +258,7 @@ void advise_on_units(V& v, const std::vector<DeviceJoint>& joints,
   }
 }
 
-/// p: default_plant(), or that of an earlier visit.
+/// p: default_plant(), or the result of an earlier visit.
 template <class V>
 void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
   visit_joint_plant(v,
@@ -331,7 +332,7 @@ void visit_handle(V& v, const RigNames& names, HandleParams& h) {
   visit_pose(v, "position", "orientation_wxyz", "the handle in the frame of that link", h.X_LH);
 }
 
-/// The one handle that [device.chain] can give without a table of its own.
+/// The single handle defined by [device.chain] without a table of its own.
 struct ShortHandle {
   Pose X_LH;
   bool given = false;
@@ -373,13 +374,14 @@ void visit_handles(V& v, const RigNames& names, const ShortHandle& handle,
     handles.push_back({.body = names.bodies.front(), .joint = names.joints.back(), .X_LH = handle.X_LH});
 }
 
-/// A node whose place could not be read takes no other node's.
+/// A node whose bus or id could not be read blocks no other node.
 template <class V>
 bool understands_node(const V& v) {
   return v.understood("bus") && v.understood("node_id");
 }
 
-/// Buttons may be bits of one node. nodes: those of other devices, by bus and id.
+/// Visits the buttons, several of which may be bits of one node.
+/// nodes: bus and id of other devices.
 template <class V>
 void visit_buttons(V& v, const RigNames& names, const std::set<std::pair<std::size_t, int>>& nodes,
                    RigParams& rig) {
@@ -417,7 +419,7 @@ void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
   visit_buttons(v, names, nodes, rig);
 }
 
-/// A bus has the nodes of one protocol, and the data rate that it asks for.
+/// Checks that a bus has nodes of one protocol and the data rate that it requires.
 template <class V>
 void check_protocols(V& v, const RigParams& rig) {
   for (std::size_t bus = 0; bus < rig.buses.size(); ++bus) {
@@ -434,7 +436,7 @@ void check_protocols(V& v, const RigParams& rig) {
   }
 }
 
-/// True if a rig measures the joints, or is half described; otherwise they are a motion's alone.
+/// True if a rig measures the joints, at least in part; without a rig only a motion moves them.
 inline bool has_parts_on_buses(const RigParams& rig) {
   return !rig.encoders.empty() || !rig.drives.empty() || !rig.buttons.empty() || !rig.buses.empty();
 }
@@ -446,7 +448,7 @@ void check_number_of_joints(V& v, std::size_t num_joints) {
               std::to_string(num_joints));
 }
 
-/// Rules between the parts of a rig.
+/// Checks rules between the parts of a rig.
 template <class V>
 void check_rig(V& v, const RigParams& rig) {
   v.check(!rig.buses.empty(), "", "encoders, drives, buttons and their supervision need a [[bus]]");
@@ -459,7 +461,7 @@ void check_rig(V& v, const RigParams& rig) {
   }
 }
 
-/// A device without joints of its own has those of the tool. Returns the handles they give.
+/// Gives a device without joints of its own those of the tool. Returns the handles.
 template <class V>
 std::vector<HandleParams> take_joints_of_tool(V& v, const SceneConfig& scene, RigNames& names,
                                               std::vector<DeviceJoint>& joints) {
@@ -473,10 +475,11 @@ std::vector<HandleParams> take_joints_of_tool(V& v, const SceneConfig& scene, Ri
   return std::move(device.tree.handles);
 }
 
-/// Parts of a device between hand and core that a file describes.
+/// Parts between hand and core that a file describes.
 enum class PartsOfDevice : std::uint8_t { none, joints, rig };
 
-/// The tree, its encoders and its drives. given: parts that `rig` has from an earlier visit.
+/// Visits the tree, its encoders and its drives.
+/// given: parts that `rig` has from an earlier visit.
 template <class V>
 PartsOfDevice visit_rig(V& v, PartsOfDevice given, const SceneConfig& scene, std::vector<std::string> bodies,
                         RigParams& rig) {
@@ -504,8 +507,8 @@ PartsOfDevice visit_rig(V& v, PartsOfDevice given, const SceneConfig& scene, std
   return PartsOfDevice::joints;
 }
 
-/// The joints of the tool as those of a device that describes none; none where they do not move every handle, or
-/// where the device holds bodies or is pushed.
+/// Returns the joints of the tool for a device without joints. Returns none if they do not move every handle,
+/// or if the device grips bodies or is pushed.
 inline std::optional<KinematicTreeParams> implied_tree(SceneConfig scene, const DeviceConfig& device) {
   const bool holds = !device.holds.empty() || device.grab_radius;
   if (holds || device.kind == DeviceKind::admittance || scene.joints.empty()) return std::nullopt;
@@ -517,8 +520,8 @@ inline std::optional<KinematicTreeParams> implied_tree(SceneConfig scene, const 
   return of_tool.errors.empty() && fits ? std::optional(std::move(of_tool.tree)) : std::nullopt;
 }
 
-/// Bodies that can have a handle: the coupled ones; without any, the first where an admittance device
-/// pushes it.
+/// Returns the bodies that can have a handle: the coupled ones; without any, the first if an admittance
+/// device pushes it.
 inline std::vector<std::string> holdable_bodies(SceneConfig scene, const DeviceConfig& device) {
   scene.device = device;
   std::vector<std::string> names;

@@ -1,4 +1,4 @@
-// Keys of [[fault]] tables, in scenes and in files of their own. See platform/scene/text/visit.h for what walks them.
+// Keys of [[fault]] tables, in scenes and in files of their own. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Keys by which a device takes hold of bodies and lets go of them. See platform/scene/text/visit.h for what walks them.
+// Keys by which a device grips and releases bodies. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-/// Why a body of this name cannot be held; empty when it can.
+/// Returns why a body of this name cannot be held; empty if it can.
 inline std::string why_not_held(const SceneConfig& scene, const std::string& name) {
   const auto of_name = [&](const BodyConfig& b) { return b.name == name; };
   const auto body = std::ranges::find_if(scene.bodies, of_name);
@@ -58,12 +58,12 @@ void visit_holds(V& v, const SceneConfig& scene, std::vector<HoldConfig>& holds)
       });
 }
 
-/// Rules between the tables of a scene whose device takes hold of bodies.
+/// Checks rules between the tables of a scene whose device grips bodies.
 template <class V>
 void check_holding(V& v, const SceneConfig& s) {
   v.check(s.device || !s.motion || s.motion->holds.empty(), "motion",
           "has holds, which require a [device]: add one, or remove the holds");
-  if (!takes_hold(s)) return;
+  if (!grips_bodies(s)) return;
   v.check(s.device->kind != DeviceKind::admittance, "device",
           "of kind \"admittance\" has no pose at which it could hold a body: remove 'holds', 'grab_radius' "
           "and [[motion.hold]]");

@@ -1,4 +1,4 @@
-// Every key of a [[joint]], once. See platform/scene/text/visit.h for what walks it.
+// All keys of a [[joint]]. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ inline std::string quoted(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Three digits: for messages.
+/// Formats three digits for messages.
 inline std::string rounded(double x) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", x);
@@ -135,7 +135,7 @@ void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig&
   });
 }
 
-/// Rules between joints, and between a joint and the bodies as they are placed.
+/// Checks rules between joints, and between a joint and the poses of its bodies.
 template <class V>
 void visit_tool_joints(V& v, SceneConfig& s) {
   std::vector<std::string> bodies;

@@ -1,4 +1,4 @@
-// Every key of a [[net]], once. See platform/scene/text/visit.h for what walks it.
+// All keys of a [[net]]. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <set>
@@ -13,8 +13,8 @@
 
 namespace godobject {
 
-/// What holds a node in a step (inertia, anchor and its damper) against what couples it to its neighbours: below that a
-/// stage takes more than a dozen iterations of conjugate gradients to 1 %, at 0.1 and above 4 to 8.
+/// Advised lower bound of a node's inertia, anchor and damping in a step, relative to its springs. Below it a
+/// stage takes more than 12 iterations of conjugate gradients to 1 %; at 0.1 and above it takes 4 to 8.
 inline constexpr double advised_hold = 0.02;
 
 template <class V>
@@ -26,7 +26,7 @@ void visit_net_carrier(V& v, const std::vector<std::string>& bodies, NetConfig& 
              "the net's frame in the axes of its body about the centre of mass, or in the world", n.X_BF);
 }
 
-/// Whether a surface that is generated has the numbers that it is generated from.
+/// True if the dimensions of a generated surface are given.
 inline bool has_dimensions(const NetConfig& n) {
   const bool sheet = n.kind == NetKind::sheet, sphere = n.kind == NetKind::sphere;
   return n.spacing && (sheet ? n.length && n.width : n.radius && (sphere || n.half_length));
@@ -50,14 +50,15 @@ void visit_net_dimensions(V& v, NetConfig& n) {
       n.half_length);
   visit_dimension(v, sheet, Key{"length", "m", "sheet: length along x", positive}, n.length);
   visit_dimension(v, sheet, Key{"width", "m", "sheet: width along y", positive}, n.width);
-  constexpr double coarsest = 1.5;  // of the radius: four nodes round it
+  constexpr double coarsest = 1.5;  // relative to the radius: four nodes around it
   const double most =
       std::min({coarsest * n.radius.value_or(1e300), n.length.value_or(1e300), n.width.value_or(1e300)});
   v.check(mesh || n.spacing.value_or(0) <= most, "spacing",
           "must be at most 1.5 times the radius of the net, or the length or width of a sheet");
 }
 
-/// Its surface; room: nodes that there may be.
+/// Visits the surface.
+/// room: largest number of nodes.
 template <class V>
 void visit_net_surface(V& v, std::size_t room, NetConfig& n) {
   choose(v,
@@ -128,7 +129,7 @@ void visit_net_anchors(V& v, NetConfig& n) {
                rounded(slow) + " s");
 }
 
-/// h: time step.
+/// h: time step, s.
 template <class V>
 void advise_on_iterations(V& v, double h, const NetConfig& n) {
   const double m = mean_node_mass(n), k = lattice_stiffness(n.membrane_stiffness);
@@ -186,7 +187,7 @@ void visit_net_held(V& v, NetConfig& n) {
            });
 }
 
-/// To which body; and that it is not the carrier, on which all vertices hang.
+/// Visits the name of the other body, which must not be the carrier, since all nodes are anchored to it.
 template <class V>
 void visit_attached_body(V& v, const std::vector<std::string>& bodies, const NetConfig& n,
                          AttachedConfig& a) {
@@ -257,7 +258,7 @@ void visit_net(V& v, const SceneConfig& scene, const std::vector<std::string>& b
   visit_net_attached(v, bodies, n);
 }
 
-/// Bodies and joints have been visited.
+/// Visits the nets, after bodies and joints.
 template <class V>
 void visit_nets(V& v, SceneConfig& s) {
   std::vector<std::string> bodies;

@@ -1,4 +1,4 @@
-// Every key of a device profile, once. V: TomlReader, or KeyReference, which sees defaults.
+// All keys of a device profile. V: TomlReader, or KeyReference with default values.
 #pragma once
 
 #include <set>
@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// A value and its line; none where the file has no such key.
+/// Reads a value and its line; none if the file does not have the key.
 template <class V, class T>
 void read_optional(V& t, const Key& key, std::optional<FromLine<T>>& out) {
   if constexpr (requires { t.template absent<T>(key); }) return t.template absent<T>(key);
@@ -20,7 +20,7 @@ void read_optional(V& t, const Key& key, std::optional<FromLine<T>>& out) {
   out = read;
 }
 
-/// A key that stands for an object of the dictionary.
+/// Reads a key that sets an object of the dictionary.
 template <class V>
 void read_object(V& t, const Key& key, canopen::ObjectAddress address, canopen::ObjectType type,
                  std::vector<ProfileObject>& out) {
@@ -174,7 +174,7 @@ void read_pdo(V& t, PdoProfile& pdo) {
   read_map(t, pdo);
 }
 
-/// A write that no other key stands for.
+/// Reads a write to an object without a key of its own.
 template <class V>
 void read_write(V& t, ProfileObject& object, bool& after_map) {
   constexpr Range any_write{-2147483648.0, 4294967295.0};

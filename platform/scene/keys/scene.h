@@ -1,5 +1,5 @@
-// Every key of a scene file, once: name, unit, range, meaning and the member it stands for; those below
-// [device], [[joint]] and of contacts are in files of their own. See platform/scene/text/visit.h for what walks it.
+// All keys of a scene file with name, unit, range, meaning and member. Keys below [device], [[joint]] and of
+// contacts have files of their own. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ inline constexpr double default_damping_ratio = 1.4;  // the paper: 1.4 <= g / s
 inline constexpr double min_advised_ratio = 1.4, max_advised_ratio = 2.0;
 inline constexpr double max_advised_step = 2e-3;  // s
 
-/// What a damping ratio of one means on this body: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
+/// Mass and inertia that define damping ratios: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
 struct Massiveness {
   double mass = 1;     // kg
   double inertia = 1;  // largest principal moment, kg m^2
@@ -40,7 +40,8 @@ void advise_ratio(V& v, std::string_view key, double damping, double critical_da
                to_string(Range{min_advised_ratio, max_advised_ratio}));
 }
 
-/// The four gains; a gain that is not given is what it is on entry, or `ratio` where that is stated.
+/// Visits the four gains. A gain that is not given keeps its value, or has the damping ratio `ratio` if this
+/// is set.
 template <class V>
 void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, CouplingConfig& c) {
   const auto fallback = [&](double unit, double gain) { return ratio ? *ratio * unit : gain; };
@@ -85,7 +86,7 @@ void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& couplin
   visit_gains(v, body, std::nullopt, f);
 }
 
-/// What is not given is that of the body named `like`, as numbers; but for name, place and velocity.
+/// Copies the body named by `like`, with numbers for its ratios, except name, pose and velocity.
 template <class V>
 void visit_like(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   std::string like;
@@ -229,16 +230,17 @@ inline std::vector<std::string> device_joints(const SceneConfig& s) {
   return names;
 }
 
-/// A device that takes hold of bodies has one handle: the tool's joints are not its own, unless a motion moves them.
+/// Removes the tool's joints from a device that grips bodies, since it has one handle, unless a motion moves
+/// them.
 inline void drop_idle_tree(SceneConfig& s) {
-  if (!takes_hold(s) || !s.device->unmeasured_tree) return;
+  if (!grips_bodies(s) || !s.device->unmeasured_tree) return;
   const bool moved = s.motion && !s.motion->joints.empty();
   if (!moved && s.device->unmeasured_tree->handles.size() > 1) s.device->unmeasured_tree.reset();
 }
 
-/// An imposed joint finds its coordinates on the device.
+/// Checks that the device has the coordinates of prescribed joints.
 template <class V>
-void check_imposed(V& v, const SceneConfig& s) {
+void check_prescribed_joints(V& v, const SceneConfig& s) {
   const std::vector<std::string> of_device = device_joints(s);
   for (const JointConfig& joint : s.joints) {
     if (!joint.imposed) continue;
@@ -263,11 +265,11 @@ void check_coupling_mode(V& v, const SceneConfig& s) {
           "has coupling \"imposed\" and no body to place: add [body.coupling] to one");
 }
 
-/// Rules between tables.
+/// Checks rules between tables.
 template <class V>
 void check_scene(V& v, const SceneConfig& s) {
   const auto coupled = [](const BodyConfig& b) { return b.coupling.has_value(); };
-  check_imposed(v, s);
+  check_prescribed_joints(v, s);
   check_coupling_mode(v, s);
   check_holding(v, s);
   const auto with_feedback = [](const BodyConfig& b) { return b.feedback.has_value(); };

@@ -1,4 +1,4 @@
-// Every key of [device.spacemouse] of a scene file, once. See platform/scene/text/visit.h for what walks it.
+// All keys of [device.spacemouse] of a scene file. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include "hal/tracker/spacenav.h"
@@ -46,7 +46,7 @@ void visit_spacemouse(V& v, const std::vector<std::string>& bodies, SpaceMouseCo
           "is also clutch_button: give another number");
 }
 
-/// It shows no force, and no other hand leads.
+/// Checks that the device displays no force and that nothing else moves the tool.
 template <class V>
 void check_spacemouse(V& v, const DeviceConfig& d) {
   v.check(d.kind == DeviceKind::relative || d.kind == DeviceKind::non_haptic, "spacemouse",

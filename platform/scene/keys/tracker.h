@@ -1,4 +1,4 @@
-// Every key below [[device.tracker]] of a scene file, once. See platform/scene/text/visit.h for what walks it.
+// All keys below [[device.tracker]] of a scene file. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <set>
@@ -63,7 +63,7 @@ void visit_tracker(V& v, const std::vector<std::string>& bodies, std::set<std::s
               std::to_string(t.tools.size()));
 }
 
-/// Names of the bodies that have a handle of the device's own.
+/// Returns the names of the bodies with a handle of the device's own.
 inline std::set<std::string> handled_bodies(const DeviceConfig& device) {
   std::set<std::string> names;
   if (!device.rig) return names;

@@ -13,7 +13,7 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  const char* faces;  // how messages find one
+  const char* faces;  // name of a face in messages
   std::string (*read)(std::string_view file, MeshBuilder& mesh);
 };
 constexpr std::array formats{Format{".stl", "face", read_stl}, Format{".obj", "line", read_obj},

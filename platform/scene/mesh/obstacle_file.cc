@@ -11,9 +11,9 @@
 namespace godobject {
 namespace {
 
-constexpr std::size_t max_table_bytes = std::size_t{64} << 20;  // of heights or centres
+constexpr std::size_t max_table_bytes = std::size_t{64} << 20;  // for heights or centres
 
-/// One line of numbers, appended; how many, or nothing where one is none.
+/// Appends a line of numbers. Returns their count; none if one is invalid.
 std::optional<std::uint32_t> read_row(std::string_view line, std::vector<Real>& numbers) {
   std::uint32_t count = 0;
   while (true) {

@@ -1,4 +1,4 @@
-// PLY, text and binary: a header that says what elements the file has and of which numbers they are, then those.
+// PLY, text and binary: a header that describes elements and their properties, then the numbers.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -25,7 +25,7 @@ std::optional<Type> type_named(std::string_view name) {
 struct Property {
   std::string_view name;
   Type type = Type::f32;
-  std::optional<Type> count{};  // of a list: of its length
+  std::optional<Type> count{};  // type of a list's length
 };
 
 struct Element {
@@ -34,7 +34,7 @@ struct Element {
   std::vector<Property> properties{};
 };
 
-/// The numbers after the header. Once there are no more, or one is none, wrong() says so.
+/// Reads the numbers after the header. After the last, or an invalid one, wrong() has the error.
 class Numbers {
  public:
   enum class Form : std::uint8_t { text, little_endian, big_endian };
@@ -127,7 +127,7 @@ std::string read_format(std::string_view line, Header& header) {
   return "";
 }
 
-/// Up to the line "end_header"; `text` is then where the numbers begin.
+/// Reads up to the line "end_header"; `text` is then at the first number.
 std::string read_header(TextScanner& text, Header& header) {
   bool has_format = false;
   while (!text.rest().empty()) {
@@ -162,7 +162,7 @@ const Property* corners_of(const Element& face) {
   return corners && corners->count ? corners : nullptr;
 }
 
-/// Reads the elements, one after the other, and keeps corners and faces.
+/// Reads the elements one by one, and keeps corners and faces.
 class Body {
  public:
   Body(Numbers numbers, MeshBuilder& mesh) : numbers_(std::move(numbers)), mesh_(mesh) {}
@@ -199,7 +199,7 @@ class Body {
     return shortened(element.name) + " " + std::to_string(i) + ": ";
   }
 
-  /// A number goes to value_, the list of corners to corners_; other lists are passed over.
+  /// Reads a number into value_, or the list of corners into corners_; other lists are skipped.
   void read_values(const Property& property, bool keep) {
     if (!property.count) {
       value_ = numbers_.next(property.type);
@@ -212,7 +212,7 @@ class Body {
       if (keep) corners_.push_back(index_of(value));
     }
   }
-  /// What is no index is the index of no vertex.
+  /// Returns the index, or an invalid one for a value that is not an index.
   static std::int64_t index_of(double value) {
     return value >= 0 && value < 4294967296.0 && value == std::floor(value) ? static_cast<std::int64_t>(value)
                                                                             : -1;

@@ -1,4 +1,4 @@
-// STL, text and binary: triangles, each with its three corners.
+// STL, text and binary: triangles with three corners each.
 #include <bit>
 #include <cstring>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t header_bytes = 84, triangle_bytes = 50, normal_bytes = 12;
 
-/// Little endian, as the processors that this runs on.
+/// Reads a little-endian value, as on the supported processors.
 template <class T>
 T value_at(std::string_view file, std::size_t at) {
   static_assert(std::endian::native == std::endian::little);
@@ -70,7 +70,7 @@ class TextReader {
     if (is(word, "solid") || is(word, "endsolid")) {
       name_ = text_.rest_of_line();
     } else if (is(word, "normal")) {
-      for (int i = 0; i < 3; ++i) text_.word();  // the corners say it as well
+      for (int i = 0; i < 3; ++i) text_.word();  // skip the normal, which follows from the corners
     } else if (is(word, "vertex")) {
       return vertex();
     } else if (is(word, "endfacet")) {

@@ -18,7 +18,7 @@ std::string at(const Vec3& p) {
   return "(" + shortest(p.x()) + ", " + shortest(p.y()) + ", " + shortest(p.z()) + ")";
 }
 
-/// The smallest angle that a triangle may have is about this, rad.
+/// Approximate lower bound of a triangle's angles, rad.
 constexpr double least_slimness = 1e-3;
 
 std::string why_no_triangle(const MeshData& surface) {
@@ -46,9 +46,9 @@ std::string why_no_edge(const MeshData& surface) {
   return "";
 }
 
-/// Corners that nearly meet are seams that would come apart.
+/// Rejects vertices that nearly coincide, since such seams would separate.
 std::string why_no_vertex(const MeshData& surface) {
-  constexpr double near = 0.01;  // of the mean edge
+  constexpr double near = 0.01;  // relative to the mean edge
   const double least = near * mean_edge_of(surface);
   const std::vector<Vec3>& p = surface.vertices;
   std::vector<std::size_t> order(p.size());

@@ -16,7 +16,7 @@ constexpr std::size_t max_excerpt = 40;
 constexpr std::size_t max_message = 1000;
 constexpr std::size_t read_at_a_time = std::size_t{1} << 20;
 
-/// Length of the UTF-8 character at the text's front that has a picture; 0 where there is none.
+/// Returns the length of the printable UTF-8 character at the start of the text; 0 if there is none.
 std::size_t printable_length(std::string_view text) {
   const auto byte = [&](std::size_t i) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : static_cast<unsigned char>(0);
@@ -34,7 +34,8 @@ std::size_t printable_length(std::string_view text) {
 
 std::string megabytes(std::size_t bytes) { return std::to_string(bytes >> 20) + " MB"; }
 
-/// A pipe is read as far as it may go; what else is no file of text is left alone.
+/// Returns why a file is not opened: it is neither a file nor a pipe, or too large. The size of a pipe is
+/// unknown here.
 std::string why_not_opened(const std::string& path, std::size_t max_bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

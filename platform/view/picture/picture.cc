@@ -79,7 +79,7 @@ class PictureBuilder {
   /// True if the device is drawn at this body: at each driven body, or at the held one if the device grips
   /// bodies.
   bool is_shown(std::size_t body) const {
-    return takes_hold(scene_) ? record_.held == body : std::ranges::find(driven_, body) != driven_.end();
+    return grips_bodies(scene_) ? record_.held == body : std::ranges::find(driven_, body) != driven_.end();
   }
 
   void add(const Solid& solid) {
@@ -128,7 +128,7 @@ class PictureBuilder {
            .colour = between(unloaded_colour, loaded_colour, load),
            .in_front = true});
     add_arrow("force to the hand", view.target.X_WD.p,
-              takes_hold(scene_) ? record_.hand_W.f : view.feedback_D.f, force_colour);
+              grips_bodies(scene_) ? record_.hand_W.f : view.feedback_D.f, force_colour);
   }
 
   void add_arrow(const char* name, const Vec3& from, const Vec3& F, const Colour& colour) {

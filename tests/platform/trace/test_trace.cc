@@ -78,7 +78,7 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
 TEST(Trace, ADeviceThatTakesHoldHasItsColumns) {
   SceneConfig scene = coupled_and_free();
   scene.device = DeviceConfig{.name = "hand", .holds = "tool", .limits = {}, .rig = {}, .plant = {}};
-  ASSERT_TRUE(takes_hold(scene));
+  ASSERT_TRUE(grips_bodies(scene));
   const std::vector<std::string> columns = trace_columns(scene);
   EXPECT_THAT(std::vector(columns.begin() + 46, columns.begin() + 54),
               testing::ElementsAre("held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz",

@@ -272,13 +272,13 @@ std::string text_of_boot(DriveProtocol protocol, const std::vector<CanFrame>& an
 TEST(BootTimeout, IsToldByWhatWasHeardOfTheNode) {
   const CanFrame operational = canopen::make_heartbeat(id, canopen::NmtState::operational);
   const CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
-  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {}), HasSubstr("nothing was heard of it"));
+  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {}), HasSubstr("no frame of it was received"));
   EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {operational}),
-              HasSubstr("it is operational, no TPDO1 with its status has come"));
+              HasSubstr("it is operational, no TPDO1 with its status was received"));
   EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {},
                            {canopen::make_heartbeat(id, canopen::NmtState::pre_operational)}),
               HasSubstr("it is pre-operational"));
-  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {status}, {}), HasSubstr("no heartbeat was heard"));
+  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {status}, {}), HasSubstr("no heartbeat was received"));
   const std::string stuck =
       text_of_boot(DriveProtocol::cia402,
                    {status, cia402::make_event(id, {.mode = 10, .error_code = 0x3220})}, {operational});
@@ -296,7 +296,7 @@ TEST(BootTimeout, IsToldByTheLengthOfFramesThatWereNotUnderstood) {
     CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
     status.size = size;
     const std::string text = text_of_boot(DriveProtocol::cia402, {status}, {operational});
-    EXPECT_THAT(text, HasSubstr("of its frames were not understood, the last 187 of " + std::to_string(size) +
+    EXPECT_THAT(text, HasSubstr("of its frames were invalid, the last 187 of " + std::to_string(size) +
                                 " bytes, which is too short"));
   }
 }

@@ -303,7 +303,7 @@ TEST(CommissioningErrors, BusThatSendsNothing) {
   failing.sim.hosts[1]->close();
   const std::vector<std::string> errors = failing.errors();
   ASSERT_EQ(errors.size(), 2u);
-  EXPECT_THAT(errors[0], AllOf(HasSubstr("(can1 node 1)"), HasSubstr("did not take the reset")));
+  EXPECT_THAT(errors[0], AllOf(HasSubstr("(can1 node 1)"), HasSubstr("did not accept the reset")));
 }
 
 /// A server with objects that do not store written values.
@@ -434,9 +434,9 @@ TEST(Profile, ContradictionsWithTheSceneAreFoundBeforeTheBus) {
   rig.heartbeat_timeout_s = 0.05;
   rig.cycle_s = 1.0 / 3000;
   const std::vector<std::string> errors = load_profiles(rig, ".").errors;
-  EXPECT_THAT(errors, testing::Contains(HasSubstr("host: give it twice")));
-  EXPECT_THAT(errors, testing::Contains(HasSubstr("at least twice within")));
-  EXPECT_THAT(errors, testing::Contains(HasSubstr("60C2h cannot carry")));
+  EXPECT_THAT(errors, testing::Contains(HasSubstr("host: set at least twice")));
+  EXPECT_THAT(errors, testing::Contains(HasSubstr("at most half of the scene's heartbeat_timeout")));
+  EXPECT_THAT(errors, testing::Contains(HasSubstr("60C2h cannot represent")));
   rig = grasper();
   rig.cycle_s = 0.02;
   EXPECT_THAT(load_profiles(rig, ".").errors,

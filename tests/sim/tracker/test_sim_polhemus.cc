@@ -182,7 +182,7 @@ TEST(SimPolhemus, AnotherProtocolAtTheOtherEndIsNamed) {
         {reinterpret_cast<const std::uint8_t*>(earlier_host.data()), earlier_host.size()}, 0);
     ASSERT_TRUE(to_polhemus.run_until(
         [&] { return to_polhemus.tracker->report().state == TrackerState::failed; }, 40));
-    EXPECT_NE(std::string(to_polhemus.tracker->report().text.data()).find("not understood"),
+    EXPECT_NE(std::string(to_polhemus.tracker->report().text.data()).find("not recognised"),
               std::string::npos)
         << to_polhemus.tracker->report().text.data();
   }
