@@ -69,7 +69,7 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
   return par;
 }
 
-/// Returns a coupling for "imposed": an implicit step ends within 1e-9 of the body's distance from its
+/// Returns a coupling so stiff that an implicit step ends within 1e-9 of the body's distance from its
 /// target.
 inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
   constexpr Real stiff = 1e9;

@@ -1,5 +1,5 @@
-// A feedback that the device cannot display in a stable way: `check` warns, --strict refuses, and the run has
-// a fault within 0.6 s of the first oscillation. Also reasons for the limits of a run.
+// A feedback that the device cannot display in a stable way: `check` warns, and --strict refuses.
+// The run has a fault within 0.6 s of the first oscillation. Also reasons for the limits of a run.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -240,9 +240,9 @@ class ScriptedNode final : public SimNode {
       : bus_(bus), answers_(std::move(answers)), heartbeats_(std::move(heartbeats)) {}
   void poll(Nanoseconds now) noexcept override {
     for (ReceivedFrame received; bus_.try_receive(received);) {
-      const bool asked = received.frame.id == canopen::sync_cob_id || received.frame.remote;
+      const bool is_request = received.frame.id == canopen::sync_cob_id || received.frame.remote;
       for (const CanFrame& frame : answers_)
-        if (asked) static_cast<void>(bus_.try_send(frame));
+        if (is_request) static_cast<void>(bus_.try_send(frame));
     }
     for (; t_next_ <= now; t_next_ += 50 * ms)
       for (const CanFrame& frame : heartbeats_) static_cast<void>(bus_.try_send(frame));
