@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// A relative device's change of pose.
+/// Returns the change of pose of a relative device since `before`.
 inline RelativeDevice::Input increment(const BodySample& sample, const Target& before) noexcept {
   const RotationError turn = rotation_error(before.X_WD.q, sample.target.X_WD.q, Vec3::Zero());
   return {.dp_W = sample.target.X_WD.p - before.X_WD.p,
@@ -19,7 +19,7 @@ inline RelativeDevice::Input increment(const BodySample& sample, const Target& b
           .engaged = sample.engaged};
 }
 
-/// What a kind of device reads of the general sample.
+/// Sets the input of the device kind from the general sample.
 inline void set_input(AnyDevice::Kind kind, const BodySample& sample, const Target& before,
                       AnyDevice::Input& in) noexcept {
   switch (kind) {
@@ -41,7 +41,7 @@ inline AnyDevice::Kind kind_of(const SceneConfig& scene) noexcept {
     case DeviceKind::relative: return AnyDevice::Kind::relative;
     case DeviceKind::admittance: return AnyDevice::Kind::admittance;
   }
-  return takes_hold(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
+  return grips_bodies(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
 }
 
 inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
@@ -69,7 +69,8 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
   return par;
 }
 
-/// Coupling "imposed": so stiff that an implicit step ends on the target, to 1e-9 of what the body would be off.
+/// Returns a coupling so stiff that an implicit step ends within 1e-9 of the body's distance from its
+/// target.
 inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
   constexpr Real stiff = 1e9;
   return {.k = stiff * body.m / (h * h),
@@ -80,7 +81,7 @@ inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
 
 inline Real ramp_of(const SceneConfig& scene, const LimitConfig& limits) {
   if (!scene.device || scene.coupling == CouplingMode::imposed) return 0;
-  return takes_hold(scene) ? limits.grab_ramp : limits.ramp;
+  return grips_bodies(scene) ? limits.grab_ramp : limits.ramp;
 }
 
 template <Scene S>
@@ -251,7 +252,7 @@ class EngineOf final : public Engine {
   Output<S> out_;
   EnergyBalance<S> balance_;
   std::uint64_t tick_ = 0;
-  std::array<Target, S::max_bodies> before_;  // the sample before this one, for increments
+  std::array<Target, S::max_bodies> before_;  // previous valid target, for increments
 };
 
 template <Scene S>
@@ -290,7 +291,7 @@ std::vector<PartBytes> parts_of() {
   return parts;
 }
 
-/// The core's opinion on the scene's parameters.
+/// Validates the scene's parameters by the core.
 template <Scene S>
 Validity check(const SceneConfig& scene) {
   const auto par = std::make_unique<Params<S>>(params_of<S>(scene));
