@@ -71,7 +71,7 @@ inline double fastest(const CycleRecord& r, double lever = 0.03) {
 /// Energy of a scene without a drive.
 struct Course {
   double first = 0, gain = 0, moving = 0, drift = 0;  // J, J above the first, largest kinetic energy J, m
-  bool energy_gained = false;                         // energy_gained
+  bool energy_gained = false;
   Fault fault = Fault::none;
   double gained() const { return gain / std::max(moving, 1e-9); }
 };
