@@ -1,4 +1,4 @@
-// The scenes of the benchmarks with what their runs are set against, made once each.
+// The scenes of the benchmarks with their references, made once each.
 #pragma once
 
 #include "tests/oracle/solve.h"

@@ -15,7 +15,7 @@ namespace godobject::oracle {
 ScalarVector3 rotation_vector(const ScalarQuaternion& q);
 
 /// y' = f(t, y) of all bodies of a case. Joints hold as accelerations, g'' = 0 (index 1), without
-/// stabilisation: their errors g and g' stay what the start and the integrator make them.
+/// stabilisation: their errors g and g' come from the start and the integrator.
 class Dynamics {
  public:
   /// Keeps a reference to the case.

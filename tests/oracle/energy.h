@@ -1,4 +1,4 @@
-// Quantities that a motion keeps, for tests.
+// Conserved quantities of a motion, for tests.
 #pragma once
 
 #include <vector>

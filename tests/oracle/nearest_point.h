@@ -9,7 +9,8 @@
 
 namespace godobject::oracle {
 
-/// All that is within `radius` of these triangles, which may be segments or points; or all that they enclose.
+/// All points within `radius` of these triangles, which may be segments or points; or all points that they
+/// enclose.
 struct Solid {
   using Triangle = std::array<Eigen::Vector3d, 3>;
   std::vector<Triangle> triangles;  // m, in the solid's frame

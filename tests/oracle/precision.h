@@ -1,4 +1,4 @@
-// Number types inside the integrator. What goes in and comes out is double.
+// Number types inside the integrator. Inputs and outputs are double.
 #pragma once
 
 #include <Eigen/Core>

@@ -16,9 +16,9 @@ struct Solution {
   double joint_drift = 0;                                // largest joint error before a projection, m or rad
 };
 
-/// Coupled bodies forget their errors; this leaves them near rounding. A free body that tumbles amplifies the
-/// errors of its first steps a million times: ask for 1e-16 there. With a target, tolerances below 1e-13 cost
-/// many small steps, because its own values are rounded to double.
+/// Tolerance for coupled bodies, which damp their errors: leaves them near rounding. A free body that tumbles
+/// amplifies the errors of its first steps a million times, so use 1e-16 there. With a target, tolerances
+/// below 1e-13 cost many small steps, because its own values are rounded to double.
 inline constexpr double default_tolerance = 1e-12;
 
 /// Integrates `problem` from t = 0 and samples it at `times` (ascending, >= 0). `tolerance` bounds the local

@@ -1,4 +1,4 @@
-// Motions a coupled body is pulled to: given as a function of time, or as a table of poses.
+// Motions of the targets of coupled bodies: a function of time, or a table of poses.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace godobject::oracle {
 
-/// A motion X_WD(t) whose velocities are the derivatives of its pose.
+/// A motion X_WD(t) with velocities that are the derivatives of its pose.
 class Target {
  public:
   virtual ~Target() = default;

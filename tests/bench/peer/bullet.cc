@@ -69,7 +69,7 @@ class BulletChain final : public Peer {
   btMultiBodyConstraintSolver solver_;
   btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
   int num_links_;
-  mutable btMultiBody chain_;  // its poses are computed when asked for
+  mutable btMultiBody chain_;  // its poses are computed on request
   mutable btAlignedObjectArray<btQuaternion> rotations_;
   mutable btAlignedObjectArray<btVector3> origins_;
 };

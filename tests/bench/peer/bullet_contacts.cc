@@ -17,7 +17,7 @@ btTransform transform(const oracle::RigidState& x) {
   return btTransform(btQuaternion(x.q.x(), x.q.y(), x.q.z(), x.q.w()), vector(x.p));
 }
 
-/// What all bodies touch with.
+/// Shape of all bodies for contacts.
 class BulletShape {
  public:
   explicit BulletShape(const ContactScene& scene) {
@@ -93,7 +93,7 @@ class BulletContacts final : public ContactPeer {
     world_.emplace(scene_, shape_);
   }
 
-  /// All anew: contacts keep impulses from step to step.
+  /// Makes all objects again, because contacts keep impulses from step to step.
   void restart() override { world_.emplace(scene_, shape_); }
 
   void step(std::size_t n) override {

@@ -26,7 +26,7 @@ class BulletNetWorld {
     info.m_gravity = gravity;
     info.m_sparsesdf.Initialize();
     info.m_sparsesdf.setDefaultVoxelsz(HangingNet::spacing);
-    btSoftBody::Material* const material = net_.appendMaterial();  // nodes want one before they come
+    btSoftBody::Material* const material = net_.appendMaterial();  // required before the nodes
     material->m_kLST = 1;
     for (std::uint32_t n = 0; n < HangingNet::num_nodes; ++n)
       net_.appendNode(vector(HangingNet::node(n)), HangingNet::is_held(n) ? 0 : HangingNet::m);

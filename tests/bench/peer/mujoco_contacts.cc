@@ -24,7 +24,7 @@ void write_shapes(std::ostream& xml, const ContactScene& scene) {
     xml << "<geom type='sphere' size='" << scene.radius << "' pos='" << numbers(c) << "'/>";
 }
 
-/// The cones, and how fast contacts are restored, are those that do best.
+/// The cones and the restoration rate of contacts are the best found.
 std::string model_of(const ContactScene& scene) {
   std::ostringstream xml;
   xml.precision(17);

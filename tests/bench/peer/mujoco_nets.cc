@@ -86,7 +86,8 @@ class MujocoNet final : public NetPeer {
       mj_step(model_, data_);
     }
   }
-  /// At the end of the step: its own positions of bodies are those of the begin of the last substep.
+  /// Returns the position at the end of the step; MuJoCo's own positions are those at the start of the last
+  /// substep.
   Vec3 node(std::uint32_t n) const override {
     Vec3 p = HangingNet::node(n);
     if (HangingNet::is_held(n)) return p;

@@ -6,7 +6,7 @@ namespace {
 
 using oracle::Vector3d;
 
-/// Anchor and axes in world axes, where the bodies start.
+/// Anchor and axes in world axes, at the bodies' start.
 struct Placed {
   Vector3d p, axis_P, axis_C;
 };

@@ -43,7 +43,7 @@ inline dBodyID make_body(dWorldID world, const oracle::Body& par) {
   return body;
 }
 
-/// From one attitude to the other, world axes.
+/// Returns the rotation vector from one attitude to the other, world axes.
 inline oracle::Vector3d turn_to(const oracle::Quaterniond& q_D, const oracle::Quaterniond& q) {
   const Eigen::AngleAxisd turn(q_D * q.conjugate());
   return turn.angle() * turn.axis();
@@ -51,7 +51,7 @@ inline oracle::Vector3d turn_to(const oracle::Quaterniond& q_D, const oracle::Qu
 
 class OdeRows {
  public:
-  /// The joints are the world's, which destroys them.
+  /// The world owns the joints and destroys them.
   OdeRows(dWorldID world, dBodyID body, const oracle::Coupling& coupling)
       : coupling_(&coupling),
         body_(body),

@@ -17,7 +17,7 @@ namespace godobject::oracle {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// What K may do relative to F.
+/// Freedom of K relative to F.
 enum class JointType {
   fixed,
   ball,         // turn
