@@ -1,4 +1,4 @@
-// The same scenes, by the peers found in the build.
+// Scenes of bench_step.cc, by the peers found in the build.
 #include <memory>
 
 #include "tests/bench/bench.h"

@@ -35,7 +35,7 @@ double worst_overlap(const ContactScene& scene, const std::vector<oracle::RigidS
   return worst;
 }
 
-/// all: of every step of a run longer than `settled`.
+/// all: depths of every step, of a run longer than the start of the evaluation.
 ContactQuality::Depth summary(const std::vector<Depths>& all, double Depths::*depth) {
   const auto first = static_cast<std::size_t>(std::lround(settled / h));
   const auto num = static_cast<double>(all.size() - first);

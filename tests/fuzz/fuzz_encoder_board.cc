@@ -1,4 +1,5 @@
-// COBS and the frames of encoder boards, from any bytes at any times; a frame made of them is read back the same.
+// COBS and the frames of encoder boards, from random bytes at any times; a frame made of them is read back
+// the same.
 #include <cstdlib>
 
 #include "hal/board/nodes.h"

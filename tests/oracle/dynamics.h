@@ -27,7 +27,7 @@ class Dynamics {
   /// largest |g| it had, m or rad. For small errors: two Newton steps, so 1e-6 ends below rounding.
   double project(Scalar t, ScalarVector& y) const;
 
-  /// Of each joint, at (t, y).
+  /// Wrench of each joint, at (t, y).
   std::vector<JointWrench> reactions(Scalar t, const ScalarVector& y) const;
 
  private:

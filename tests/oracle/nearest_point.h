@@ -26,7 +26,8 @@ Solid box(const Eigen::Vector3d& half_extents);
 /// A closed surface, counter-clockwise from outside.
 Solid mesh(const std::vector<Eigen::Vector3d>& vertices,
            const std::vector<std::array<std::uint32_t, 3>>& triangles);
-/// heights[j columns + i] at x = i spacing, y = j spacing; cells split from their first corner; walls without end down.
+/// heights[j columns + i] at x = i spacing, y = j spacing; cells split from their first corner; walls without
+/// end down.
 Solid height_field(const std::vector<double>& heights, int columns, int rows, double spacing);
 
 struct NearestPoint {

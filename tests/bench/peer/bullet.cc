@@ -1,5 +1,5 @@
-// Bullet 3.24 in double precision: btMultiBody, reduced coordinates by Featherstone's algorithm. No constraint is in
-// its world.
+// Bullet 3.24 in double precision: btMultiBody, reduced coordinates by Featherstone's algorithm. No
+// constraint is in its world.
 #define BT_USE_DOUBLE_PRECISION
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>

@@ -1,8 +1,8 @@
 // Bullet 3.24 in double precision with contacts: rigid bodies, sequential impulses, no sleeping.
-//
 // The coupling is a force that takes the end of the step into account,
-//   F = m (m + h g + h^2 k)^-1 (k (x_D - x - h v) + g (v_D - v)),
-// what an implicit step of the body alone would have: a soft row in Bullet's solver diverges. Turns alike.
+// F = m (m + h g + h^2 k)^-1 (k (x_D - x - h v) + g (v_D - v)),
+// as an implicit step of the body alone would have it. A soft row in Bullet's solver diverges. Rotations
+// alike.
 #define BT_USE_DOUBLE_PRECISION
 #include <btBulletDynamicsCommon.h>
 

@@ -1,7 +1,7 @@
-// MuJoCo 2.2 with contacts: semi-implicit Euler, its Newton solver as it comes: 100 iterations, tolerance 1e-8.
-//
-// The pulled body has three slides and a ball joint, whose dampers are implicit and whose springs, which follow the
-// target, are explicit: the target is that of the start of the step.
+// MuJoCo 2.2 with contacts: semi-implicit Euler, its Newton solver with defaults: 100 iterations, tolerance
+// 1e-8.
+// The pulled body has three slides and a ball joint. Their dampers are implicit; their springs follow the
+// target and are explicit. The target is that of the start of the step.
 #include "tests/bench/peer/mujoco_model.h"
 #include "tests/bench/peer/peer.h"
 

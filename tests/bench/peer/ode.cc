@@ -1,4 +1,5 @@
-// ODE 0.16: maximal coordinates, joints as constraint rows with error reduction, solved directly (dWorldStep).
+// ODE 0.16: maximal coordinates, joints as constraint rows with error reduction, solved directly
+// (dWorldStep).
 #include "tests/bench/peer/ode_rows.h"
 
 namespace godobject::bench {

@@ -1,7 +1,6 @@
 // A coupling as rows of ODE's constraint solver.
-//
-// F = k (x_D+ - x - h v+) + g (v_D+ - v+) is a motor of velocity (k e + g v_D) / (h k + g) with e = x_D+ - x, softened
-// by CFM = 1 / (h k + g). The same by axis for the rotation vector: implicit Euler.
+// F = k (x_D+ - x - h v+) + g (v_D+ - v+) is a motor of velocity (k e + g v_D) / (h k + g) with e = x_D+ - x,
+// softened by CFM = 1 / (h k + g). The same by axis for the rotation vector: implicit Euler.
 #pragma once
 
 #include <ode/ode.h>

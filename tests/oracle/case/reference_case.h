@@ -20,7 +20,7 @@ struct ReferenceCase {
 };
 
 /// Throws std::runtime_error for a missing or malformed file, and for a case with parts that the oracle
-/// cannot solve (contact), because a reference must not be compared with another problem.
+/// cannot solve (contact). A reference must not be compared with another problem.
 ReferenceCase load_reference_case(const std::filesystem::path& folder);
 
 /// The motion of one body from the columns t, <body>.x y z qw qx qy qz of a motion file.
