@@ -1,5 +1,6 @@
-// MuJoCo 2.2: the hanging net of particles on three slides each, joined by spatial tendons. (Its flex came
-// with 3.0; the composite cloth of 2.2 is the same particles and tendons, made by its own rule.
+// MuJoCo 2.2: the hanging net of particles on three slides each, joined by spatial tendons. Its flex came
+// with 3.0. The composite cloth of 2.2 is the same particles and tendons, made by its own rule.
+//
 // Tendons are springs with explicit forces, in stable substeps; or equalities of their lengths, which have no
 // stiffness in N/m. The damping of the air is that of the slides, which is implicit.
 #include "tests/bench/net_contest.h"
