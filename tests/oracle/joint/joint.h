@@ -55,8 +55,7 @@ struct Joint {
 };
 
 /// Force and torque of a joint on its child, at the child's anchor, in world axes. The parent gets the
-/// opposite force and torque at the same point of space. With a prescribed coordinate it includes those of the
-/// drive.
+/// opposite force and torque at the same point of space. With a prescribed coordinate the drive is included.
 struct JointWrench {
   Vector3d f = Vector3d::Zero();    // N
   Vector3d tau = Vector3d::Zero();  // N m
